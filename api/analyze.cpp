@@ -17,9 +17,9 @@ namespace {
 using Set = std::vector<Point>;
 
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
-constexpr double kPixelsPerUnit = 2;  // of a plot
+constexpr double kPixelsPerUnit = 2;  // resolution of a rendered plot
 
-/// Request on its way: what is given is known, whether it fits together is not.
+/// A request while it is being parsed: each option is read, but their combination is not checked yet.
 struct Draft {
     AnalyzeRequest request;
     std::optional<Set> points;
@@ -74,7 +74,7 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     return check_count(request, limits);
 }
 
-/// Makes the JSON Pointer, in the request, to what analyse() calls `field`.
+/// Returns the JSON Pointer, in the request, to the input that analyse() calls `field`.
 std::string locate(const AnalyzeRequest& request, std::string_view field) {
     if (!field.empty() && field.front() != '/') return pointer_below("", field);
     if (!request.single) return "/sets" + std::string(field);

@@ -24,35 +24,35 @@ struct AnalysisFormat {
     Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
 };
 
-/// Formats of /analyze, in the server's order of preference.
+/// Returns the formats of /analyze, in the server's order of preference.
 std::span<const AnalysisFormat* const> analyze_formats();
 
-/// Names of the members of a request.
+/// Returns the names of the members of a request.
 std::vector<std::string_view> analyze_options();
 
 /// Request to /analyze, with its options.
 struct AnalyzeRequest {
     std::vector<std::vector<Point>> sets;
-    bool single = false;  ///< came as `points`, not as `sets`
+    bool single = false;  ///< whether the request gave `points`, not `sets`
     Rectangle domain{1, 1, true};
     AnalysisOptions options;
-    bool spectrum = false;                   ///< add it to the JSON
-    const AnalysisFormat* format = nullptr;  ///< never null in a request that was parsed
+    bool spectrum = false;                   ///< whether to add it to the JSON
+    const AnalysisFormat* format = nullptr;  ///< never null in a parsed request
 };
 
-/// Reads a request: a JSON object.
+/// Reads a request, which is a JSON object.
 ///
-/// @param accept  the Accept header, empty if there is none; the member `format` wins over it
-/// Errors: Malformed for what is not JSON, an unknown or repeated member, a value of the wrong kind or out of range,
-/// not exactly one of points and sets; LimitExceeded for more points in all than limits.max_sites; NotAcceptable. The
-/// field is a JSON Pointer.
+/// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
+/// Errors: Malformed for invalid JSON, an unknown or repeated member, a value of the wrong type or out of range, or
+/// unless exactly one of `points` and `sets` is given; LimitExceeded for more than limits.max_sites points in total;
+/// NotAcceptable. The field is a JSON Pointer.
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits);
 
-/// Analyses, writes JSON or draws the plot.
+/// Analyses the points, then writes JSON or draws the plot.
 ///
-/// @param control  a stop ends it soon, with nothing to show for it
-/// @param timings  filled as far as it came
-/// Errors: those of make_domain and analyse, the field a JSON Pointer. Same request, same bytes.
+/// @param control  a stop ends the analysis soon, without a result
+/// @param timings  filled as far as the run gets
+/// Errors: those of make_domain and analyse, with a JSON Pointer as the field. Same request, same bytes.
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
 
 }  // namespace ccdt::api

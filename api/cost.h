@@ -10,29 +10,29 @@
 
 namespace ccdt::api {
 
-/// Estimates what computing an answer takes, before it is begun.
+/// Estimates the cost of computing an answer, before computing begins.
 ///
-/// A number for any request that was parsed, also where its domain or its picture will be refused. Fitted to peaks of
-/// resident memory and to times of the whole program; tests/api/cost_test.cpp holds them to it. What decides are sites,
-/// pixels, inks, corners, the method, its iterations and passes. A halftone that leaves its sites or its scale to the
-/// picture costs as much as any picture of its size can make it.
+/// Returns an estimate for any parsed request, even if its domain or picture will be rejected. The model is fitted to
+/// peaks of resident memory and to times of the whole program; tests/api/cost_test.cpp compares it with them. It
+/// depends on the numbers of sites, pixels, inks and corners, and on the method, its iterations and passes. If a
+/// halftone leaves sites or scale to the picture, the estimate is the largest for any picture of its size.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 
-/// Chooses the number of sites that a request leaves to its picture: default_sites(), or for the screen
-/// sites_of_drawing(), but of more than 4,096 no more than are placed in two seconds.
+/// Chooses the number of sites if a request leaves it to the picture: default_sites(), or sites_of_drawing() for
+/// screens. If more than 4,096, it is at most the number that can be placed in two seconds.
 ///
-/// @param part           of the picture that is drawn
-/// @param ink, fineness  as default_sites() has them
+/// @param part           size of the drawn part of the picture
+/// @param ink, fineness  as for default_sites()
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits);
 
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 Cost cost_of(const AnalyzeRequest& request);
 
-/// Estimates what reading a JSON body takes: parse_sample and the like.
+/// Estimates the cost of reading a JSON body, as parse_sample() does.
 Cost cost_of_parsing(std::string_view body);
 
-/// Counts the bytes that a request holds besides the body that it was read from.
+/// Counts the bytes that a request holds, without the body from which it was read.
 std::size_t size_of(const HalftoneRequest& request);
 std::size_t size_of(const SampleRequest& request);
 std::size_t size_of(const AnalyzeRequest& request);

@@ -25,21 +25,21 @@
 namespace ccdt::api {
 namespace {
 
-/// Features that have an area, and what there is to tell of all.
+/// Features that have an area, with the repairs and warnings of all features.
 struct Areas {
     std::vector<MapFeature> features;
-    std::vector<std::uint32_t> numbers;  ///< [features] among those of the request
+    std::vector<std::uint32_t> numbers;  ///< [features] index in the request
     std::vector<Repair> repairs;         ///< fields are JSON Pointers in the request
     std::vector<Warning> warnings;
 };
 
-/// Puts points into words.
+/// Formats a number of points, such as "3 points".
 std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
 }
 
-/// Leaves out the points of a feature, with a word. Errors: the one given, if such features are to be rejected.
-/// @param error  why; its field a pointer
+/// Leaves out the points of a feature, with a warning. Errors: `error`, if the request rejects such features.
+/// @param error  the reason; its field is a JSON Pointer
 Result<void> leave_out(const SampleRequest& request, std::size_t feature, const Error& error,
                        std::vector<Warning>& warnings) {
     const std::size_t count = request.counts->points_of(feature);
@@ -54,7 +54,7 @@ Result<void> check_points(const Areas& areas, const FeatureList& features) {
     return failure(ErrorCode::Unusable, "no feature that has points has an area", features.pointer);
 }
 
-/// Makes the areas of features, one after the other.
+/// Computes the areas of features, one after the other.
 class AreaMaker {
 public:
     explicit AreaMaker(const SampleRequest& request)
@@ -85,7 +85,7 @@ private:
         }
     }
 
-    /// Makes a field below a feature's parts a pointer.
+    /// Converts a field of Domain::repair(), which counts the parts of one feature, to a JSON Pointer in the request.
     std::string locate(std::size_t feature, const std::string& field) const {
         if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);
@@ -113,7 +113,7 @@ private:
         return {};
     }
 
-    /// Leaves out a feature of which nothing can be made.
+    /// Leaves out a feature whose area cannot be computed.
     Result<void> leave_out(std::size_t feature, const Error& error) {
         const Error told{error.code, error.message, locate(feature, error.field)};
         if (error.code != ErrorCode::Unusable) return tl::unexpected(told);
@@ -134,7 +134,7 @@ Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
 }
 
 /// Leaves out the points of features of which nothing is left.
-/// @param lost  among the areas' features
+/// @param lost  indices into the features of `areas`
 Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
     for (const std::uint32_t i : lost) {
         const std::uint32_t feature = areas.numbers[i];
@@ -144,9 +144,9 @@ Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32
     return {};
 }
 
-/// Takes from features what a request excludes; the buffer, only in a plane.
-/// @param whole  all of them together
-/// @returns      what is left of it
+/// Subtracts the exclusions of a request from its features; the buffer only in the plane.
+/// @param whole  union of all features
+/// @returns      union of what is left of them
 Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits& limits, const Decode& decode,
                        Areas& areas, const std::stop_token& stop) {
     if (!request.has_exclusions()) return whole;
@@ -167,11 +167,11 @@ Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits&
     return left;
 }
 
-/// Dots, and the distance in metres that they would have in a square grid, if they are on the ground.
+/// Placed dots; on the ground, also the spacing in metres that they would have in a square grid.
 struct PlacedDots {
     std::vector<ClassDots> classes;
     std::optional<double> pitch;
-    std::vector<std::uint32_t> lost;  ///< features that lost their points to a buffer on the ground
+    std::vector<std::uint32_t> lost;  ///< features of which a buffer on the ground leaves nothing
 };
 
 Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, const Domain& whole,
@@ -188,7 +188,7 @@ Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, 
         });
 }
 
-/// Makes an error about a feature that has an area one about the request.
+/// Converts an error about a feature with an area to one about the request.
 Error located(const SampleRequest& request, const Areas& areas, Error error) {
     constexpr std::string_view kFeature = "features/";
     if (!error.field.starts_with(kFeature)) return error_of_options(request, error_below(std::move(error), ""));

@@ -18,12 +18,12 @@ int to_pixels(double length) {
     return static_cast<int>(std::clamp(std::round(length), 1.0, double{std::numeric_limits<int>::max()}));
 }
 
-/// Makes a canvas of a given size that shows a whole picture.
+/// Returns a canvas of the given size that shows a whole picture.
 Canvas showing(PictureSize part, int width, int height) {
     return {width, height, std::sqrt(static_cast<double>(width) / part.width * height / part.height)};
 }
 
-/// Canvas of the size that a request asks for by width or height.
+/// Returns the canvas of a request that gives width or height.
 Canvas sized_canvas(const HalftoneRequest& request, PictureSize part) {
     const double across = static_cast<double>(request.width.value_or(0)) / part.width;
     const double down = static_cast<double>(request.height.value_or(0)) / part.height;
@@ -34,7 +34,7 @@ Canvas sized_canvas(const HalftoneRequest& request, PictureSize part) {
     return showing(part, to_pixels(down * part.width), *request.height);
 }
 
-/// Canvas for the screen.
+/// Returns the canvas of a drawing for the screen.
 Canvas screen_canvas(PictureSize part, const Limits& limits) {
     constexpr double kWidth = 1280, kHeight = 800, kLeastLength = 1000;
     const double fitting = std::min(kWidth / part.width, kHeight / part.height);

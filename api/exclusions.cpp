@@ -23,7 +23,7 @@ namespace {
 constexpr const char* kAvoid = "/avoid";
 constexpr const char* kMaskImage = "/mask/image";
 
-/// Copies of an area in all turns of the globe in which it may meet a box.
+/// Returns copies of an area, shifted by every number of turns of the globe with which it may meet a box.
 std::vector<Area> in_turns_of(const Box& box, const Area& area) {
     constexpr double kFar = std::numeric_limits<double>::max();
     double west = kFar, east = -kFar;
@@ -43,14 +43,14 @@ std::vector<Area> in_turns_of(const Box& box, const Area& area) {
     return copies;
 }
 
-/// Makes an error about what is avoided one about the request.
+/// Converts an error about an avoided area to one about the request.
 Error located(Error error, const PolygonInput& avoid) {
     error.field = avoid.locate(error.field);
     if (error.field.empty()) error.field = kAvoid;
     return error;
 }
 
-/// Finds out what the polygons to be avoided cover. Fields of the repairs are JSON Pointers in the request.
+/// Computes the area of the polygons to be avoided. Fields of the repairs are JSON Pointers in the request.
 Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_token& stop) {
     const PolygonInput& avoid = request.avoid;
     const bool is_plane = request.coordinates == Coordinates::Plane;
@@ -63,7 +63,7 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
-/// Marks the pixels of a picture that are darker than half of white.
+/// Marks the pixels whose luminance, in linear light, is below half of that of white.
 PixelSet dark_pixels(const Picture& picture) {
     constexpr float kHalf = 0.5F;
     const std::vector<float> coverage = ink_coverage(picture, Tone::Linear, false);
@@ -72,7 +72,7 @@ PixelSet dark_pixels(const Picture& picture) {
     return pixels;
 }
 
-/// Finds out what is dark in the mask, if there is one.
+/// Computes the area of the dark pixels of the mask, if there is one.
 Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& box, const Limits& limits,
                                        const Decode& decode, const std::stop_token& stop) {
     if (!request.mask) return {};
@@ -82,7 +82,7 @@ Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& 
     if (!outline)
         return failure(
             ErrorCode::LimitExceeded,
-            "the outline of what is dark in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
+            "the outline of the dark area in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
             kMaskImage);
     if (outline->empty()) return {};
     return std::vector<Area>{*std::move(outline)};
@@ -96,7 +96,7 @@ Result<Domain> without(const Domain& domain, std::span<const Area> areas, const 
     });
 }
 
-/// Three digits, rounded down or nearly so.
+/// Formats a distance with three digits, rounded down or nearly so.
 std::string told(double distance) {
     constexpr double kLess = 0.995;
     std::array<char, 32> text;
@@ -139,13 +139,14 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
     auto left = inset(domain, request.buffer, stop);
     if (left) return left;
-    constexpr double kSure = 1.02;  // the farthest place, and the buffer, are known to a hundredth
+    constexpr double kSure = 1.02;  // the largest clearance and the buffer are accurate to one percent
     const double farthest = largest_clearance(domain, stop);
     if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
-    return failure(ErrorCode::Unusable,
-                   "no place is as far from the border as the buffer: the farthest is " + told(farthest) + " from it",
-                   request.field_of("buffer"));
+    return failure(
+        ErrorCode::Unusable,
+        "no place is as far from the border as the buffer: the farthest is " + told(farthest) + " away from it",
+        request.field_of("buffer"));
 }
 
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,

@@ -13,34 +13,34 @@
 
 namespace ccdt::api {
 
-/// Where no point of a request may lie, whatever its area is like, in the request's coordinates.
+/// Areas, in the coordinates of a request, in which no point may lie, whatever its domain is.
 struct Exclusions {
-    std::vector<Area> avoided;    ///< on the globe in any turn
-    std::vector<Area> masked;     ///< what is dark in the mask
-    std::vector<Repair> repairs;  ///< of what is avoided; fields are JSON Pointers
+    std::vector<Area> avoided;    ///< on the globe, longitudes are in any turn
+    std::vector<Area> masked;     ///< the dark area of the mask
+    std::vector<Repair> repairs;  ///< of the avoided areas; fields are JSON Pointers
 };
 
-/// Finds what a request wants to be avoided, and what its mask marks.
-/// @param box     bounding box of the area, over which the mask is stretched
-/// @param decode  reads the mask
-/// @param stop    asked now and then: Error Stopped
-/// Errors: Unusable for what is to be avoided, as for an area; LimitExceeded for a mask whose outline has more than
-/// kMostMaskCorners; those of `decode`. Fields are JSON Pointers.
+/// Computes the areas that a request avoids and those that its mask marks.
+/// @param box     bounding box of the domain, over which the mask is stretched
+/// @param decode  decodes the mask
+/// @param stop    polled now and then
+/// Errors: Unusable for avoided areas, as for a domain; LimitExceeded for a mask whose outline has more than
+/// kMostMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 
-/// Takes exclusions from a domain, or from a part of it. The bounding box stays what it is.
+/// Subtracts exclusions from a domain or a part of it. The bounding box stays the same.
 /// Errors: Unusable if nothing is left; Stopped. Fields are JSON Pointers.
 Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const SampleRequest& request,
                        const std::stop_token& stop);
 
-/// Takes from a domain in the plane what is too near to its border. The bounding box stays what it is.
+/// Erodes a domain in the plane by the buffer of a request. The bounding box stays the same.
 /// Errors: Unusable if nothing is left; Stopped. Fields are those of the request.
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop);
 
-/// Takes all of it from the area of a request; of the buffer, only in a plane.
-/// @param area  repairs of what is avoided are added to its own
-/// Errors: as all of these.
+/// Subtracts all exclusions of a request from its domain, and in the plane also its buffer.
+/// @param area  the repairs of avoided areas are added to its own
+/// Errors: those of the functions above.
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
                                           const Decode& decode, const std::stop_token& stop);
 

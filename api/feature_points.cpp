@@ -19,7 +19,7 @@ namespace {
 /// Areas of the features that have one.
 struct FeatureAreas {
     std::vector<Domain> areas;
-    std::vector<std::uint32_t> numbers;  ///< [areas] of the features
+    std::vector<std::uint32_t> numbers;  ///< [areas] index of the feature
 };
 
 Result<FeatureAreas> make_areas(const SampleRequest& request, const std::stop_token& stop) {
@@ -43,7 +43,7 @@ Result<std::vector<std::uint32_t>> find_features(const SampleRequest& request, c
                                                  const std::stop_token& stop) {
     auto made = make_areas(request, stop);
     if (!made) return tl::unexpected(made.error());
-    // Features may be too thin to be areas each, though all together are one.
+    // Each feature may be too thin to have an area although their union has one.
     if (made->areas.empty()) return std::vector<std::uint32_t>(points.size(), 0);
     std::vector<const Domain*> areas;
     for (const Domain& area : made->areas) areas.push_back(&area);

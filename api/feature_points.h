@@ -11,17 +11,16 @@
 
 namespace ccdt::api {
 
-/// Gives the parts of a feature of a request, unrolled if they are on the globe.
+/// Returns the parts of a feature of a request, unrolled if they are on the globe.
 /// Errors: those of unrolled().
 Result<std::vector<PolygonPart>> parts_of(const SampleRequest& request, std::size_t feature);
 
-/// Tells the points of an area by the features that they lie in, and sorts them by these; within each their order
-/// stays.
+/// Groups points by the features in which they lie, sorted by feature. Within a feature they keep their order.
 ///
-/// @param request  with features, whose parts are those of its polygon
-/// @param points   without a mesh, and not ranked yet
-/// A point in several features belongs to the first of them. Errors: LimitExceeded if what points carry takes too much;
-/// Stopped.
+/// @param request  has features, whose parts are those of its polygon
+/// @param points   without a mesh, and without ranks
+/// A point in several features belongs to the first of them. Errors: LimitExceeded if the properties that points carry
+/// take too many bytes; Stopped.
 Result<ClassDots> by_features(const SampleRequest& request, Distribution points, const std::stop_token& stop);
 
 }  // namespace ccdt::api

@@ -13,11 +13,11 @@
 
 namespace ccdt::api {
 
-/// Writes points that are told by features, as the request wants them: those of a map of dots, or of an area.
+/// Writes points that are grouped by features in the requested format: the dots of a dot map, or the points of an area.
 ///
-/// @param whole  all features together
-/// @param page   that a drawing is on
-/// @param dots   of each class, or of all points; features are those of the request, which must have them
+/// @param whole  union of all features
+/// @param page   page of the drawing
+/// @param dots   of each class, or of all points; their features are those of the request, which must have them
 /// Errors: those of the format's writer; Stopped.
 Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
                        std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);

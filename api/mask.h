@@ -13,21 +13,21 @@ namespace ccdt::api {
 
 struct SampleRequest;
 
-/// Kind of mask of thresholds: a tile of greys, of which each is as often as any other, and those below any grey are
+/// Format of a threshold mask: a tile of grey values, all of which are equally frequent. The pixels below any value are
 /// spread evenly.
 struct MaskFormat {
     FileFormat file;
-    int bits;  ///< of a grey
+    int bits;  ///< of a grey value
 };
 
-/// Masks that /sample makes, by the option `format`.
+/// Returns the formats of masks that /sample makes, by the option `format`.
 std::span<const MaskFormat* const> mask_formats();
 
-/// Pixels of a mask's side.
+/// Limits on the side of a mask, in pixels.
 inline constexpr int kLeastMaskSide = 8;
 inline constexpr int kMostMaskSide = 1'024;
 
-/// Checks that a request for a mask has a torus of so many pixels.
+/// Checks that the domain of a request for a mask is a torus whose sides are integers within these limits.
 /// Errors: Malformed, with a JSON Pointer.
 Result<void> check_mask(const SampleRequest& request);
 

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< but the server's
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< other than the server's
 
 constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true, .fixed = true};
 constexpr MethodOptions kIterative = {
@@ -21,7 +21,7 @@ constexpr MethodOptions kIterative = {
 constexpr MethodOptions kNone = {
     .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
 
-/// Takes the room of fixed points from a grid.
+/// Estimates the cost of computing, on a grid, the area that fixed points take.
 Estimate leaving_room(const Options& options) {
     if (options.fixed.empty()) return {};
     constexpr double kCellsOfEach = 16, kMostCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
@@ -40,14 +40,14 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     if (polished && options.quality >= Quality::Best) microseconds += is_uniform ? 12.5 : 22;
     const bool silent = polished && options.quality == Quality::Stealthy;
     if (silent) microseconds += 5;
-    // Of a density the polish' grids are as fine as where it is largest: those of a photograph take a third of this.
+    // The grids of the polish are as fine as the largest density requires; those of a photograph take a third of this.
     const double polishing = is_uniform ? 40 : 565;
     const double bytes =
         (is_uniform ? 240 : 330) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
 }
 
-/// @param bytes  of a site
+/// @param bytes  per site
 Estimate iterating(const Options& options, double bytes, double microseconds_an_iteration) {
     const auto sites = static_cast<double>(options.sites);
     return {sites * bytes, sites * microseconds_an_iteration * options.iterations * kMicrosecond};
@@ -106,7 +106,8 @@ Result<const Method*> read_method(const Input& input) {
 Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options) {
     for (const auto& [name, member] : kOptions) {
         if (!(given.*member) || method.options.*member) continue;
-        return failure(ErrorCode::Malformed, std::string(name) + " is no option of method " + std::string(method.name),
+        return failure(ErrorCode::Malformed,
+                       std::string(name) + " is not an option of method " + std::string(method.name),
                        pointer_below("", name));
     }
     if (options.sites > method.max_sites) {

@@ -12,7 +12,7 @@
 
 namespace ccdt::api {
 
-/// Set of the options that not every method has.
+/// A set of those options that not every method supports.
 struct MethodOptions {
     bool iterations;
     bool passes;
@@ -21,30 +21,30 @@ struct MethodOptions {
     bool fixed;
 };
 
-/// Method of distributing points: a row of the table in method.cpp. Functions are references, lest a row without one
-/// compile.
+/// Method of distributing points: a row of the table in method.cpp. Functions are references, so that a row without one
+/// does not compile.
 struct Method {
     std::string_view name;   ///< in requests and answers
     std::string_view title;  ///< for people
-    std::size_t max_sites;   ///< as many as it distributes in a third of the default timeout or so, on one core
-    int iterations;          ///< unless a request gives them
-    MethodOptions options;   ///< that it has
+    std::size_t max_sites;   ///< about as many as it distributes in a third of the default timeout, on one core
+    int iterations;          ///< unless a request gives their number
+    MethodOptions options;   ///< that it supports
     Estimate (&cost)(const Options& options, bool is_uniform);
     decltype(distribute)& run;
 };
 
-/// All methods; the first is the default one.
+/// Returns all methods; the first is the default.
 std::span<const Method> methods();
 
-/// Names of the options that a method has, of those that not every method has.
+/// Returns the names of those of the MethodOptions that a method supports.
 std::vector<std::string_view> option_names(const Method& method);
 
 /// Reads a method by its name. Errors: Malformed.
 Result<const Method*> read_method(const Input& input);
 
-/// Makes options fit a method: iterations that were not given become as many as the method needs.
-/// Errors: Malformed for a given option that the method does not have; LimitExceeded for more sites than it takes. The
-/// field is a JSON Pointer.
+/// Adapts options to a method: sets the number of iterations to the method's own if it was not given.
+/// Errors: Malformed for a given option that the method does not support; LimitExceeded for more sites than its limit.
+/// The field is a JSON Pointer.
 Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options);
 
 }  // namespace ccdt::api

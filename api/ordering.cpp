@@ -18,7 +18,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Order that is asked for and not left to a writer.
+/// Returns the order that points must be put into here; the path of a drawing of shapes is left to its writer.
 PointOrder order_of(const SampleRequest& request) {
     const PointOrder order = request.order.value_or(PointOrder::None);
     const bool is_vector = std::holds_alternative<VectorWriter>(request.format->writer);
@@ -36,13 +36,13 @@ std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domai
     return progressive_order(domain, points, is_even(request, domain), control.stop, *control.executor);
 }
 
-/// Checks that an order was found in time.
+/// Checks that no stop interrupted the ordering.
 Result<void> check_order(const SampleRequest& request, Distribution& points, const std::stop_token& stop) {
     points.stopped = points.stopped || stop.stop_requested();
     return check_whole(points, request.on_deadline);
 }
 
-/// Sorts each feature's dots by their ranks.
+/// Sorts the dots of each feature by rank.
 std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const std::uint32_t> ranks) {
     std::vector<std::uint32_t> order(ranks.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -52,7 +52,7 @@ std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const st
     return order;
 }
 
-/// Finds a short path in each feature.
+/// Orders the dots of each feature along a short path.
 std::vector<std::uint32_t> along_paths(const ClassDots& dots, const std::stop_token& stop) {
     std::vector<std::uint32_t> order;
     for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {

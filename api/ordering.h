@@ -7,15 +7,15 @@
 
 namespace ccdt::api {
 
-/// Puts points into the order that a request asks for, and ranks them if it is progressive. The path of a drawing is
-/// left to its writer.
-/// Errors: Stopped, unless the request takes what there is by the deadline: points are then in an order of no use.
+/// Puts points into the order that a request asks for; a progressive order also gives them ranks. The path of a drawing
+/// of shapes is left to its writer.
+/// Errors: Stopped, unless the request accepts partial results. After a stop the order has no meaning.
 Result<void> order_points(const SampleRequest& request, const Domain& domain, Distribution& points,
                           const Control& control);
 
-/// The same of the dots of a map's class. They stay by features, and in each are in the order that is asked for; ranks
-/// are those among all dots of the class.
-/// @param whole  all features together
+/// Does the same for the dots of a class of a dot map. They stay grouped by feature, and the order applies within each
+/// feature. Ranks are among all dots of the class.
+/// @param whole  union of all features
 Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control);
 
 }  // namespace ccdt::api

@@ -25,88 +25,89 @@
 
 namespace ccdt::api {
 
-/// Grid stretched over the bounding box, the first row at the smallest y.
+/// Density grid stretched over the bounding box; the first row is at the smallest y.
 struct DensityGrid {
     int width = 0;
     int height = 0;
     std::vector<double> values;  ///< [width * height], finite, >= 0
 };
 
-/// Picture stretched over the bounding box, the first row at the largest y; dark is dense.
+/// Picture stretched over the bounding box; the first row is at the largest y, and dark is dense.
 struct DensityImage {
     ImageFile file;
 };
 
-/// Corners that the outline of a mask may have.
+/// Maximum number of corners of a mask's outline.
 inline constexpr std::size_t kMostMaskCorners = 100'000;
 
-/// What coordinates are.
+/// Kind of coordinates.
 enum class Coordinates {
     Plane,   ///< x and y
-    LonLat,  ///< longitude and latitude on WGS 84, degrees: points are even on the ground
+    LonLat,  ///< longitude and latitude on WGS 84, degrees; points are spread evenly on the ground
 };
 
-/// What becomes of a polygon that is not valid.
+/// Treatment of invalid polygons.
 enum class OnInvalid { Repair, Reject };
 
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
-    PolygonInput avoid{{}, {}};     ///< taken from the domain, which is no torus; no parts: nothing
-    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark half is taken from the domain, too
-    double buffer = 0;              ///< least distance from the border, units of the domain or metres on the ground
+    PolygonInput avoid{{}, {}};     ///< subtracted from the domain, which is no torus; no parts: nothing
+    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark area is subtracted, too
+    double buffer = 0;              ///< least distance from the border, in units of the domain or metres on the ground
     OnInvalid on_invalid = OnInvalid::Repair;
-    Coordinates coordinates = Coordinates::Plane;                     ///< LonLat of polygons alone
+    Coordinates coordinates = Coordinates::Plane;                     ///< LonLat only with polygons
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();
-    const PointFormat* format = nullptr;      ///< never null in a request that was parsed
-    const MaskFormat* mask_format = nullptr;  ///< a mask is asked for, and no points
+    const PointFormat* format = nullptr;      ///< never null in a parsed request
+    const MaskFormat* mask_format = nullptr;  ///< not null: the request is for a mask, not for points
     DrawingOptions drawing;
-    std::optional<int> width;         ///< of a drawing, in pixels; none: chosen
-    std::optional<double> dot;        ///< radius in units of the domain, > 0; none: chosen
-    std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, else as they were placed
+    std::optional<int> width;         ///< of a drawing, in pixels; none: follows from the number of sites
+    std::optional<double> dot;        ///< radius in units of the domain, > 0; none: a quarter of the pitch
+    std::optional<PointOrder> order;  ///< none: path in drawings of shapes, otherwise the order of placement
     OnStop on_deadline = OnStop::Error;
-    std::optional<FeatureList> features;  ///< that points are told by; their parts are those of the polygon
-    std::optional<FeatureCounts> counts;  ///< of a map of dots, which has features
-    bool is_document = false;             ///< the body is GeoJSON: options came as text
+    std::optional<FeatureList> features;  ///< that points are grouped by; their parts are those of the polygon
+    std::optional<FeatureCounts> counts;  ///< of a dot map, which has features
+    bool is_document = false;             ///< the body is GeoJSON or TopoJSON, and the options came as text
 
-    /// Tells whether points may not lie all over the domain.
+    /// Returns whether parts of the domain are excluded.
     bool has_exclusions() const { return !avoid.parts.empty() || mask || buffer > 0; }
 
-    /// What errors about an option call it.
+    /// Returns the field of errors about an option: its name or a JSON Pointer.
     std::string field_of(std::string_view option) const;
 };
 
-/// Pixels of a drawing whose width is chosen: from dot to dot, if they were evenly spread, and on the longer side.
+/// Size in pixels of a drawing without a given width: pitch of evenly spread dots, and limits of the longer side.
 inline constexpr double kPixelPitch = 8;
 inline constexpr double kLeastSide = 512;
 inline constexpr double kMostSide = 16'384;
 
-/// Names of the members of a request.
+/// Returns the names of the members of a request.
 std::vector<std::string_view> sample_options();
 
-/// Reads a request: a JSON object, or a GeoJSON document that options came beside as text.
+/// Reads a request: a JSON object, or a GeoJSON or TopoJSON document with options beside it as text.
 ///
-/// @param options  in the order they came, each at most once; none beside a JSON object, which holds them
-/// @param accept   the Accept header, empty if there is none; the option `format` wins over it
-/// Errors: Malformed for what is not JSON, an unknown or repeated member, a value of the wrong kind or out of
-/// range, not exactly one domain; Unsupported for a density image of a format that is not read; LimitExceeded for
-/// too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer, or an option's name.
-/// Cheap: whether polygons are valid is left to run_sample, and so is decoding.
+/// @param options  in the order in which they came, each at most once; empty with a JSON object, which holds its
+///                 options
+/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// Errors: Malformed for invalid JSON, an unknown or repeated member, a value of the wrong type or out of range, or
+/// unless exactly one domain is given; Unsupported for a density image in a format that the server does not read;
+/// LimitExceeded for too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer or an
+/// option's name.
+/// Does no expensive work: run_sample() validates polygons and decodes images.
 Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits);
 
-/// Builds the domain and the density, distributes, writes the points as the request wants them.
+/// Builds the domain and the density, distributes points, and writes them in the requested format.
 ///
-/// @param decode   reads a density image
-/// @param control  a stop ends it within a pass, with nothing to show for it unless its part is asked for
-/// @param timings  filled as far as it came
-/// Errors: Unusable for a polygon without area, also after what is avoided is taken from it or what the
-/// buffer does not leave, or not valid if such are
-/// to be rejected, or a density of zero; those
-/// of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels; Stopped. The field is a JSON
-/// Pointer. Same request, same bytes, but for `elapsed_ms` in JSON.
+/// @param decode   reads a density image or a mask
+/// @param control  a stop ends the run within a pass, without a result unless the request accepts a partial one
+/// @param timings  filled as far as the run gets
+/// Errors: Unusable for a domain without area, also after exclusions and buffer are subtracted, for an invalid polygon
+/// if the request rejects these, and for a density of zero; those of `decode`; LimitExceeded if a drawing would have
+/// more than limits.max_pixels; Stopped. The field is a JSON Pointer. Same request, same bytes, except for `elapsed_ms`
+/// in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings, BodyTaker* taker = nullptr);
 

@@ -11,27 +11,28 @@
 #include "core/geometry/domain.h"
 #include "core/result.h"
 
-// Steps that the answers of /sample share.
+// Steps shared by all answers of /sample.
 namespace ccdt::api {
 
-/// Makes the density that a request has. Errors: those of `decode` and of Density::grid, with a JSON Pointer.
+/// Creates the density of a request. Errors: those of `decode` and of Density::grid, with a JSON Pointer.
 Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
                              const Control& control);
 
-/// Plans the sheet. A width that was asked for is kept, and may be too much; a chosen one gives way to the limit.
+/// Plans the page of a drawing. A requested width is kept, even if it exceeds the limit; a chosen one is reduced to it.
 /// Errors: LimitExceeded.
 Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits);
 
-/// Brings points, whose longitudes are within half a turn, to the turn of the globe that is drawn.
+/// Shifts points, whose longitudes are within half a turn, into the turn of the globe that is drawn.
 void bring_into(const Box& box, std::vector<Point>& points);
 
-/// Radius of the dots, in units of the domain: a dot of twice its box's longer side covers it from anywhere inside.
+/// Returns the radius of the dots, in units of the domain. It is at most twice the longer side of the bounding box,
+/// since such a dot covers the box from anywhere inside.
 double radius_of(const SampleRequest& request, const Domain& domain);
 
-/// Makes an error about options one about the request: they are members of its body, or parameters.
+/// Converts an error about options to one about the request, in which they are members of the body or parameters.
 Error error_of_options(const SampleRequest& request, Error error);
 
-/// Tells of repairs and warnings in an answer whose body does not.
+/// Reports repairs and warnings in `answer`, for formats whose body does not contain them.
 void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer);
 
 }  // namespace ccdt::api

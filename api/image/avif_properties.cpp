@@ -8,7 +8,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kVersion = 4;  ///< bytes of a version and flags, with which some boxes begin
+constexpr std::size_t kVersion = 4;  ///< bytes of version and flags, with which some boxes begin
 
 std::optional<Chunk> find_box(std::string_view bytes, std::string_view name) {
     auto box = media_box(bytes, 0);
@@ -16,7 +16,7 @@ std::optional<Chunk> find_box(std::string_view bytes, std::string_view name) {
     return box;
 }
 
-/// The item that is shown.
+/// Returns the number of the item that is shown.
 std::optional<std::uint32_t> primary_item(std::string_view meta) {
     const auto box = find_box(meta, "pitm");
     if (!box) return std::nullopt;
@@ -25,7 +25,7 @@ std::optional<std::uint32_t> primary_item(std::string_view meta) {
     return reader.read(kVersion, is_old ? 2 : 4);
 }
 
-/// Those of all items; an item names them by their numbers, from 1 on.
+/// Returns the properties of all items. Items refer to them by number, from 1 on.
 std::vector<Chunk> all_properties(std::string_view container) {
     constexpr std::size_t kMost = 0x7FFF;
     std::vector<Chunk> all;
@@ -34,12 +34,12 @@ std::vector<Chunk> all_properties(std::string_view container) {
     return all;
 }
 
-/// The numbers of an item's properties; none if the box does not know the item.
+/// Returns the numbers of an item's properties; empty if the box does not list the item.
 std::vector<std::uint32_t> numbers_of(std::string_view associations, std::uint32_t item) {
     const ByteReader reader(associations, true);
     const std::size_t item_size = reader.read(0, 1) == 0U ? 2 : 4;
     const std::size_t size = (reader.read(3, 1).value_or(0) & 1) == 0 ? 1 : 2;
-    const std::uint32_t mask = size == 1 ? 0x7F : 0x7FFF;  // the highest bit says that it must be understood
+    const std::uint32_t mask = size == 1 ? 0x7F : 0x7FFF;  // the highest bit marks essential properties
     std::vector<std::uint32_t> numbers;
     std::size_t at = kVersion + 4;
     for (auto left = reader.read(kVersion, 4).value_or(0); left > 0; --left) {
@@ -66,7 +66,7 @@ bool is_avif(std::string_view bytes) {
     if (!box || box->name != "ftyp") return false;
     for (std::size_t at = 0; at + kName <= box->data.size(); at += kName) {
         const std::string_view brand = box->data.substr(at, kName);
-        const bool is_brand = at != kName;  // the second is a version
+        const bool is_brand = at != kName;  // the second one is a version number
         if (is_brand && (brand == "avif" || brand == "avis")) return true;
     }
     return false;

@@ -8,15 +8,15 @@
 
 namespace ccdt::api {
 
-/// Tells by the first box of a file whether it says that it is an AVIF, be it a picture or a film.
+/// Returns whether the first box of a file declares it to be an AVIF, still or animated.
 bool is_avif(std::string_view bytes);
 
 /// Finds the properties of the picture that an AVIF file shows, its primary item: boxes such as its size (ispe), its
-/// bits (pixi) and its colours (colr). None if the file is broken or cut short before them. O(bytes). Source: HEIF
-/// (ISO/IEC 23008-12), 6 and 9.3.
+/// bits (pixi) and its colours (colr). Empty if the file is broken or ends before them. O(bytes). Source: HEIF (ISO/IEC
+/// 23008-12), 6 and 9.3.
 std::vector<Chunk> avif_properties(std::string_view bytes);
 
-/// Counts the frames of an AVIF's first track; 0 if it has none.
+/// Returns the number of frames in the first track of an AVIF; 0 if it has none.
 /// Source: ISO/IEC 14496-12, 8.7.3.
 std::uint64_t avif_frames(std::string_view bytes);
 

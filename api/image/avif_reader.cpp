@@ -15,7 +15,7 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Only the picture that the header told of: a film's own frames may be of another size.
+/// Creates a decoder of the primary item only, whose header was read. Frames of an animation may have another size.
 Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
     decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;
@@ -25,25 +25,25 @@ Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     decoder->imageSizeLimit =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
     decoder->imageDimensionLimit = kMostAvifSide;
-    // Many files lack it, and browsers show them.
+    // Many files lack the property pixi, and browsers show them.
     decoder->strictFlags = AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED);
     avifDecoderSetSource(decoder.get(), AVIF_DECODER_SOURCE_PRIMARY_ITEM);
     avifDecoderSetIOMemory(decoder.get(), reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     return decoder;
 }
 
-/// EXIF's number for a picture that is first turned, then mirrored.
+/// Returns the EXIF orientation of a picture that is first rotated, then mirrored.
 int orientation_of(const avifImage& image) {
     enum Mirror : std::size_t { kNone, kTopToBottom, kLeftToRight };
     constexpr std::array<std::array<int, 3>, 4> kOrientations = {{{1, 4, 2}, {8, 5, 7}, {3, 2, 4}, {6, 7, 5}}};
     const bool is_turned = (image.transformFlags & AVIF_TRANSFORM_IROT) != 0;
-    const std::size_t quarters = is_turned ? image.irot.angle % 4U : 0;  // against the clock
+    const std::size_t quarters = is_turned ? image.irot.angle % 4U : 0;  // counterclockwise
     Mirror mirror = kNone;
     if ((image.transformFlags & AVIF_TRANSFORM_IMIR) != 0) mirror = image.imir.mode == 0 ? kTopToBottom : kLeftToRight;
     return kOrientations[quarters][mirror];
 }
 
-/// The picture in red, green and blue, and alpha if it has any, side by side.
+/// Interleaved pixels of the picture: red, green and blue, and alpha if it has any.
 class Pixels {
 public:
     Pixels() = default;
@@ -56,7 +56,7 @@ public:
         rgb_.depth = image.depth > 8 ? 16 : 8;
         rgb_.format = image.alphaPlane != nullptr ? AVIF_RGB_FORMAT_RGBA : AVIF_RGB_FORMAT_RGB;
         rgb_.alphaPremultiplied = image.alphaPremultiplied;
-        rgb_.avoidLibYUV = AVIF_TRUE;  // which rounds to fewer bits on its way
+        rgb_.avoidLibYUV = AVIF_TRUE;  // libyuv would round intermediate results to fewer bits
         rgb_.chromaUpsampling = AVIF_CHROMA_UPSAMPLING_BILINEAR;
         is_grey_ = image.yuvFormat == AVIF_PIXEL_FORMAT_YUV400;
         avifRGBImageAllocatePixels(&rgb_);
@@ -93,7 +93,7 @@ Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header) {
     const avifImage& image = *decoder->image;
     if (image.width != header.width || image.height != header.height) return broken_image();
     if ((image.transformFlags & AVIF_TRANSFORM_CLAP) != 0)
-        return failure(ErrorCode::Unusable, "the image is of a kind that is not read: an AVIF that is to be cropped");
+        return failure(ErrorCode::Unusable, "the server does not read this kind of image: an AVIF with a crop (clap)");
     if (avifDecoderNextImage(decoder.get()) != AVIF_RESULT_OK) return broken_image();
     if (image.width != header.width || image.height != header.height) return broken_image();
     const auto pixels = std::make_shared<Pixels>();

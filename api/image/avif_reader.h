@@ -8,12 +8,12 @@
 
 namespace ccdt::api {
 
-/// Decodes the picture that an AVIF file shows, of a film that which stands for it, by libavif and dav1d, in this
-/// thread. More than 8 bits become 16.
+/// Decodes the primary item of an AVIF file, animated or not, by libavif and dav1d, in the calling thread. Samples of
+/// more than 8 bits become 16 bits wide.
 ///
-/// @param bytes   must outlive the rows' source
-/// @param header  as read_image_header told it
-/// Errors: Unusable for a broken or shortened file, and for one that is to be cropped.
+/// @param bytes   must outlive the row source
+/// @param header  result of read_image_header()
+/// Errors: Unusable for a broken or truncated file, and for one with a crop.
 /// Source: AV1 Image File Format 1.1; HEIF (ISO/IEC 23008-12), 6.5.10 and 6.5.12.
 Result<RowSource> open_avif(std::string_view bytes, const ImageHeader& header);
 

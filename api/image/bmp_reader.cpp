@@ -27,10 +27,10 @@ struct Layout {
     std::size_t width = 0;
     std::size_t height = 0;
     bool from_top = false;
-    std::uint32_t bits = 0;  ///< a pixel
+    std::uint32_t bits = 0;  ///< per pixel
     std::uint32_t compression = kNone;
-    std::uint32_t colours = 0;  ///< of the palette; 0: all that the bits can tell
-    std::size_t begin = 0;      ///< of the pixels
+    std::uint32_t colours = 0;  ///< number in the palette; 0: as many as the bits can index
+    std::size_t begin = 0;      ///< offset of the pixels
 
     std::size_t row_size() const { return (width * bits + 31) / 32 * 4; }
     bool has_runs() const { return compression == kRuns8 || compression == kRuns4; }
@@ -80,7 +80,7 @@ bool is_known(const Layout& layout) {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// Those that the file lacks are black.
+/// Reads the palette. Colours that the file lacks are black.
 std::array<Colour, 256> read_palette(std::string_view bytes, const Layout& layout) {
     std::array<Colour, 256> palette{};
     const std::size_t size = layout.header == Layout::kCore ? 3 : 4;
@@ -95,7 +95,7 @@ std::array<Colour, 256> read_palette(std::string_view bytes, const Layout& layou
     return palette;
 }
 
-/// Where a colour lies in a pixel.
+/// Bits of a pixel that hold one of its channels.
 struct Field {
     std::uint32_t mask = 0;
     int shift = 0;
@@ -112,7 +112,7 @@ struct Field {
     }
 };
 
-/// Red, green, blue, alpha.
+/// Reads the fields of red, green, blue and alpha.
 std::array<Field, 4> read_fields(std::string_view bytes, const Layout& layout) {
     if (layout.compression == kNone) {
         if (layout.bits == 16) return {Field(0x7C00), Field(0x03E0), Field(0x001F), Field()};
@@ -126,13 +126,13 @@ std::array<Field, 4> read_fields(std::string_view bytes, const Layout& layout) {
     return fields;
 }
 
-/// Pixels as they are packed by runs: an index each, row by row from the bottom.
+/// Decoder of run-length encoded pixels, which are palette indices, row by row from the bottom.
 class Runs {
 public:
     Runs(std::string_view bytes, const Layout& layout)
         : layout_(layout), reader_(bytes, false), at_(layout.begin), indices_(layout.width * layout.height) {}
 
-    /// @returns  false if the file ends before they do
+    /// @returns  false if the file ends too early
     bool unpack() {
         while (y_ < layout_.height) {
             const auto count = next();
@@ -157,7 +157,7 @@ public:
 private:
     std::optional<std::uint32_t> next() { return reader_.read(at_++, 1); }
 
-    /// Of four bits there are two in a byte.
+    /// Returns the index of pixel i of a run. Of four-bit indices, a byte has two.
     std::uint8_t index_in(std::uint32_t byte, std::uint32_t i) const {
         if (layout_.bits == 8) return static_cast<std::uint8_t>(byte);
         return static_cast<std::uint8_t>(i % 2 == 0 ? byte >> 4 : byte & 15);
@@ -200,7 +200,7 @@ private:
     std::vector<std::uint8_t> indices_;
 };
 
-/// Pixels as they are stored.
+/// Pixels of the file.
 class Pixels {
 public:
     Pixels(std::string_view bytes, Layout layout)
@@ -208,7 +208,7 @@ public:
         if (layout.has_palette()) palette_ = read_palette(bytes, layout);
     }
 
-    /// @returns  false if the file ends before they do
+    /// @returns  false if the file ends too early
     bool open() {
         if (layout_.has_runs()) {
             Runs runs(bytes_, layout_);
@@ -268,7 +268,7 @@ private:
     Layout layout_;
     std::array<Colour, 256> palette_;
     std::array<Field, 4> fields_;
-    std::vector<std::uint8_t> indices_;  ///< of a file packed by runs
+    std::vector<std::uint8_t> indices_;  ///< of a run-length encoded file
     bool has_alpha_ = false;
 };
 
@@ -278,9 +278,9 @@ Result<RowSource> open_bmp(std::string_view bytes) {
     const auto layout = read_layout(bytes);
     if (!layout) return broken_image();
     if (!is_known(*layout)) {
-        return failure(ErrorCode::Unusable, "the image is of a kind that is not read: a BMP of " +
-                                                std::to_string(layout->bits) + " bits a pixel, compressed in way " +
-                                                std::to_string(layout->compression));
+        return failure(ErrorCode::Unusable,
+                       "the server does not read this kind of image: a BMP with " + std::to_string(layout->bits) +
+                           " bits per pixel and compression method " + std::to_string(layout->compression));
     }
     const auto pixels = std::make_shared<Pixels>(bytes, *layout);
     if (!pixels->open()) return broken_image();

@@ -7,12 +7,12 @@
 
 namespace ccdt::api {
 
-/// Opens a BMP file: with a palette or without, packed by runs or not, with fields of any width for its colours. Alpha
-/// counts only where the file says where it lies, and unless it is 0 all over.
+/// Opens a BMP file: with or without a palette, run-length encoded or not, with colour fields of any width. Alpha
+/// counts only if the file defines its field, and if it is not 0 everywhere.
 ///
-/// Needs a byte a pixel if it is packed by runs.
-/// @param bytes  must outlive the rows' source
-/// Errors: Unusable for a broken or shortened file, and for one that holds a JPEG or PNG.
+/// Needs a byte per pixel if the file is run-length encoded.
+/// @param bytes  must outlive the row source
+/// Errors: Unusable for a broken or truncated file, and for one that contains a JPEG or PNG.
 /// Source: Microsoft, Windows GDI, "Bitmap Storage" and BITMAPV5HEADER.
 Result<RowSource> open_bmp(std::string_view bytes);
 

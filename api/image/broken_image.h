@@ -4,7 +4,7 @@
 
 namespace ccdt::api {
 
-/// Error of a file that its reader cannot make sense of, whichever format it is of.
+/// Returns the error of a file that its reader cannot decode, whatever its format.
 inline tl::unexpected<Error> broken_image() {
     return failure(ErrorCode::Unusable, "the image is broken or cut short");
 }

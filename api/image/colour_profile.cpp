@@ -17,7 +17,7 @@ using Space = ColourConversion::Space;
 using Context = std::shared_ptr<std::remove_pointer_t<cmsContext>>;
 using Curve = std::unique_ptr<cmsToneCurve, decltype(&cmsFreeToneCurve)>;
 
-/// A profile, or a transform, which end before their context.
+/// A profile or a transform, which is destroyed before its context.
 using Handle = std::shared_ptr<void>;
 
 Context make_context() {
@@ -34,7 +34,7 @@ Handle own_transform(const Context& context, cmsHTRANSFORM transform) {
     return {transform, [context](cmsHTRANSFORM owned) { cmsDeleteTransform(owned); }};
 }
 
-/// The same for red, green and blue.
+/// Creates an RGB profile with the same curve for red, green and blue.
 Handle make_rgb(const Context& context, const cmsCIExyY& white, const cmsCIExyYTRIPLE& primaries, const Curve& curve) {
     if (!curve) return nullptr;
     const std::array<cmsToneCurve*, 3> curves = {curve.get(), curve.get(), curve.get()};
@@ -46,7 +46,7 @@ constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1
 constexpr cmsCIExyYTRIPLE kDisplayP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
 constexpr cmsCIExyYTRIPLE kBt2020{{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};
 
-/// sRGB's, and that of BT.709, with other numbers: a power with a straight line at its foot.
+/// Creates the curve of sRGB or, with other parameters, of BT.709: a power function with a linear part at its foot.
 Curve make_curve(const Context& context, double power, double offset, double slope, double foot) {
     constexpr int kPowerWithFoot = 4;
     const std::array<double, 5> values = {power, 1 / (1 + offset), offset / (1 + offset), 1 / slope, foot};
@@ -65,12 +65,12 @@ float srgb_light(float share) {
     return share <= 0.04045F ? share / 12.92F : std::pow((share + 0.055F) / 1.055F, 2.4F);
 }
 
-/// What a broken profile may give is put right.
+/// Corrects the values that a broken profile may give.
 float clamp_light(float light) {
-    return light > 0 ? std::min(light, 1.0F) : 0;  // not a number: 0
+    return light > 0 ? std::min(light, 1.0F) : 0;  // NaN: 0
 }
 
-/// Profiles of sRGB have rounded numbers, and curves by points.
+/// Tolerance for profiles of sRGB, which have rounded numbers and sampled curves.
 constexpr float kRounding = 0.002F;
 
 bool is_srgb(const ToneCurve& curve) {
@@ -92,7 +92,7 @@ bool is_identity(const LightMatrix& matrix) {
     return true;
 }
 
-/// The colours of a profile's red, green and blue in its connection space, by column.
+/// Returns the colours of a profile's red, green and blue in its connection space, as columns.
 std::optional<cmsMAT3> primaries_of(cmsHPROFILE profile) {
     cmsMAT3 matrix;
     constexpr std::array kTags = {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag};
@@ -117,7 +117,7 @@ std::optional<LightMatrix> light_matrix(const Context& context, cmsHPROFILE prof
     for (std::size_t i = 0; i < 3; ++i) {
         const auto& row = product.v[i].n;
         const double sum = row[0] + row[1] + row[2];
-        if (!(sum > 0.5 && sum < 2)) return std::nullopt;  // its white is none
+        if (!(sum > 0.5 && sum < 2)) return std::nullopt;  // its white is not white
         for (std::size_t j = 0; j < 3; ++j) matrix[i][j] = static_cast<float>(row[j] / sum);
         matrix[i][i] = 1 - matrix[i][(i + 1) % 3] - matrix[i][(i + 2) % 3];
     }
@@ -130,14 +130,14 @@ ToneCurve read_curve(const Handle& profile, cmsTagSignature tag) {
     return [profile, curve](float share) { return clamp_light(cmsEvalToneCurveFloat(curve, share)); };
 }
 
-/// Nothing is left of what says that all is sRGB's.
+/// Drops a matrix that is that of sRGB. Returns none if the curves are those of sRGB, too.
 std::optional<ColourConversion> simplify(ColourConversion conversion) {
     if (conversion.matrix && is_identity(*conversion.matrix)) conversion.matrix.reset();
     if (!conversion.matrix && std::ranges::all_of(conversion.curves, is_srgb)) return std::nullopt;
     return conversion;
 }
 
-/// Of a profile with curves and a matrix.
+/// Reads a profile with curves and a matrix.
 std::optional<ColourConversion> read_matrix_profile(const Context& context, const Handle& profile) {
     ColourConversion conversion;
     for (const auto tag : {cmsSigRedTRCTag, cmsSigGreenTRCTag, cmsSigBlueTRCTag}) {
@@ -149,7 +149,7 @@ std::optional<ColourConversion> read_matrix_profile(const Context& context, cons
     return simplify(std::move(conversion));
 }
 
-/// Of grey the curve alone counts, in whatever way the profile gives it.
+/// Reads a grey profile. Only its curve counts, in whatever form the profile gives it.
 std::optional<ColourConversion> read_grey_profile(const Context& context, const Handle& profile) {
     const Handle light = own_profile(context, cmsCreateXYZProfileTHR(context.get()));
     if (!light) return std::nullopt;
@@ -165,8 +165,8 @@ std::optional<ColourConversion> read_grey_profile(const Context& context, const 
     return simplify({Space::Grey, {}, {curve}, {}});
 }
 
-/// Of a profile with tables, into a space that holds all that is printed or shown, so that what sRGB lacks is not cut
-/// off before it is seen.
+/// Reads a profile with tables. They convert to a space that holds all printed or displayed colours, so that those
+/// outside sRGB are not clipped too early.
 std::optional<ColourConversion> read_table_profile(const Context& context, const Handle& profile, Space space) {
     const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
     const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
@@ -199,7 +199,7 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
     }
 }
 
-/// Those with a narrow range of brightness.
+/// Creates the profile of code points with standard dynamic range; null for others.
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
@@ -230,7 +230,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     }
 }
 
-/// The curve is as the file has it.
+/// Reads primaries; the curve remains that of the file format.
 std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
     const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
     const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));

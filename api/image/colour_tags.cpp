@@ -16,12 +16,12 @@ using namespace std::string_view_literals;
 constexpr std::string_view kJpegMark = "ICC_PROFILE\0"sv;
 constexpr std::uint32_t kTiffTag = 34675;
 
-/// Its name, a byte for the way it is compressed, and the profile so compressed.
+/// Inflates the profile in a PNG chunk: a name, a byte for the compression method, and the compressed profile.
 std::string inflate_profile(std::string_view data) {
     const std::size_t name = data.find('\0');
     if (name == std::string_view::npos || name + 2 > data.size() || data[name + 1] != 0) return {};
     data.remove_prefix(name + 2);
-    // Its own size comes first in a profile, but is not to be trusted.
+    // A profile begins with its own size, but that cannot be trusted.
     std::string profile(std::min(kLongestProfile, data.size() * 1040 + 1024), '\0');
     auto size = static_cast<uLongf>(profile.size());
     const int end = uncompress(reinterpret_cast<Bytef*>(profile.data()), &size,
@@ -32,7 +32,7 @@ std::string inflate_profile(std::string_view data) {
 }
 
 std::optional<ColourTags::CodePoints> read_code_points(std::string_view data) {
-    if (data.size() != 4 || data[2] != 0 || data[3] != 1) return std::nullopt;  // RGB, of the full range
+    if (data.size() != 4 || data[2] != 0 || data[3] != 1) return std::nullopt;  // only RGB of the full range is used
     return ColourTags::CodePoints{static_cast<std::uint8_t>(data[0]), static_cast<std::uint8_t>(data[1])};
 }
 
@@ -48,7 +48,7 @@ std::optional<std::array<double, 8>> read_primaries(std::string_view data) {
     return values;
 }
 
-/// Those before the picture, as PNG has it.
+/// Reads the tags before the picture data of a PNG.
 ColourTags read_png(std::string_view bytes) {
     ColourTags tags;
     bool is_srgb = false;
@@ -63,7 +63,7 @@ ColourTags read_png(std::string_view bytes) {
     return tags;
 }
 
-/// Each segment has its number and how many there are, from 1 on.
+/// Joins the segments of a JPEG's profile. Each has its number, from 1 on, and the number of segments.
 std::string read_jpeg(std::string_view bytes) {
     constexpr std::uint32_t kApp2 = 0xE2, kScan = 0xDA;
     std::vector<std::string_view> parts;
@@ -97,7 +97,7 @@ bool is_avif_profile(const Chunk& property) {
     return property.name == "colr" && (property.data.starts_with("prof") || property.data.starts_with("rICC"));
 }
 
-/// A profile goes before numbers.
+/// Reads the tags of an AVIF. A profile takes precedence over code points.
 ColourTags read_avif(std::string_view bytes) {
     constexpr std::size_t kType = 4;
     ColourTags tags;
@@ -115,7 +115,7 @@ ColourTags read_avif(std::string_view bytes) {
     return tags;
 }
 
-/// Without the chunks of a name.
+/// Removes the chunks of a given name from a PNG.
 std::string without_chunks(std::string_view bytes, std::string_view name) {
     std::string kept(bytes.substr(0, kPngChunks));
     kept.reserve(bytes.size());
@@ -125,14 +125,14 @@ std::string without_chunks(std::string_view bytes, std::string_view name) {
     return kept;
 }
 
-/// Wherever it stands: the reader may find segments where there should be none.
+/// Overwrites a mark wherever it occurs, since the reader may find segments where there should be none.
 std::string without_marks(std::string_view bytes, std::string_view mark) {
     std::string kept(bytes);
     for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';
     return kept;
 }
 
-/// The entries behind those of a tag move up, and with them where the next directory stands.
+/// Removes the entries of a tag. Entries behind them move up, and so does the offset of the next directory.
 std::string without_entries(std::string_view bytes, std::uint32_t tag) {
     constexpr std::size_t kSize = TiffDirectory::kEntrySize;
     const TiffDirectory directory(bytes);
@@ -215,7 +215,7 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
             return without_marks(bytes, kJpegMark);
         case ImageFormat::Tiff:
             return without_entries(bytes, kTiffTag);
-        case ImageFormat::WebP:  // whose profile the library leaves alone
+        case ImageFormat::WebP:  // whose profile the library ignores
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:

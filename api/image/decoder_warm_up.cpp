@@ -9,7 +9,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Files of a pixel each: a PNG, a JPEG, a WebP with loss, one without, a TIFF, an AVIF; in base64.
+/// Files of a single pixel: a PNG, a JPEG, a lossy and a lossless WebP, a TIFF, an AVIF; in base64.
 constexpr std::array<std::string_view, 6> kPixels = {
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg==",
     "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAgGBgcGBQgHBwcJCQgKDBQNDAsLDBkSEw8UHRofHh0aHBwgJC4nICIsIxwcKDcpLDAxNDQ0Hyc5"

@@ -34,14 +34,14 @@ tl::unexpected<Error> not_base64(const std::string& why) {
 
 Result<std::string> decode_base64(std::string_view text) {
     text = without_padding(text);
-    if (text.size() % 4 == 1) return not_base64("its length cannot be right");
+    if (text.size() % 4 == 1) return not_base64("its length is impossible");
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 2);
     std::uint32_t bits = 0;
-    int count = 0;  // bits that wait, in the low end of `bits`
+    int count = 0;  // pending bits, in the low end of `bits`
     for (std::size_t i = 0; i < text.size(); ++i) {
         const std::uint8_t digit = kDigits[static_cast<unsigned char>(text[i])];
-        if (digit == kNoDigit) return not_base64("character " + std::to_string(i + 1) + " is not one of its digits");
+        if (digit == kNoDigit) return not_base64("character " + std::to_string(i + 1) + " is not a base64 digit");
         bits = (bits << 6 | digit) & 0xFFFF;
         count += 6;
         if (count >= 8) {
@@ -49,7 +49,7 @@ Result<std::string> decode_base64(std::string_view text) {
             bytes += static_cast<char>(bits >> count & 0xFF);
         }
     }
-    if ((bits & ((1U << count) - 1)) != 0) return not_base64("its last digit has bits left over");
+    if ((bits & ((1U << count) - 1)) != 0) return not_base64("its last digit has unused bits that are not 0");
     return bytes;
 }
 

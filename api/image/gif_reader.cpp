@@ -15,7 +15,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Numbers of a file, one after the other; past its end they are 0, and it is no longer whole.
+/// Reads the numbers of a file one after another. Past its end they are 0, and is_whole() is false.
 class Cursor {
 public:
     explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
@@ -42,7 +42,8 @@ private:
     bool whole_ = true;
 };
 
-/// Codes of so many bits, the lowest first, in blocks that begin with their length and end with an empty one.
+/// Reads codes of a few bits, lowest bit first. They are in blocks that begin with their length; an empty block ends
+/// them.
 class CodeReader {
 public:
     explicit CodeReader(Cursor& file) : file_(file) {}
@@ -65,12 +66,12 @@ public:
 
 private:
     Cursor& file_;
-    std::uint32_t left_ = 0;  ///< bytes of the block
-    std::uint32_t bits_ = 0;  ///< that wait, in the low end
+    std::uint32_t left_ = 0;  ///< left in the block
+    std::uint32_t bits_ = 0;  ///< pending, in the low end
     int count_ = 0;
 };
 
-/// Strings of pixels by their codes: each is an earlier one and a pixel more.
+/// Table of the strings of pixels that codes stand for: each is an earlier one and one more pixel.
 class Strings {
 public:
     static constexpr unsigned kMost = 4096;
@@ -95,7 +96,7 @@ public:
                               static_cast<std::uint16_t>(strings_[earlier].length + 1)};
     }
 
-    /// As much of its beginning as there is room for.
+    /// Writes a string, or as much of its beginning as fits.
     void write(unsigned code, std::span<std::uint8_t> to) const {
         for (std::size_t i = strings_[code].length; i-- > 0; code = strings_[code].earlier) {
             if (i < to.size()) to[i] = strings_[code].last;
@@ -114,7 +115,7 @@ private:
     std::array<String, kMost> strings_{};
 };
 
-/// Fills all pixels; false if there are too few.
+/// Decodes all pixels; false if the data is wrong or has too few.
 bool decode_lzw(Cursor& file, std::span<std::uint8_t> pixels) {
     constexpr int kLongest = 12;
     constexpr unsigned kNone = Strings::kMost;
@@ -160,11 +161,11 @@ struct Rectangle {
 struct Frame {
     Rectangle place;
     bool interlaced = false;
-    std::string_view palette;  ///< three bytes a colour
+    std::string_view palette;  ///< three bytes per colour
     std::optional<std::uint8_t> transparent;
     std::vector<std::uint8_t> pixels;
 
-    /// Where a row stands among those that are stored.
+    /// Returns the position of a row among the stored rows.
     int stored_row(int y) const {
         if (!interlaced) return y;
         const int eighths = (place.height + 7) / 8, fourths = (place.height + 3) / 8, halves = (place.height + 1) / 4;
@@ -179,7 +180,7 @@ std::string_view read_palette(Cursor& file, std::uint32_t flags) {
     return (flags & 0x80) != 0 ? file.take(std::size_t{3} * (2U << (flags & 7))) : std::string_view();
 }
 
-/// What stands behind the mark of a frame.
+/// Reads a frame, which follows its mark.
 bool read_frame(Cursor& file, int width, int height, Frame& frame) {
     const auto number = [&] { return static_cast<int>(file.next(2)); };
     Rectangle& place = frame.place;
@@ -197,7 +198,7 @@ bool read_frame(Cursor& file, int width, int height, Frame& frame) {
     return decode_lzw(file, frame.pixels);
 }
 
-/// What says how the frame that follows is to be shown.
+/// Reads the control block that describes how to show the next frame.
 void read_control(Cursor& file, Frame& frame) {
     const auto size = file.next(1);
     const ByteReader control(file.take(size), false);
@@ -208,7 +209,7 @@ void read_control(Cursor& file, Frame& frame) {
     if (size > 0) skip_blocks(file);
 }
 
-/// The frame and what stands before it.
+/// Finds the first frame, and reads it and the control block before it.
 bool find_frame(Cursor& file, int width, int height, Frame& frame) {
     constexpr std::uint32_t kExtension = 0x21, kFrame = 0x2C, kControl = 0xF9;
     while (file.is_whole()) {
@@ -224,7 +225,7 @@ bool find_frame(Cursor& file, int width, int height, Frame& frame) {
     return false;
 }
 
-/// A row of the picture: red, green, blue, and alpha if there is any.
+/// Writes a row of the picture: red, green, blue, and alpha if there is any.
 void write_row(const Frame& frame, int y, int width, std::size_t channels, std::uint8_t* to) {
     const Rectangle& place = frame.place;
     std::fill_n(to, static_cast<std::size_t>(width) * channels, std::uint8_t{0});
@@ -235,7 +236,7 @@ void write_row(const Frame& frame, int y, int width, std::size_t channels, std::
     for (int i = 0; i < place.width; ++i, to += channels) {
         const std::size_t colour = std::size_t{3} * pixels[i];
         if (pixels[i] == frame.transparent) continue;
-        // One that the palette lacks is black.
+        // A colour that the palette lacks is black.
         for (std::size_t j = 0; j < 3 && colour + 3 <= frame.palette.size(); ++j)
             to[j] = static_cast<std::uint8_t>(frame.palette[colour + j]);
         if (channels == 4) to[3] = 255;
@@ -252,7 +253,7 @@ Result<RowSource> open_gif(std::string_view bytes) {
     source.width = static_cast<int>(file.next(2));
     source.height = static_cast<int>(file.next(2));
     const auto flags = file.next(1);
-    file.take(2);  // the colour of the ground, which nobody shows, and the shape of pixels
+    file.take(2);  // the background colour, which no viewer shows, and the pixel aspect ratio
     const auto frame = std::make_shared<Frame>();
     frame->palette = read_palette(file, flags);
     if (!find_frame(file, source.width, source.height, *frame)) return broken_image();

@@ -7,12 +7,12 @@
 
 namespace ccdt::api {
 
-/// Decodes the first frame of a GIF file, which stands on a transparent ground where it does not cover the picture.
+/// Decodes the first frame of a GIF file. The picture is transparent where the frame does not cover it.
 ///
-/// Needs a byte a pixel.
-/// @param bytes  must outlive the rows' source
-/// Errors: Unusable for a broken or shortened file, for one without a frame, and for a frame that stands over the
-/// border of the picture.
+/// Needs a byte per pixel.
+/// @param bytes  must outlive the row source
+/// Errors: Unusable for a broken or truncated file, for one without a frame, and for a frame that reaches beyond the
+/// picture.
 /// Source: GIF89a (CompuServe, 1990).
 Result<RowSource> open_gif(std::string_view bytes);
 

@@ -32,22 +32,22 @@ struct Size {
     std::uint64_t height = 0;
 };
 
-/// Where the pixels of the file's rows go in the upright picture.
+/// Maps the pixels of the file's rows to the upright picture.
 struct Placement {
     Size size;                 ///< of the upright picture
     std::ptrdiff_t start = 0;  ///< index of the file's first pixel
-    std::ptrdiff_t right = 0;  ///< from a pixel to the next in its row of the file
-    std::ptrdiff_t down = 0;   ///< from a pixel to the one below it in the file
+    std::ptrdiff_t right = 0;  ///< step from a pixel to the next one in its row of the file
+    std::ptrdiff_t down = 0;   ///< step from a pixel to the one below it in the file
 };
 
-/// @param orientation  EXIF's, 1 to 8; anything else counts as 1, upright
+/// @param orientation  EXIF's, 1 to 8; any other counts as 1, upright
 Placement place(Size file, int orientation) {
     if (orientation < 1 || orientation > 8) orientation = 1;
     const bool turned = orientation >= 5;
     const Size size = turned ? Size{file.height, file.width} : file;
     const auto width = static_cast<std::ptrdiff_t>(size.width);
     const auto height = static_cast<std::ptrdiff_t>(size.height);
-    // The file's first pixel lies at the right, or at the bottom, of the upright picture.
+    // The first pixel of the file is at the right, or at the bottom, of the upright picture.
     const bool from_right = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
     const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
     const std::ptrdiff_t start = (from_right ? width - 1 : 0) + (from_bottom ? (height - 1) * width : 0);
@@ -56,16 +56,16 @@ Placement place(Size file, int orientation) {
     return turned ? Placement{size, start, across, along} : Placement{size, start, along, across};
 }
 
-/// Meaning of the numbers of the file.
+/// Interpretation of the samples of the file.
 struct Encoding {
     std::ptrdiff_t channels = 1;
-    bool colour = false;  ///< the first three are red, green, blue; else the first is grey
+    bool colour = false;  ///< the first three are red, green, blue; otherwise the first is grey
     int alpha = -1;       ///< its channel; -1: none
     bool premultiplied = false;
     RowSource::Curve curve = RowSource::Curve::Srgb;
     float gamma = 1;                    ///< of Curve::Gamma
     std::vector<ToneCurve> curves;      ///< of grey or of three colours, instead of `curve`; may be empty
-    std::optional<LightMatrix> matrix;  ///< of the colours' light; none: its primaries are sRGB's
+    std::optional<LightMatrix> matrix;  ///< for linear light; none: the primaries are those of sRGB
 
     float to_linear(float value, std::size_t channel) const {
         if (!curves.empty()) return curves[channel](value);
@@ -75,7 +75,7 @@ struct Encoding {
     }
 };
 
-/// Turns samples of one type into shares of the full range; integers to linear light by tables.
+/// Converts samples of one type to shares of the full range, and to linear light; integers by tables.
 template <class Sample>
 class SampleReader {
 public:
@@ -92,7 +92,7 @@ public:
         if constexpr (std::is_integral_v<Sample>) {
             return static_cast<float>(sample) / static_cast<float>(kFull);
         } else {
-            return sample > 0 ? std::min(sample, Sample{1}) : 0;  // not a number: 0
+            return sample > 0 ? std::min(sample, Sample{1}) : 0;  // NaN: 0
         }
     }
 
@@ -104,7 +104,7 @@ public:
         }
     }
 
-    /// The sample before it was multiplied by alpha.
+    /// Returns the light of a sample that was multiplied by alpha.
     float linear(Sample sample, std::size_t channel, float alpha) const {
         return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F), channel) : 0;
     }
@@ -128,7 +128,7 @@ float luminance(float red, float green, float blue) {
     return 0.2126F * red + 0.7152F * green + 0.0722F * blue;
 }
 
-/// Light of other primaries than those of sRGB.
+/// Converts light from other primaries to those of sRGB.
 class ForeignLight {
 public:
     explicit ForeignLight(const LightMatrix& matrix) : matrix_(matrix) {
@@ -139,8 +139,8 @@ public:
         return settle(weights_[0] * red + weights_[1] * green + weights_[2] * blue);
     }
 
-    /// With the primaries of sRGB. What they cannot show is mixed with as much grey of its own luminance as brings it
-    /// in: cut off it would get darker or brighter.
+    /// Returns the light with the primaries of sRGB. A colour that these cannot show is mixed with just enough grey of
+    /// its luminance; clipping it would make it darker or brighter.
     std::array<float, 3> convert(float red, float green, float blue) const {
         std::array<float, 3> light{};
         for (std::size_t i = 0; i < 3; ++i)
@@ -157,7 +157,7 @@ public:
     }
 
 private:
-    /// White stays white to the last bit, as it gets no dots.
+    /// Makes light that is white up to rounding exactly white, since white gets no dots.
     static float settle(float light) {
         constexpr float kWhite = 1 - 1e-6F;
         return light >= kWhite ? 1.0F : std::max(light, 0.0F);
@@ -167,10 +167,10 @@ private:
     std::array<float, 3> weights_{};
 };
 
-/// Planes being filled.
+/// Picture whose planes are being filled.
 class Draft {
 public:
-    /// @param light  planes besides alpha; without that the picture is opaque
+    /// @param light  number of planes other than alpha; without alpha the picture is opaque
     Draft(Size size, std::size_t light, bool has_alpha, const NewPlane& make_plane)
         : width_(static_cast<int>(size.width)),
           height_(static_cast<int>(size.height)),
@@ -181,9 +181,9 @@ public:
 
     void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
 
-    /// Sets a row of pixels to the mean light of squares of another draft, which is one such row high.
-    /// @tparam kSide  of the squares
-    /// @param first   pixel
+    /// Sets a row of pixels to the mean light of the squares of another draft, which is as high as one square.
+    /// @tparam kSide  side of the squares
+    /// @param first   index of the first pixel
     /// @param step    from a pixel of the row to the next
     template <int kSide>
     void set_means(const Draft& squares, std::ptrdiff_t first, std::ptrdiff_t step) const {
@@ -259,7 +259,7 @@ public:
 template <class AnyDraft>
 using PictureOf = decltype(std::declval<AnyDraft>().picture());
 
-/// Puts one row of the file into the picture. Each kind of row has a loop of its own, which is short.
+/// Stores a row of the file in the picture. Each kind of row has a short loop of its own.
 template <class Sample, class AnyDraft>
 void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
                const Placement& placement, std::ptrdiff_t y, const AnyDraft& draft) {
@@ -292,7 +292,7 @@ void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sampl
     }
 }
 
-/// The conversion must be for samples of the source's kind.
+/// Combines the properties of a source and of a conversion, which must be for the kind of colours of the source.
 Encoding encoding_of(const RowSource& source, const ColourConversion* conversion) {
     Encoding encoding{source.channels, source.channels >= 3, source.alpha, source.premultiplied,
                       source.curve,    source.gamma,         {},           {}};
@@ -324,7 +324,8 @@ Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding&
     return draft.picture();
 }
 
-/// Reads squares of pixels as one of their mean each; of a picture that is opaque, and made of whole ones.
+/// Reads each square of pixels as one pixel of their mean light. The picture must be opaque and consist of whole
+/// squares.
 template <int kSide, class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
     const SampleReader<Sample> reader(encoding);
@@ -391,7 +392,7 @@ Result<PictureOf<AnyDraft>> read_picture(const RowSource& source, const ColourCo
     return read_samples<AnyDraft, float>(source, encoding, reduce, make_plane);
 }
 
-/// @param keep_inks  of a picture that has them; else they come as red, green and blue
+/// @param keep_inks  whether a picture with inks keeps them; otherwise they are converted to red, green and blue
 Result<RowSource> open(std::string_view bytes, const ImageHeader& header, bool keep_inks) {
     if (header.format == ImageFormat::Gif) return open_gif(bytes);
     if (header.format == ImageFormat::Bmp) return open_bmp(bytes);
@@ -413,7 +414,7 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
-/// Lock of the library's reader of TIFF, which has known faults with threads.
+/// Returns the lock of the library's TIFF reader, which has known bugs with threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;
     return mutex;

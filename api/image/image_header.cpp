@@ -14,12 +14,12 @@ namespace {
 
 using std::uint64_t;
 
-constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< of any file
-constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< asked for by the library if samples must be converted
-constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< of a profile's tables, besides a copy of the file
-constexpr uint64_t kRowBytes = 48;                        ///< of rows that are read, a pixel of their width
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< for any file
+constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< allocated by the library if samples must be converted
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< for the tables of a profile, besides a copy of the file
+constexpr uint64_t kRowBytes = 48;                        ///< for the rows being read, per pixel of their width
 
-/// Tells whether all chunks are there, up to the last. Where they end early the reader leaks memory.
+/// Returns whether all chunks up to the last are complete. If they are not, the reader leaks memory.
 bool is_whole_png(std::string_view bytes) {
     std::size_t at = kPngChunks;
     while (const auto chunk = png_chunk(bytes, at)) {
@@ -29,9 +29,9 @@ bool is_whole_png(std::string_view bytes) {
     return false;
 }
 
-/// Rows are read as they come, unless they are interlaced.
+/// Reads the header of a PNG, whose rows are decoded one by one unless they are interlaced.
 Result<ImageHeader> read_png(std::string_view bytes) {
-    constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; a palette's become three
+    constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; palettes become three
     constexpr std::uint32_t kHeaderChunk = 0x49484452;       // IHDR
     const ByteReader reader(bytes, true);
     const auto width = reader.read(16, 4);
@@ -42,18 +42,18 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken_image();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
-    // One more for the transparency that a chunk may give any of them.
+    // One more for alpha, which a chunk may add to any of them.
     if (*interlaced != 0) header.decoder_bytes = header.pixels() * (kChannels[*colour] + 1) * sample;
     return header;
 }
 
 constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 
-/// Most scans of a JPEG: each costs a pass over the whole picture, and a few bytes make one. Encoders write about ten.
-/// libtiff has the same limit.
+/// Maximum number of scans of a JPEG. Each costs a pass over the whole picture, and takes but a few bytes of the file.
+/// Encoders write about ten. libtiff has the same limit.
 constexpr int kMostScans = 100;
 
-/// Finds the marker after the entropy-coded data that begins there: 0xFF, but for a stuffed zero or a restart.
+/// Returns the offset of the marker after entropy-coded data: of a 0xFF that no stuffed zero or restart marker follows.
 std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
     while ((at = bytes.find('\xff', at)) < bytes.size() - 1) {
         const auto next = static_cast<unsigned char>(bytes[at + 1]);
@@ -63,8 +63,8 @@ std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
     return bytes.size();
 }
 
-/// Tells whether a JPEG has too many scans.
-/// @param at  behind the header of its frame
+/// Returns whether a JPEG has too many scans.
+/// @param at  offset after the header of its frame
 bool has_too_many_scans(std::string_view bytes, std::size_t at) {
     int scans = 0;
     while (const auto segment = jpeg_segment(bytes, at)) {
@@ -75,7 +75,8 @@ bool has_too_many_scans(std::string_view bytes, std::size_t at) {
     return false;
 }
 
-/// Rows are read as they come, unless the picture is sent in several scans: then all coefficients are kept.
+/// Reads the header of a JPEG. Rows are decoded one by one, but of a picture in several scans all coefficients are
+/// kept.
 Result<ImageHeader> read_jpeg(std::string_view bytes) {
     std::size_t at = kJpegSegments;
     while (const auto segment = jpeg_segment(bytes, at)) {
@@ -89,13 +90,13 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             const auto channels = reader.read(5, 1);
             if (!channels) return broken_image();
             ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
-            // A baseline picture may come in several scans too, which its frame does not say.
-            constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels that sides are rounded up to
+            // A baseline picture may have several scans, too, and its frame header does not tell.
+            constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels to which sides are rounded up
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
             header.is_ink_jpeg = *channels == 4;
             if (has_too_many_scans(bytes, segment->end))
                 return failure(ErrorCode::Unusable,
-                               "the image is a JPEG of more than " + std::to_string(kMostScans) + " scans");
+                               "the image is a JPEG with more than " + std::to_string(kMostScans) + " scans");
             return header;
         }
         at = segment->end;
@@ -106,7 +107,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
 constexpr std::size_t kRiffHeader = 8;  ///< a chunk's name and size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
-    constexpr uint64_t kDecoderBytes = 12;  // a pixel: two canvases of an animation, its frame, lossless references
+    constexpr uint64_t kDecoderBytes = 12;  // per pixel: two canvases of an animation, its frame, lossless references
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
     const std::size_t data = kRiffChunks + kRiffHeader;
@@ -141,20 +142,20 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     const auto height = directory.number(tiff::kHeight);
     if (!width || !height) return broken_image();
     const auto bits = directory.number(tiff::kBitsPerSample);
-    // The reader takes what is missing for 8 where the format says 1, and returns memory that it never wrote.
+    // If it is missing, the reader assumes 8 where the format says 1, and returns uninitialised memory.
     if (!bits) {
         return failure(ErrorCode::Unusable,
-                       "the image is of a kind that is not read: a TIFF that leaves out its bits per sample");
+                       "the server does not read this kind of image: a TIFF without bits per sample");
     }
     ImageHeader header{ImageFormat::Tiff, *width, *height, 0};
-    // A strip may be the whole picture: as it is stored, as it is read, and in colours of another kind.
+    // A strip may be the whole picture: as it is stored, as it is read, and converted to other colours.
     const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
     const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
     header.decoder_bytes = kConvertedBytes + (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
     return header;
 }
 
-/// The first frame is decoded as a whole, to a byte a pixel.
+/// Reads the header of a GIF, whose first frame is decoded as a whole, to a byte per pixel.
 Result<ImageHeader> read_gif(std::string_view bytes) {
     const ByteReader reader(bytes, false);
     const auto width = reader.read(6, 2);
@@ -165,9 +166,9 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     return header;
 }
 
-constexpr std::size_t kBmpInfo = 14;  ///< where the header of the picture stands, which begins with its size
+constexpr std::size_t kBmpInfo = 14;  ///< offset of the picture's header, which begins with its size
 
-/// Rows are read as they come, unless they are packed by runs.
+/// Reads the header of a BMP, whose rows are decoded one by one unless they are run-length encoded.
 Result<ImageHeader> read_bmp(std::string_view bytes) {
     constexpr std::uint32_t kOldInfo = 12;
     const ByteReader reader(bytes, false);
@@ -175,14 +176,14 @@ Result<ImageHeader> read_bmp(std::string_view bytes) {
     const auto width = reader.read(kBmpInfo + 4, is_old ? 2 : 4);
     const auto height = reader.read(kBmpInfo + (is_old ? 6 : 8), is_old ? 2 : 4);
     if (!width || !height) return broken_image();
-    // Below 0 where the rows stand from the top.
+    // Negative if rows are stored from the top.
     const std::int64_t rows = is_old ? std::int64_t{*height} : static_cast<std::int32_t>(*height);
     ImageHeader header{ImageFormat::Bmp, *width, static_cast<uint64_t>(rows < 0 ? -rows : rows), 0};
     header.decoder_bytes = header.pixels();
     return header;
 }
 
-/// Whether a box tells that no channel has more bits than a byte.
+/// Whether a box states that no channel has more than 8 bits.
 bool has_bytes(const Chunk& bits) {
     constexpr std::size_t kVersion = 4;
     const ByteReader reader(bits.data, true);
@@ -193,11 +194,12 @@ bool has_bytes(const Chunk& bits) {
     return channels > 0;
 }
 
-/// Decoded as a whole: by the decoder, before and after it added grain, or joined from tiles; and as it is read.
+/// Reads the header of an AVIF, which is decoded as a whole: the decoder holds it before and after adding grain or
+/// joining tiles, and the reader holds it once more.
 Result<ImageHeader> read_avif(std::string_view bytes) {
-    constexpr uint64_t kSamples = 3 * 3 + 3 + 4;  // three times three planes and three times alpha, and what is read
-    constexpr uint64_t kTables = 3;               // bytes a pixel
-    constexpr uint64_t kBorder = 160;             // pixels that a side is rounded up to, and some
+    constexpr uint64_t kSamples = 3 * 3 + 3 + 4;  // three times three planes, three times alpha, and interleaved pixels
+    constexpr uint64_t kTables = 3;               // bytes per pixel
+    constexpr uint64_t kBorder = 160;             // pixels by which a side may be rounded up, and some more
     ImageHeader header{ImageFormat::Avif, 0, 0, 0};
     uint64_t sample = 2;
     for (const Chunk& property : avif_properties(bytes)) {
@@ -213,7 +215,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     return header;
 }
 
-/// Frames of an animated PNG. Source: PNG (ISO/IEC 15948), third edition, 11.3.6.
+/// Returns the number of frames of an animated PNG. Source: PNG (ISO/IEC 15948), third edition, 11.3.6.
 uint64_t png_frames(std::string_view bytes) {
     std::size_t at = kPngChunks;
     while (const auto chunk = png_chunk(bytes, at)) {
@@ -234,7 +236,7 @@ uint64_t webp_frames(std::string_view bytes) {
     return frames;
 }
 
-/// Pages of a TIFF, whose directories are a list: one that leads back is left.
+/// Counts the pages of a TIFF, whose directories are a linked list. The maximum ends lists that lead back.
 uint64_t tiff_pages(std::string_view bytes) {
     constexpr uint64_t kMost = 65'535;
     const ByteReader reader(bytes, bytes.starts_with("MM"));
@@ -249,12 +251,12 @@ uint64_t tiff_pages(std::string_view bytes) {
     return pages;
 }
 
-/// Bytes of a GIF's table of colours, as the byte says that tells of it.
+/// Returns the size in bytes of a GIF's colour table, from the byte that describes it.
 std::size_t gif_table(std::uint32_t packed) {
     return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
 }
 
-/// Frames of a GIF, as far as its blocks are whole.
+/// Counts the frames of a GIF, as far as its blocks are complete.
 uint64_t gif_frames(std::string_view bytes) {
     constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
     constexpr std::size_t kScreen = 13, kDescriptor = 10;
@@ -319,14 +321,14 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
 
 using namespace std::string_view_literals;
 
-/// "BM" alone begins many a text.
+/// Returns whether a file is a BMP. Checks the size of the header, too, since many texts begin with "BM".
 bool is_bmp(std::string_view bytes) {
     constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
     const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
 }
 
-/// What a format that is not read begins with, after so many bytes.
+/// A format that is not supported, and the bytes with which it begins, after `offset` others.
 struct OtherFormat {
     std::size_t offset;
     std::string_view mark;
@@ -338,7 +340,7 @@ constexpr auto kOtherFormats = std::to_array<OtherFormat>({
     {4, "ftypmif1"sv, "HEIF"},
     {4, "ftypmsf1"sv, "HEIF"},
     {4, "ftypcrx "sv, "a camera's raw file"},
-    {4, "ftyp"sv, "a film"},
+    {4, "ftyp"sv, "a video"},
     {4, "JXL "sv, "JPEG XL"},
     {0, "\xff\x0a"sv, "JPEG XL"},
     {4, "jP  "sv, "JPEG 2000"},
@@ -362,7 +364,7 @@ std::string name_of_other(std::string_view bytes) {
     for (const OtherFormat& format : kOtherFormats) {
         if (bytes.size() > format.offset && bytes.substr(format.offset).starts_with(format.mark)) return format.name;
     }
-    return "not an image that is known";
+    return "not an image the server can read";
 }
 
 }  // namespace
@@ -377,7 +379,7 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;
     return failure(ErrorCode::Unsupported,
-                   "this is " + name_of_other(bytes) + "; PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF are read");
+                   "this is " + name_of_other(bytes) + "; supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF");
 }
 
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {
@@ -402,7 +404,7 @@ std::string describe_frame(const ImageHeader& header) {
     const bool stands_apart = header.format == ImageFormat::Png || header.format == ImageFormat::Avif;
     return "the file has " + std::to_string(header.frames) +
            (header.format == ImageFormat::Tiff ? " pages" : " frames") + ": " +
-           (stands_apart ? "the picture that stands for them" : "the first") + " is used";
+           (stands_apart ? "the main picture" : "the first") + " is used";
 }
 
 int webp_orientation(std::string_view bytes) {

@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kInks = 4;
 
-/// libjpeg leaves it by a jump wherever it fails, so members have nothing that would need to be destroyed.
+/// Decodes a JPEG with four inks. libjpeg reports errors by a jump back into the member functions, so these own nothing
+/// that needs destruction.
 class InkJpeg {
 public:
     explicit InkJpeg(std::string_view bytes) : bytes_(bytes) {
@@ -41,7 +42,7 @@ public:
         return is_sound();
     }
 
-    /// The rows that come next.
+    /// Reads the next rows.
     bool read(int count, std::uint8_t* rows) {
         if (setjmp(errors_.place) != 0) return false;
         for (int i = 0; i < count; ++i) {

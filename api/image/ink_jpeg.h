@@ -7,11 +7,11 @@
 
 namespace ccdt::api {
 
-/// Opens a JPEG of cyan, magenta, yellow and black, be it YCCK, by libjpeg; all of them store how much paper is left,
-/// as Adobe's do.
+/// Opens a JPEG in cyan, magenta, yellow and black, or in YCCK, by libjpeg. Files of both kinds store the share of bare
+/// paper, as Adobe's do.
 ///
-/// @param bytes  must outlive the rows' source
-/// Errors: Unusable for a broken or shortened file, and for one of other colours.
+/// @param bytes  must outlive the row source
+/// Errors: Unusable for a broken or truncated file, and for one in other colours.
 Result<RowSource> open_ink_jpeg(std::string_view bytes);
 
 }  // namespace ccdt::api

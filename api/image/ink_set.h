@@ -5,8 +5,8 @@
 
 namespace ccdt::api {
 
-/// Makes the colours of inks and paper in linear light.
-/// @param palette  its inks multiply or add
+/// Returns the colours of inks and paper in linear light.
+/// @param palette  whose inks multiply or add
 InkSet ink_set(const Palette& palette);
 
 }  // namespace ccdt::api

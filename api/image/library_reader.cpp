@@ -27,32 +27,32 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // whose readers in the library have known faults, or start threads
+            break;  // the library's readers of these have known bugs, or start threads
     }
     return "";
 }
 
 tl::unexpected<Error> unusual(const char* what) {
-    return failure(ErrorCode::Unusable, std::string("the image is of a kind that is not read: ") + what);
+    return failure(ErrorCode::Unusable, std::string("the server does not read this kind of image: ") + what);
 }
 
 std::uint64_t pixels_of(int width, int height) {
     return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
 }
 
-/// What the reader makes of the header must be what was made of it before.
+/// Checks that the library finds the same size as read_image_header(), and that it supports this kind of image.
 Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) {
     constexpr int kMaxChannels = 5;  // CMYK and alpha
     if (spec.width < 1 || spec.height < 1) return broken_image();
     if (pixels_of(spec.width, spec.height) != header.pixels()) return broken_image();
     if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
-    if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an odd number of channels");
+    if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an unusual number of channels");
     if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
-        return unusual("tiles much larger than their picture");
+        return unusual("tiles much larger than the picture");
     return {};
 }
 
-/// A TIFF whose rows the reader turns over by itself, though not as its orientation says.
+/// Returns whether a TIFF is one whose rows the reader flips by itself, though not as its orientation says.
 bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
     constexpr int kYCbCr = 6;
     constexpr int kJpeg = 7;
@@ -78,7 +78,7 @@ RowSource::Sample sample_of(const OIIO::ImageSpec& spec) {
     return RowSource::Sample::Float;
 }
 
-/// Rows that are read at once: whole tiles, or about a megabyte.
+/// Returns the number of rows to read at once: those of a tile, or about a megabyte.
 int rows_at_once(const OIIO::ImageSpec& spec) {
     if (spec.tile_width > 0) return spec.tile_height;
     const std::uint64_t row_bytes =
@@ -102,15 +102,15 @@ RowSource describe(const OIIO::ImageSpec& spec) {
         source.gamma = gamma;
     }
     source.has_inks = OIIO::Strutil::iequals(space, "CMYK");
-    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // for which the library takes black
+    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // the library takes black for it
     source.premultiplied = source.alpha >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
     source.orientation = spec.get_int_attribute("Orientation", 1);
     source.step = rows_at_once(spec);
     return source;
 }
 
-/// An open file. The library keeps what an input notes until it is fetched, or the thread ends. It may name files of
-/// the server, so nobody reads it.
+/// An open file. The library keeps the error message of an input until it is fetched or the thread ends. The message
+/// may name files of the server, so it is fetched and discarded.
 struct OpenFile {
     OIIO::Filesystem::IOMemReader bytes;
     std::unique_ptr<OIIO::ImageInput> input;
@@ -121,7 +121,7 @@ struct OpenFile {
     }
 
     bool read_rows(int begin, int end, const OIIO::TypeDesc& type, void* rows) {
-        // Rows that need no conversion are read where they belong; else the library takes 64 MiB to convert them in.
+        // Rows that need no conversion are read into place. For others the library allocates 64 MiB.
         const bool as_stored = spec.format == type && spec.channelformats.empty();
         const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
         if (spec.tile_width == 0) return input->read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
@@ -133,7 +133,7 @@ void configure_library() {
     static std::once_flag once;
     std::call_once(once, [] {
         OIIO::attribute("threads", 1);          // a request has one core
-        OIIO::attribute("try_all_readers", 0);  // only those that are allowed
+        OIIO::attribute("try_all_readers", 0);  // only the allowed readers
     });
 }
 
@@ -154,10 +154,9 @@ Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& hea
 
     RowSource source = describe(file->spec);
     if (header.format == ImageFormat::WebP) source.orientation = webp_orientation(bytes);
-    if (source.orientation != 1 && is_converted_ycbcr(file->spec))
-        return unusual("a TIFF of YCbCr that is stored turned");
+    if (source.orientation != 1 && is_converted_ycbcr(file->spec)) return unusual("a rotated TIFF in YCbCr");
     source.read = [file, type = type_of(source.sample)](int begin, int end, void* rows) {
-        // A shortened file may read "well" and only leave a note.
+        // Reading a truncated file may succeed and only leave an error message.
         return file->read_rows(begin, end, type, rows) && !file->input->has_error();
     };
     return source;

@@ -8,12 +8,13 @@
 
 namespace ccdt::api {
 
-/// Opens a PNG, JPEG, WebP or TIFF file by OpenImageIO, which must not be shown colour profiles: it trusts them.
+/// Opens a PNG, JPEG, WebP or TIFF file by OpenImageIO. The file must not have a colour profile, which it would trust.
 ///
-/// @param bytes      must outlive the rows' source
-/// @param header     as read_image_header told it
-/// @param keep_inks  of a TIFF of cyan, magenta, yellow and black; else they come as red, green and blue
-/// Errors: Unusable for a broken or shortened file, and for kinds of TIFF that are not read. May throw, as may the
+/// @param bytes      must outlive the row source
+/// @param header     result of read_image_header()
+/// @param keep_inks  whether a TIFF in cyan, magenta, yellow and black keeps them; otherwise they are converted to red,
+///                   green and blue
+/// Errors: Unusable for a broken or truncated file, and for kinds of TIFF that are not supported. May throw, as may the
 /// source.
 Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks);
 

@@ -12,7 +12,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Colours of pixels by how much of them each ink covers.
+/// Computes the colour of a pixel from the share of it that each ink covers.
 class PrintedColour {
 public:
     explicit PrintedColour(const Palette& palette) : inks_(ink_set(palette)), transparent_(palette.paper.transparent) {}
@@ -30,10 +30,10 @@ public:
     }
 
 private:
-    /// Steps of light, so fine that no more than a rounding differs from to_srgb.
+    /// Number of steps of light, so many that results differ from to_srgb() by no more than rounding.
     static constexpr std::size_t kSteps = 1 << 16;
 
-    /// Table of to_srgb, made once: it takes as long as a small picture.
+    /// Returns a table of to_srgb(). It is made once, since it takes as long as a small picture.
     static const std::vector<std::uint8_t>& table() {
         static const std::vector<std::uint8_t> values = [] {
             std::vector<std::uint8_t> stored(kSteps);
@@ -52,7 +52,7 @@ private:
     const std::vector<std::uint8_t>& stored_ = table();
 };
 
-/// Fills the palette of pixels that each ink covers or does not, a bit for each.
+/// Fills the palette of pixels that each ink either covers or not, one bit for each.
 void fill_palette(DotImage& picture, std::size_t inks, const PrintedColour& colour_of) {
     picture.colours = std::size_t{1} << inks;
     for (std::size_t code = 0; code < picture.colours; ++code) {
@@ -87,7 +87,7 @@ bool is_grey(const Colour& colour) {
     return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
 }
 
-/// Covers the paper. The raster's coverage becomes the pixels: it takes no memory besides.
+/// Covers the paper with one ink. The coverage in the raster becomes the pixels, so no memory is added.
 DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& executor) {
     const Colour& ink = palette.inks.front().colour;
     DotImage picture{raster.width,

@@ -12,34 +12,34 @@
 
 namespace ccdt::api {
 
-/// Picture of dots, as files of pictures hold it.
+/// Picture of dots, as it is stored in image files.
 struct DotImage {
     int width = 0;
     int height = 0;
-    bool transparent = false;          ///< pixels have an alpha
-    bool grey = false;                 ///< all its colours are greys, and files may store it as grey
+    bool transparent = false;          ///< pixels have alpha
+    bool grey = false;                 ///< all colours are grey, and files may store them as such
     std::size_t colours = 0;           ///< of the palette; 0: pixels are red, green, blue and, if transparent, alpha
-    Shades palette{};                  ///< by the value of a pixel
+    Shades palette{};                  ///< by pixel value
     std::vector<std::uint8_t> pixels;  ///< [width * height * channels()], row by row
 
     std::size_t channels() const { return colours > 0 ? 1 : transparent ? 4 : 3; }
 
-    /// Values of a row.
+    /// Returns the number of values in a row.
     std::size_t row_size() const { return static_cast<std::size_t>(width) * channels(); }
     const std::uint8_t* row(int y) const { return pixels.data() + static_cast<std::size_t>(y) * row_size(); }
 
-    /// Tells whether there is nothing but black and white.
+    /// Returns whether the picture is only black and white.
     bool is_bilevel() const;
 };
 
-/// Lays the dots of inks over each other and their paper, in linear light: an ink that covers as shades_of() does,
-/// others as `printed` in core/halftone/separation.h. Where the paper is transparent, inks are seen on white, and
-/// pixels are as opaque as dots cover them.
+/// Lays the dots of inks over each other and their paper, in linear light: an ink that covers the paper by shades_of(),
+/// others by printed() in core/halftone/separation.h. On transparent paper, inks look as on white, and pixels are as
+/// opaque as dots cover them.
 ///
 /// @param rasters    [inks], all of one size
-/// @param antialias  false: they hold 0 and 255 only, and the picture has a palette of all mixtures
-/// @param stop       asked now and then where inks mix; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the executor.
+/// @param antialias  if false, they contain only 0 and 255, and the picture has a palette of all mixtures
+/// @param stop       polled now and then if inks mix; a stop ends early with a useless result
+/// Same input, same bytes, on any executor.
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
 

@@ -18,17 +18,17 @@
 namespace ccdt::api {
 namespace {
 
-/// Layout of stored pixels, settled before libpng runs.
+/// Layout of stored pixels, determined before libpng runs.
 struct Layout {
     int bit_depth = 8;
     int colour_type = PNG_COLOR_TYPE_GRAY;
     bool transparent = false;
-    bool is_srgb = false;                ///< values are those of sRGB; else the file does not tell what they mean
+    bool is_srgb = false;                ///< values are sRGB; otherwise the file does not define them
     std::array<png_byte, 256> stored{};  ///< by the raster's value: the grey value or palette index
     std::array<png_color, 256> colours{};
     std::array<png_byte, 256> alphas{};
-    int palette_size = 0;              ///< of colours and alphas
-    png_uint_32 pixels_per_metre = 0;  ///< 0: the file tells none
+    int palette_size = 0;              ///< number of colours and alphas
+    png_uint_32 pixels_per_metre = 0;  ///< 0: not in the file
 };
 
 void add_to_palette(Layout& layout, const std::array<std::uint8_t, 4>& shade) {
@@ -66,7 +66,7 @@ Layout layout_of(const DotImage& image, std::optional<double> width_mm) {
     return layout;
 }
 
-/// Turns a row of values into a row of the file.
+/// Converts a row of values to a row of the file.
 void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, png_byte* row) {
     if (layout.bit_depth == 8) {
         std::transform(values, values + count, row, [&](std::uint8_t value) { return layout.stored[value]; });
@@ -104,11 +104,11 @@ void on_warning(png_structp, png_const_charp) {}
 
 void write_header(png_structp png, png_infop info, const DotImage& image, const Layout& layout) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    // Runs are nearly all there is to find in discs: searching for more costs 2 to 40 times the time and saves at
-    // most a tenth, most often nothing.
+    // Discs contain hardly any redundancy other than runs. Searching for more costs 2 to 40 times the time and saves at
+    // most a tenth, usually nothing.
     png_set_compression_level(png, 1);
     png_set_compression_strategy(png, Z_RLE);
-    // Of several channels runs are only left once each pixel is taken from the next.
+    // With several channels there are runs only after each pixel is subtracted from the next.
     png_set_filter(png, PNG_FILTER_TYPE_BASE, image.channels() > 1 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
     png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                  layout.bit_depth, layout.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
@@ -123,10 +123,9 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
     png_write_info(png, info);
 }
 
-/// Writes the file. libpng reports errors by a jump back into this function, so it owns nothing that would need
-/// destroying.
-/// @param row      room for one row of the file
-/// @param set_row  called as set_row(y, row) to fill it; throws nothing
+/// Writes the file. libpng reports errors by a jump back into this function, so it owns nothing that needs destruction.
+/// @param row      buffer for one row of the file
+/// @param set_row  fills the buffer, as set_row(y, row); must not throw
 /// @returns        false on an error or a stop
 template <class SetRow>
 bool write_all(png_structp png, png_infop info, const DotImage& image, const Layout& layout, png_byte* row,
@@ -142,8 +141,8 @@ bool write_all(png_structp png, png_infop info, const DotImage& image, const Lay
     return true;
 }
 
-/// @param image     its size and channels count
-/// @param row_size  bytes of a row at most
+/// @param image     only its size and number of channels are used
+/// @param row_size  maximum number of bytes in a row
 template <class SetRow>
 Result<std::string> write_file(const DotImage& image, const Layout& layout, std::size_t row_size, const SetRow& set_row,
                                const std::stop_token& stop) {

@@ -11,17 +11,17 @@
 
 namespace ccdt::api {
 
-/// Encodes a picture as a PNG file: black and white at 1 bit a pixel, other greys at 8 bits, few colours as a palette
-/// at 1 to 8 bits, others at 8 bits a channel. Binary pictures in two other greys have a palette, too. Values are sRGB,
-/// as the chunks sRGB, gAMA and cHRM tell.
+/// Encodes a picture as a PNG file: black and white with 1 bit per pixel, other greys with 8 bits, few colours as a
+/// palette with 1 to 8 bits, others with 8 bits per channel. Bilevel pictures in two other greys have a palette, too.
+/// Values are sRGB, as the chunks sRGB, gAMA and cHRM state.
 ///
-/// @param width_mm  of the picture; none: the file tells no physical size
-/// @param stop      asked at each row
+/// @param width_mm  of the picture; none: the file has no physical size
+/// @param stop      polled at each row
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm = {},
                               const std::stop_token& stop = {});
 
-/// Encodes greys as a PNG file that tells nothing of their meaning.
+/// Encodes grey values as a PNG file that does not define their meaning.
 /// @param greys  [width * height] row by row
 /// @param bits   of each, 8 or 16
 /// Otherwise as write_png().

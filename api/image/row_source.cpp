@@ -23,7 +23,7 @@ std::uint16_t to_word(Sample sample) {
     }
 }
 
-/// Rows of one type of samples, to be transformed.
+/// Transforms rows of one type of samples.
 template <class Sample>
 class Transformer {
 public:
@@ -58,7 +58,7 @@ private:
 
     std::uint16_t alpha_of(const Sample* pixel) const { return to_word(pixel[source_.alpha]); }
 
-    /// As they were before they were multiplied by alpha.
+    /// Reads the colours of a pixel, and undoes a multiplication by alpha.
     void take_colours(const Sample* pixel, std::uint16_t* to) const {
         for (std::size_t i = 0; i < colours_; ++i) to[i] = to_word(pixel[i]);
         if (!source_.premultiplied) return;

@@ -4,10 +4,10 @@
 
 namespace ccdt::api {
 
-/// Gives the light, 0 to 1, that a value of sRGB (IEC 61966-2-1) stands for.
+/// Returns the linear light, 0 to 1, of an sRGB value (IEC 61966-2-1).
 double to_linear(unsigned char value);
 
-/// Gives the value of sRGB nearest to a light; of one beyond [0, 1] that of the nearer end.
+/// Returns the sRGB value nearest to a light; light outside [0, 1] is clamped.
 std::uint8_t to_srgb(double light);
 
 }  // namespace ccdt::api

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMillimetresPerInch = 25.4;
 
-/// File in memory.
+/// A file in memory.
 struct MemoryFile {
     std::string bytes;
     std::size_t place = 0;
@@ -92,11 +92,11 @@ struct Layout {
     std::uint16_t channels = 1;
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     Shades shades{};              ///< by the raster's value
-    bool true_colour = false;     ///< the raster's values are those of the file
-    std::span<const Ink> inks{};  ///< whose plates the channels are; none: they are colours
+    bool true_colour = false;     ///< the raster's values are stored as they are
+    std::span<const Ink> inks{};  ///< whose plates the channels are; empty: they are colours
 };
 
-/// Fills a row of the file, as long as its layout says.
+/// Fills a row of the file, whose length follows from the layout.
 using FillRow = std::function<void(int y, std::uint8_t* row)>;
 
 Layout layout_of(const DotImage& image) {
@@ -125,7 +125,7 @@ Layout layout_of(std::span<const Raster> plates, std::span<const Ink> inks) {
     return layout;
 }
 
-/// Turns a row of values into a row of the file. Of bilevel ones a set bit is a dot.
+/// Converts a row of values to a row of the file. In a bilevel one, a set bit is a dot.
 void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, std::uint8_t* row) {
     if (layout.true_colour) {
         std::copy_n(values, count, row);
@@ -141,7 +141,7 @@ void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layou
     for (std::size_t x = 0; x < count; ++x) row = std::copy_n(layout.shades[values[x]].begin(), layout.channels, row);
 }
 
-/// Puts the values of all plates that belong to a pixel beside each other.
+/// Interleaves a row of all plates.
 void interleave_row(std::span<const Raster> plates, int y, std::uint8_t* row) {
     const auto width = static_cast<std::size_t>(plates.front().width);
     for (std::size_t plate = 0; plate < plates.size(); ++plate) {
@@ -150,7 +150,7 @@ void interleave_row(std::span<const Raster> plates, int y, std::uint8_t* row) {
     }
 }
 
-/// Names the inks, each name ended by a zero.
+/// Writes the names of the inks, each ended by a zero.
 bool write_inks(TIFF* tiff, std::span<const Ink> inks) {
     std::string names;
     for (const Ink& ink : inks) names.append(ink.name).push_back('\0');

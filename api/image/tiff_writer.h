@@ -10,18 +10,18 @@
 
 namespace ccdt::api {
 
-/// Encodes a picture as a TIFF file. Black and white are 1 bit a pixel, compressed by CCITT group 4, as printers like
-/// it; all else is 8 bits a channel, compressed by Deflate.
+/// Encodes a picture as a TIFF file. Black and white has 1 bit per pixel, compressed by CCITT group 4, as printers
+/// prefer it; all else has 8 bits per channel, compressed by Deflate.
 ///
-/// @param width_mm  of the picture, for its resolution in dots per inch; none: the file tells no physical size
-/// @param stop      asked at each row
+/// @param width_mm  of the picture, for its resolution in dots per inch; none: the file has no physical size
+/// @param stop      polled at each row
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_tiff(const DotImage& image, std::optional<double> width_mm = {},
                                const std::stop_token& stop = {});
 
-/// Encodes what each ink covers as the plates that print it: a separated picture, a channel of 8 bits for each ink, 255
-/// where it is solid, compressed by Deflate. Its tags name the inks; those of `cmyk` are told to be these, so that any
-/// reader shows them. The paper is not in it. The other parameters are those of write_tiff().
+/// Encodes the coverage of each ink as the plates that print it: a separated picture with a channel of 8 bits for each
+/// ink, 255 where it is solid, compressed by Deflate. Tags name the inks. If they are those of `cmyk`, the tags say so,
+/// and any reader can show them. The paper is not included. The other parameters are those of write_tiff().
 ///
 /// @param plates  [inks], all of one size
 /// Source: TIFF 6.0, 16.

@@ -10,10 +10,10 @@
 namespace ccdt::api {
 namespace {
 
-/// Effort, of 0 to 9: at 4 soft rims take twice the time for a sixth less room, hard ones no less.
+/// Effort, 0 to 9. At 4, antialiased dots take twice the time for a sixth less space, and others are no smaller.
 constexpr int kEffort = 1;
 
-/// WebPPicture, freed in the end.
+/// A WebPPicture, freed on destruction.
 class Canvas32 {
 public:
     Canvas32() { ready_ = WebPPictureInit(&picture_) != 0; }
@@ -76,7 +76,7 @@ Result<std::string> write_webp(const DotImage& image, std::optional<double>, con
                        canvas.allocate(image.width, image.height);
     bool written = false;
     if (ready) {
-        config.exact = 1;  // colours stay where nothing is seen of them
+        config.exact = 1;  // invisible colours are kept
         WebPPicture& picture = canvas.get();
         fill(picture, image);
         picture.writer = WebPMemoryWrite;

@@ -11,10 +11,10 @@ namespace ccdt::api {
 
 inline constexpr int kMaxWebPSide = 16'383;  ///< pixels
 
-/// Encodes a picture as a WebP file without loss, which tells no physical size.
+/// Encodes a picture as a lossless WebP file, which has no physical size.
 ///
 /// @param image  at most kMaxWebPSide each way
-/// @param stop   asked now and then
+/// @param stop   polled now and then
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_webp(const DotImage& image, std::optional<double> width_mm = {},
                                const std::stop_token& stop = {});

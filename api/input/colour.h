@@ -7,7 +7,7 @@
 
 namespace ccdt::api {
 
-/// Colour of sRGB, or none.
+/// A colour in sRGB, or transparent.
 struct Colour {
     unsigned char red = 0;
     unsigned char green = 0;
@@ -20,7 +20,7 @@ struct Colour {
 inline constexpr Colour kBlack = {0, 0, 0};
 inline constexpr Colour kWhite = {255, 255, 255};
 
-/// Writes `#rrggbb`; of a transparent colour that of black.
+/// Writes `#rrggbb`, which for a transparent colour is black.
 std::string hexadecimal(const Colour& colour);
 
 /// Reads `#rgb` or `#rrggbb`.

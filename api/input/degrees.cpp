@@ -22,7 +22,7 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     if (bounds.min.x < -180 || bounds.max.x > 180 || south < -90 || north > 90) return std::nullopt;
     const double nearest = south <= 0 && north >= 0 ? 0 : std::min(std::abs(south), std::abs(north));
     const double farthest = std::max(std::abs(south), std::abs(north));
-    // The same degrees of longitude are that much shorter, and the same area holds that many more points.
+    // Degrees of longitude are this much shorter there, so a square kilometre holds this many times the points.
     const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMostRatio);
     if (ratio < kLeastRatio) return std::nullopt;
     std::string text =

@@ -7,10 +7,10 @@
 
 namespace ccdt::api {
 
-/// Tells that points which are even in a plane will not be so on the ground, if the plane's x and y are longitude and
-/// latitude: of boxes that may be so, and in which the points of one square kilometre are over a tenth more in one
-/// place than in another.
-/// @returns  a sentence for people; none of other boxes
+/// Warns that points spread evenly in a plane are not spread evenly on the ground, if x and y are longitude and
+/// latitude. The warning is for boxes that may be in degrees, and in which the number of points per square kilometre
+/// varies by more than a tenth.
+/// @returns  a sentence for people; none for other boxes
 std::optional<std::string> warning_of_degrees(const Box& bounds);
 
 }  // namespace ccdt::api

@@ -10,14 +10,14 @@ namespace ccdt::api {
 struct Rectangle {
     double width = 0;
     double height = 0;
-    bool periodic = false;  ///< a torus: opposite sides are joined
+    bool periodic = false;  ///< whether it is a torus, whose opposite sides are joined
 };
 
 /// Reads the member `domain`: `{"type":"rectangle"|"torus","width":w,"height":h}`.
-/// Errors: Malformed, with a JSON Pointer to what is wrong.
+/// Errors: Malformed, with a JSON Pointer to the faulty value.
 Result<Rectangle> read_rectangle(const Input& input);
 
-/// Makes the domain. Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
+/// Creates the domain. Errors: those of Domain::rectangle and Domain::torus, with the field /domain.
 Result<Domain> make_domain(const Rectangle& rectangle);
 
 }  // namespace ccdt::api

@@ -11,36 +11,38 @@
 
 namespace ccdt::api {
 
-/// What of the features of a map is counted, as a request has it: one property, or several, each a class of its own.
+/// The feature properties that hold the dot counts of a map, as a request names them: one property, or several, each of
+/// which is a class.
 struct Counting {
     std::optional<std::string> property;
-    std::optional<double> per;         ///< of the property's unit to a point, > 0; none: 1
-    std::vector<std::string> classes;  ///< properties; at most one for each of the colours of a drawing
+    std::optional<double> per;         ///< units of the property per point, > 0; none: 1
+    std::vector<std::string> classes;  ///< names of properties, at most as many as a drawing has colours
 
     bool is_asked_for() const { return property || per || !classes.empty(); }
 };
 
-/// Reads what `sites` counts: a property's name, or `{"property":name,"per":number}`. Errors: Malformed.
+/// Reads the option `sites` of a dot map: a property's name, or `{"property":name,"per":number}`. Errors: Malformed.
 Result<void> read_counted(const Input& input, Counting& counting);
 
-/// Tells whether `sites` counts: whether it is no number, nor a text that looks like one.
+/// Returns whether `sites` names what is counted instead of being a number. Text does unless it is empty or a number;
+/// in JSON, a string or an object does.
 bool is_counted(const Input& input);
 
 Result<double> read_per(const Input& input);
 
-/// Reads names of properties, each once. Errors: Malformed.
+/// Reads names of properties, each of which may occur once. Errors: Malformed.
 Result<std::vector<std::string>> read_classes(const Input& input);
 
-/// How many points of each class a map's features have.
+/// Number of points of each class in each feature.
 struct FeatureCounts {
-    /// Features that have no count of a class.
+    /// Number of features without a count of a class.
     struct Missing {
         std::size_t features = 0;
-        std::string first;  ///< JSON Pointer to where the first one's should be
+        std::string first;  ///< JSON Pointer to where the first missing count should be
     };
 
-    std::vector<std::string> classes;  ///< properties, as they are called
-    bool are_told = false;             ///< answers tell of classes: they were asked for
+    std::vector<std::string> classes;  ///< names of properties, as in the features
+    bool are_told = false;             ///< whether answers name the classes, since the request gave them
     std::vector<std::size_t> counts;   ///< [features * classes]
     std::vector<Missing> missing;      ///< [classes]
 
@@ -49,19 +51,19 @@ struct FeatureCounts {
         return counts[feature * classes.size() + number];
     }
 
-    /// Counts the points of a feature, of all classes.
+    /// Returns the number of points of a feature in all classes.
     std::size_t points_of(std::size_t feature) const;
     std::size_t total() const;
 };
 
-/// Counts the points of each feature: a property over `per`, rounded so that they add up to the rounded sum (the method
-/// of largest remainders; of equal ones the first). A number may stand in a string, as in files of a census; null, or
-/// no property, is 0.
+/// Computes the number of points of each feature: a property divided by `per`, rounded so that the numbers of a class
+/// add up to the rounded sum (the method of largest remainders; of equal ones the first). A number may be given as a
+/// string, as in census files. A property that is null or missing counts as 0.
 ///
 /// @param features  of a collection
-/// @param sites     pointer or name of the option, for errors
-/// Errors: Malformed, with a JSON Pointer to what is no number of at least 0; Unusable if there is no point at all;
-/// LimitExceeded for more than limits.max_sites, naming it.
+/// @param sites     JSON Pointer to the option, or its name, for errors
+/// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if there is no point
+/// at all; LimitExceeded for more than limits.max_sites, which the message names.
 Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites);
 

@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Names that answers give to properties and columns of their own.
+/// Names of the properties and columns that answers define themselves.
 constexpr std::array<std::string_view, 8> kOwnNames = {"x",          "y",     "rank",  "feature",
                                                        "feature_id", "class", "color", "sites"};
 
@@ -21,7 +21,7 @@ std::string id_of(JsonValue feature) {
     return text;
 }
 
-/// Collects what is carried of the features.
+/// Collects the feature properties that points carry.
 class Collector {
 public:
     Collector(const PropertyChoice& choice, const std::string& option) : choice_(choice), option_(option) {
@@ -74,7 +74,7 @@ private:
         names_.push_back(name);
     }
 
-    /// Finds the number of a property that is carried.
+    /// Finds the number of a property; none if points do not carry it.
     std::optional<std::uint32_t> number_of(std::string_view name) {
         const std::string key(name);
         if (const auto found = numbers_.find(key); found != numbers_.end()) return found->second;
@@ -95,7 +95,7 @@ private:
                        own);
     }
 
-    /// Lengthens a name that answers have themselves until no other property has it.
+    /// Appends underscores to a name that answers define themselves until no other property has it.
     void make_distinct(std::string& name) const {
         if (std::ranges::find(kOwnNames, name) == kOwnNames.end()) return;
         do name += '_';
@@ -106,7 +106,7 @@ private:
     const std::string& option_;
     CarriedProperties carried_;
     std::vector<std::string> names_;
-    std::vector<bool> is_there_;  ///< of the names that were chosen
+    std::vector<bool> is_there_;  ///< [chosen names] whether a feature has it
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 
@@ -121,7 +121,7 @@ Result<std::vector<std::string>> read_names(const Input& input, std::size_t most
         const auto name = read_text(part);
         if (!name) return tl::unexpected(name.error());
         if (name->empty()) return malformed(part, "must be the name of a property");
-        if (std::ranges::find(names, *name) != names.end()) return malformed(part, "is there already");
+        if (std::ranges::find(names, *name) != names.end()) return malformed(part, "repeats an earlier name");
         names.emplace_back(*name);
     }
     return names;

@@ -5,18 +5,18 @@
 
 namespace ccdt::api {
 
-/// Names of a format of files.
+/// Names of a file format.
 struct FileFormat {
-    std::string_view name;        ///< of the option `format`
+    std::string_view name;        ///< value of the option `format`
     std::string_view title;       ///< for people
     std::string_view extension;   ///< of file names
     std::string_view media_type;  ///< in Accept and Content-Type
-    std::string_view parameters;  ///< after it in Content-Type
+    std::string_view parameters;  ///< appended to it in Content-Type
 
     std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
-// Those of more than one table of formats; others stand in their rows.
+// Formats that are in more than one table. Others are defined in their tables.
 inline constexpr FileFormat kJson{"json", "JSON", "json", "application/json", ""};
 inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};

@@ -11,13 +11,13 @@
 namespace ccdt::api {
 namespace {
 
-/// Media range, as `type/subtype;q=0.5`; a star stands for any.
+/// A media range such as `type/subtype;q=0.5`; a star matches anything.
 struct MediaRange {
     std::string type;
     std::string subtype;
     double quality = 1;
 
-    /// Tells how closely it names a media type: 3 exactly, 2 by type, 1 any, 0 not at all.
+    /// Returns how closely it matches a media type: 3 exactly, 2 by type, 1 because it matches any, 0 not at all.
     int match(std::string_view media_type) const {
         const auto slash = media_type.find('/');
         if (type == "*") return 1;
@@ -27,7 +27,7 @@ struct MediaRange {
     }
 };
 
-/// Cuts off what stands before the first separator outside quotes.
+/// Splits off the text before the first separator that is outside quotes.
 std::string_view take_item(std::string_view& rest, char separator) {
     bool quoted = false;
     std::size_t i = 0;
@@ -105,9 +105,10 @@ Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* 
     if (!name) return tl::unexpected(name.error());
     const auto found = std::find_if(made.begin(), made.end(), [&](const FileFormat* f) { return f->name == *name; });
     if (found != made.end()) return static_cast<std::size_t>(found - made.begin());
-    return failure(ErrorCode::Malformed,
-                   "this server does not make '" + excerpt(*name) + "' here; it makes " + list(made, &FileFormat::name),
-                   input.field);
+    return failure(
+        ErrorCode::Malformed,
+        "format '" + excerpt(*name) + "' is not available here; available are " + list(made, &FileFormat::name),
+        input.field);
 }
 
 Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made) {
@@ -122,7 +123,7 @@ Result<std::size_t> negotiate(std::string_view accept, std::span<const FileForma
         }
     }
     if (best > 0) return chosen;
-    return failure(ErrorCode::NotAcceptable, "none of the media types in Accept can be made here; these can: " +
+    return failure(ErrorCode::NotAcceptable, "none of the media types in Accept is available here; available are " +
                                                  list(made, &FileFormat::media_type));
 }
 

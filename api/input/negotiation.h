@@ -11,10 +11,10 @@
 
 namespace ccdt::api {
 
-/// Picks a format by name.
-/// @param made  what this endpoint makes
+/// Finds a format by name.
+/// @param made  formats that the endpoint makes
 /// @returns     its index
-/// Errors: Malformed for any other, naming those that are made.
+/// Errors: Malformed for any other name; the message lists the formats.
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> made);
 
 template <class Row>
@@ -24,27 +24,27 @@ std::vector<const FileFormat*> files_of(std::span<const Row* const> rows) {
     return files;
 }
 
-/// Picks a row of an endpoint's table of formats by name.
+/// Finds a row of an endpoint's table of formats by name.
 /// @param made  rows with a member `file`
 template <class Row>
 Result<const Row*> read_format(const Input& input, std::span<const Row* const> made) {
     return read_format(input, files_of(made)).map([&](std::size_t i) { return made[i]; });
 }
 
-/// Picks the format a client likes best by its Accept header (RFC 9110, 12.5.1).
+/// Chooses the format that a client prefers according to its Accept header (RFC 9110, 12.5.1).
 ///
 /// @param made  in the server's order of preference, which decides between equals
-/// @returns     its index; the first if the header is missing, empty or says nothing that can be understood
-/// Of the media ranges that match a format the most specific one counts; their parameters are not compared.
-/// Errors: NotAcceptable if all are refused, naming them.
+/// @returns     its index; 0 if the header is missing, empty or has no valid media range
+/// If several media ranges match a format, the most specific one counts. Parameters of media types are not compared.
+/// Errors: NotAcceptable if the client accepts none; the message lists the media types.
 Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made);
 
-/// Settles in which format of an endpoint's table an answer is made: by the option `format` if it is given, else by the
-/// Accept header.
+/// Determines in which format of an endpoint's table an answer is written: by the option `format` if it is given,
+/// otherwise by the Accept header.
 ///
 /// @param made    rows with a member `file`, in the server's order of preference
-/// @param format  what read_format gave; null if it was not asked
-/// Errors: as above.
+/// @param format  result of read_format(); null if the option was not given
+/// Errors: those of negotiate().
 template <class Row>
 Result<void> settle_format(std::string_view accept, std::span<const Row* const> made, const Row*& format) {
     if (format != nullptr) return {};

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxMembers = 64;
 constexpr std::size_t kMaxExcerpt = 64;
 
-/// Errors besides the first that are told of: each of them may list what there is instead.
+/// Number of errors reported besides the first. Each of them may list the possible values.
 constexpr std::size_t kMostOthers = 9;
 
 std::optional<std::uint64_t> integer_of(const Input& input) {
@@ -51,7 +51,7 @@ tl::unexpected<Error> malformed(const Input& input, std::string_view what) {
 }
 
 tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known) {
-    std::string message = "unknown option '" + excerpt(input.name) + "'; those known are";
+    std::string message = "unknown option '" + excerpt(input.name) + "'; the options are";
     for (const auto name : known) message.append(name == known.front() ? " " : ", ").append(name);
     return failure(ErrorCode::Malformed, std::move(message), excerpt(input.field));
 }

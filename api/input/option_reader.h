@@ -17,55 +17,55 @@
 
 namespace ccdt::api {
 
-/// Value of a request as it came: the text of a query parameter or form field, or a JSON value.
+/// A value of a request as it came: the text of a query parameter or form field, or a JSON value.
 struct Input {
-    std::string name;   ///< what messages call it
-    std::string field;  ///< for Error::field: the option's name if it came as text, else a JSON Pointer
+    std::string name;   ///< its name in messages
+    std::string field;  ///< for Error::field: the name of an option that came as text, else a JSON Pointer
     std::variant<std::string_view, JsonValue> value;
 };
 
-/// Largest integer that a double, and so a JSON number, tells from its neighbours.
+/// The largest integer that a double, and thus a JSON number, distinguishes from its neighbours.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 
 /// Range of finite numbers that an option may take.
 struct Interval {
     double min = 0;
     double max = std::numeric_limits<double>::max();
-    bool above_min = false;  ///< min itself is not in it
+    bool above_min = false;  ///< min itself is excluded
 };
 
 /// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
-/// Reads a number: the whole text, or a JSON value of the right kind, and nothing that would have to be rounded
-/// or guessed at. Errors: Malformed, saying what the value must be, with the input's field.
+/// Reads a number: the whole text, or a JSON value of the right type, without rounding or guessing. Errors: Malformed
+/// with the input's field; the message says what the value must be.
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);
 
 /// Reads `true` or `false`; as text also `1` or `0`.
 Result<bool> read_boolean(const Input& input);
 
-/// Reads a word, a colour, a base64 text; viewed where it came from.
+/// Reads text, such as a word, a colour or base64. The result views the input.
 Result<std::string_view> read_text(const Input& input);
 
-/// Reads a list: a text with commas between its members, or a JSON array.
-/// @param one  what messages call a member that came as text
-/// @returns    the members as inputs of their own; none if there are none, or more than `most`
+/// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed.
+/// @param one  term for a member that came as text, in messages
+/// @returns    the members as inputs of their own; empty if there are none, or more than `most`
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 
-/// Reads one of a few words.
+/// Reads one of the given words.
 /// @returns  its index
 Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words);
 
-/// Word that an option takes, and what it stands for.
+/// A word that an option accepts, and its value.
 template <class T>
 struct Choice {
     std::string_view word;
     T value;
 };
 
-/// Reads one of a few words.
-/// @returns  what it stands for
+/// Reads one of the given words.
+/// @returns  its value
 template <class T>
 Result<T> read_choice(const Input& input, std::span<const Choice<T>> choices) {
     std::vector<std::string_view> words;
@@ -74,27 +74,27 @@ Result<T> read_choice(const Input& input, std::span<const Choice<T>> choices) {
 }
 
 /// Reads a number of sites or points.
-/// Errors besides: LimitExceeded above limits.max_sites, naming it.
+/// Errors: Malformed; LimitExceeded above limits.max_sites, which the message names.
 Result<std::size_t> read_sites(const Input& input, const Limits& limits);
 
 /// Makes a Malformed error about an input: its name, then `what`.
 tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 
-/// Makes an error of core one about a request: its field, the name of a member or a pointer already, becomes the JSON
-/// Pointer below another.
+/// Converts an error of core to one about a request: its field, the name of a member or a JSON Pointer, becomes a JSON
+/// Pointer below `pointer`.
 Error error_below(Error error, std::string_view pointer);
 
-/// Cuts what a client sent to the first few dozen bytes, as messages quote it.
+/// Shortens text from a client to its first few dozen bytes, for use in messages.
 std::string excerpt(std::string_view text);
 
 std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 
 /// Lists the members of a JSON object.
 /// @param pointer  to the object; empty for the whole body
-/// Errors: Malformed if it is none, or has far more members than anything here does.
+/// Errors: Malformed if it is not an object, or has far more members than there are options.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
-/// Collects what is wrong with a request, so that whoever sent it learns of all of it at once.
+/// Collects the errors in a request, so that its sender learns of all of them at once.
 class ErrorList {
 public:
     template <class T>
@@ -102,7 +102,7 @@ public:
         if (!result) add(result.error());
     }
 
-    /// @returns  the first error, which has the others; or none
+    /// Returns the first error, with the others in its list, or success if there are none.
     Result<void> result() const;
 
 private:
@@ -111,14 +111,14 @@ private:
     std::optional<Error> first_;
 };
 
-/// Rule by which an option is read, and what it sets.
+/// A rule that reads an option into a target.
 template <class Target>
 struct OptionRule {
     std::string_view name;
     Result<void> (*read)(const Input& input, const Limits& limits, Target& target);
 };
 
-/// Keeps a value that was read, or passes the error on.
+/// Stores a value that was read, or passes the error on.
 template <class T, class Value>
 Result<void> assign(T& target, Result<Value> value) {
     if (!value) return tl::unexpected(value.error());
@@ -126,7 +126,7 @@ Result<void> assign(T& target, Result<Value> value) {
     return {};
 }
 
-/// Makes a Malformed error about an input of none of these names.
+/// Makes a Malformed error about an input whose name is none of `known`.
 tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known);
 
 template <class Target>
@@ -136,7 +136,7 @@ std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules
     return names;
 }
 
-/// Reads an input by the rule of its name, unless one of that name came before.
+/// Reads an input by the rule of its name. Errors: Malformed if a previous input has the same name.
 template <class Target>
 Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<const Input> before, const Input& input,
                          const Limits& limits, Target& target) {
@@ -147,8 +147,8 @@ Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<co
     return rule->read(input, limits, target);
 }
 
-/// Reads every input by the rule of its name, in the order they came, those after a wrong one, too.
-/// Errors: Malformed for a name without a rule, or one that came before; whatever a rule returns.
+/// Reads every input by the rule of its name, in order, and continues after errors.
+/// Errors: Malformed for a name without a rule, or one that occurs twice; those of the rules.
 template <class Target>
 Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
                           const Limits& limits, Target& target) {
@@ -168,8 +168,8 @@ Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue o
     return read_options(rules, *inputs, limits, target);
 }
 
-/// Reads a body that is a JSON object of options. The document goes once it is read: rules keep copies.
-/// Errors besides: those of JsonDocument::parse.
+/// Reads a body that is a JSON object of options. The document is discarded afterwards, so rules copy what they keep.
+/// Errors: also those of JsonDocument::parse.
 template <class Target>
 Result<void> read_body(std::span<const OptionRule<Target>> rules, std::string_view body, const Limits& limits,
                        Target& target) {

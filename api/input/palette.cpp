@@ -46,7 +46,7 @@ Result<Palette> read_palette(const Input& input) {
         if (!colour) return tl::unexpected(colour.error());
         const auto same = [&](const Ink& ink) { return ink.colour == *colour; };
         if (std::ranges::any_of(palette.inks, same))
-            return malformed(part, "is there already: " + hexadecimal(*colour));
+            return malformed(part, "repeats an earlier one: " + hexadecimal(*colour));
         palette.inks.push_back({hexadecimal(*colour), *colour});
     }
     return palette;

@@ -5,11 +5,11 @@
 
 namespace ccdt::api {
 
-/// Order that points are answered in.
+/// Order of the points in an answer.
 enum class PointOrder {
     None,         ///< as they were placed
     Path,         ///< along a short path
-    Progressive,  ///< so that the first ones, however many, are spread evenly
+    Progressive,  ///< every first part of the points is spread evenly
 };
 
 /// Reads the option `order`. Errors: Malformed.

@@ -21,7 +21,7 @@ public:
 
     std::vector<Point> take() { return std::move(points_); }
 
-    /// Recurses as deep as a JsonDocument nests at most.
+    /// Recurses at most as deep as a JsonDocument can nest.
     Result<void> add_object(const Input& object) {
         if (!json_of(object).is_object()) return malformed(object, "must be a list of positions, or a GeoJSON object");
         const auto type = require(object, "type").and_then([](const Input& input) { return read_text(input); });

@@ -9,9 +9,9 @@
 namespace ccdt::api {
 
 /// Reads points: a list of positions, or GeoJSON (RFC 7946): a Point, a MultiPoint, a Feature of one, or a
-/// GeometryCollection or FeatureCollection of such. Ordinates of GeoJSON after the second, and features of a collection
-/// that have no geometry, are passed over. There may be none.
-/// Errors: Malformed, with a JSON Pointer to what is wrong; LimitExceeded for more than limits.max_sites.
+/// GeometryCollection or FeatureCollection of such. Ignores ordinates after the second, and features of a collection
+/// without geometry. The result may be empty.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded for more than limits.max_sites.
 Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

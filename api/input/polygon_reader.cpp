@@ -21,7 +21,7 @@ Input element_of(const Input& parent, std::size_t index, JsonValue value) {
     return {pointer, pointer, value};
 }
 
-/// Gives the value of an input that came in a JSON body, as all polygons do.
+/// Returns the value of an input from a JSON body; polygons come in no other way.
 JsonValue json_of(const Input& input) {
     return std::get<JsonValue>(input.value);
 }
@@ -112,7 +112,7 @@ Result<void> append_polygons(const Input& object, PolygonInput::Nesting nesting,
 
 Result<void> append_geometry(const Input& object, PolygonInput& polygon);
 
-/// Appends the geometries of all elements of a member, and none for those that are null or features without one.
+/// Appends the geometries of all elements of a member, except for features whose geometry is null.
 Result<void> append_each(const Input& collection, std::string_view member, PolygonInput& polygon) {
     const auto list = require(collection, member);
     if (!list) return tl::unexpected(list.error());
@@ -131,7 +131,7 @@ Result<void> append_each(const Input& collection, std::string_view member, Polyg
     return {};
 }
 
-/// Recurses as deep as a JsonDocument nests at most.
+/// Recurses at most as deep as a JsonDocument can nest.
 Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
     using Nesting = PolygonInput::Nesting;
     const auto type = read_type(object);
@@ -149,7 +149,7 @@ Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
                  "must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a " + excerpt(*type));
 }
 
-/// Takes a number off the front of `/3/0/17`.
+/// Removes the number at the front of a field such as `/3/0/17`.
 std::size_t take_index(std::string_view& field) {
     std::size_t index = 0;
     field.remove_prefix(1);
@@ -158,12 +158,12 @@ std::size_t take_index(std::string_view& field) {
     return index;
 }
 
-/// Drops the vertex of `/ring/vertex`.
+/// Removes the vertex from a field such as `/ring/vertex`.
 std::string ring_of(std::string_view field) {
     return std::string(field.substr(0, field.find('/', 1)));
 }
 
-/// Drops the vertex of a field if its ring has no such one.
+/// Removes the vertex from a field if the ring, as it was given, has no vertex of this number.
 std::string_view without_added(std::string_view field, const std::vector<PolygonPart>& parts) {
     std::string_view rest = field;
     const PolygonPart& part = parts[take_index(rest)];
@@ -187,7 +187,7 @@ std::size_t PolygonInput::corner_count() const {
 }
 
 std::string PolygonInput::locate(std::string_view field) const {
-    if (field.empty() && sources.size() > 1) return {};  // all of them
+    if (field.empty() && sources.size() > 1) return {};  // it is about all sources
     if (field.empty()) return sources.front().nesting == Nesting::Members ? "/polygon" : sources.front().coordinates;
     field = without_added(field, parts);
     const std::size_t part = take_index(field);

@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-/// Polygons as a request gave them, and where in it they stood.
+/// Polygons of a request, and their locations in it.
 struct PolygonInput {
     /// Nesting of positions in the request.
     enum class Nesting {
@@ -25,7 +25,7 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
-    /// Where parts stood: those of one geometry, up to the first of the next.
+    /// Location of the parts of one geometry; its last part is before the first one of the next source.
     struct Source {
         std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
@@ -34,39 +34,39 @@ struct PolygonInput {
 
     std::vector<PolygonPart> parts;
     std::vector<Source> sources = {{}};  ///< in the order of their parts; never empty
-    /// Of each feature of a FeatureCollection, if that is what it was, its first part; of one without, the next one's.
+    /// Index of the first part of each feature of a FeatureCollection, or of the next one's if a feature has none.
     std::vector<std::size_t> features = {};
 
     std::size_t corner_count() const;
 
     bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
-    /// Makes the JSON Pointer, in the request, to what Domain::create calls `field`: of a vertex that was added to a
-    /// ring (core/globe/region.h) to the ring.
+    /// Returns the JSON Pointer, in the request, to what Domain::create calls `field`. For a vertex that was added to a
+    /// ring (core/globe/region.h), it points to the ring.
     std::string locate(std::string_view field) const;
 };
 
-/// Finds a member that must be there. Errors: Malformed.
+/// Finds a member that must exist. Errors: Malformed.
 Result<Input> require(const Input& object, std::string_view name);
 
 /// Reads `[[x,y],...]`.
-/// Errors: Malformed, with a JSON Pointer to what is wrong.
+/// Errors: Malformed, with a JSON Pointer to the faulty value.
 Result<Ring> read_ring(const Input& input);
 
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);
 
-/// Tells whether an object is GeoJSON: no request has a member `type`, which every GeoJSON object has.
+/// Returns whether a value is GeoJSON: every GeoJSON object has a member `type`, and no request has one.
 bool is_geojson(JsonValue value);
 
-/// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or
-/// FeatureCollection of such, whose parts all together are the polygon. Ordinates after the second, members that are
-/// not geometry, and features of a collection that have none are passed over.
-/// Errors: Malformed, with a JSON Pointer to what is wrong; Unusable if it is empty.
+/// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or FeatureCollection
+/// of such; all their parts together form the polygon. Ignores ordinates after the second, members that are not
+/// geometry, and features of a collection without geometry.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
 Result<PolygonInput> read_geometry(const Input& input);
 
-/// Reads areas: a list of rings, each a part, or GeoJSON as above, which may be empty.
-/// Errors: as read_geometry().
+/// Reads areas: a list of rings, each of which is a part, or GeoJSON as above, which may be empty.
+/// Errors: those of read_geometry().
 Result<PolygonInput> read_areas(const Input& input);
 
 /// Checks the number of corners. Errors: LimitExceeded for more than kMaxCorners.

@@ -8,7 +8,7 @@ namespace {
 constexpr std::uint64_t kMaxIterations = 1000;
 constexpr std::uint64_t kMaxPasses = 100;
 
-/// The last is of points alone.
+/// The last one is available for points only, not for halftones.
 constexpr std::array<Choice<Quality>, 4> kQualities = {{{"draft", Quality::Draft},
                                                         {"standard", Quality::Standard},
                                                         {"best", Quality::Best},

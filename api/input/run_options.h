@@ -8,10 +8,10 @@
 
 namespace ccdt::api {
 
-/// Words of the option `quality`.
+/// Returns the values of the option `quality`.
 std::span<const Choice<Quality>> qualities();
 
-/// Reads an option that every endpoint with sites shares, of its member's name. Errors: Malformed.
+/// Reads the option after which the function is named; all endpoints with sites share it. Errors: Malformed.
 Result<void> read_seed(const Input& input, Options& options);
 Result<void> read_iterations(const Input& input, Options& options);
 Result<void> read_passes(const Input& input, Options& options);

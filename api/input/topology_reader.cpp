@@ -19,7 +19,7 @@ Input below(const Input& parent, std::size_t index, JsonValue value) {
     return {pointer, pointer, value};
 }
 
-/// Reads a pair of numbers, and passes over those after them.
+/// Reads a pair of numbers; ignores further ones.
 std::optional<Point> read_pair(JsonValue value) {
     if (!value.is_array() || value.size() < 2) return std::nullopt;
     auto i = value.begin();
@@ -52,7 +52,7 @@ Result<std::optional<Transform>> read_transform(const Input& topology) {
     return transform;
 }
 
-/// Arcs of a document, each of which is decoded when it is first asked for.
+/// Arcs of a document, each of which is decoded on first use.
 class Arcs {
 public:
     static Result<Arcs> create(const Input& topology) {
@@ -66,7 +66,7 @@ public:
 
     std::size_t size() const { return arcs_.size(); }
 
-    /// Gives the positions of an arc.
+    /// Returns the positions of an arc.
     Result<std::span<const Point>> at(std::size_t index) {
         Arc& arc = arcs_[index];
         if (arc.is_decoded) return std::span<const Point>(arc.points);
@@ -114,7 +114,7 @@ public:
 private:
     using Nesting = PolygonInput::Nesting;
 
-    /// @param is_root  geometries of a collection are features
+    /// @param is_root  whether the geometries of a collection are features
     Result<void> read_object(const Input& object, bool is_root) {
         if (!json_of(object).is_object()) return malformed(object, "must be an object of TopoJSON");
         const auto type = require(object, "type");
@@ -159,7 +159,7 @@ private:
         return {};
     }
 
-    /// Joins arcs; each begins where the one before it ends.
+    /// Joins arcs; each begins at the last position of the previous one.
     Result<void> read_ring(const Input& indices, Ring& ring) {
         return for_each(indices, "must be a list of indices of arcs", [&](const Input& index) -> Result<void> {
             const auto arc = find_arc(index);
@@ -181,7 +181,7 @@ private:
         });
     }
 
-    /// @returns  the arc, and whether it is to be run through backwards
+    /// @returns  the arc, and whether it is traversed backwards
     Result<std::pair<std::span<const Point>, bool>> find_arc(const Input& index) {
         const auto count = static_cast<double>(arcs_.size());
         const double given = json_of(index).is_number() ? json_of(index).number() : count;
@@ -196,7 +196,7 @@ private:
         });
     }
 
-    /// Calls read(element) with each element of an array, until one is wrong.
+    /// Calls read(element) for each element of an array, up to the first error.
     template <class Read>
     Result<void> for_each(const Input& list, std::string_view expected, Read read) {
         if (!json_of(list).is_array()) return malformed(list, expected);

@@ -6,20 +6,20 @@
 
 namespace ccdt::api {
 
-/// State of a job, as its client is told.
+/// State of a job, as clients see it.
 struct JobDocument {
     std::string_view id;
     std::string_view status;
     double progress = 0;  ///< 0 to 1
     int iteration = 0;
     std::optional<double> variation;
-    std::string created;  ///< times as in RFC 3339
+    std::string created;  ///< times in RFC 3339 format
     std::optional<std::string> started;
     std::optional<std::string> finished;
-    std::string error;  ///< a problem as JSON; empty: none
+    std::string error;  ///< a problem document in JSON; empty: none
 };
 
-/// Writes the state of a job as JSON, in one line without an end. What there is not yet is null.
+/// Writes the state of a job as JSON, on one line without a line break. Missing values are null.
 std::string job_json(const JobDocument& document);
 
 }  // namespace ccdt::api

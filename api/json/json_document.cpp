@@ -11,14 +11,14 @@
 namespace ccdt::api {
 namespace {
 
-/// @param position  counted from 1
+/// @param position  of the error, counted from 1
 tl::unexpected<Error> invalid_at(std::size_t position) {
     return failure(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
 }
 
 }  // namespace
 
-/// Takes the parser's events and stops it at the first that goes too far. The names are the library's.
+/// Receives the parser's events and stops it at the first error or exceeded limit. The library prescribes the names.
 class JsonBuilder {
 public:
     using Kind = JsonDocument::Kind;
@@ -51,9 +51,8 @@ private:
     bool add(Kind kind, std::uint64_t payload) {
         auto& nodes = document_.nodes_;
         if (nodes.size() == JsonDocument::kMaxValues) {
-            return fail(ErrorCode::LimitExceeded, "the body holds more than " +
-                                                      std::to_string(JsonDocument::kMaxValues) +
-                                                      " JSON values, the most that is read");
+            return fail(ErrorCode::LimitExceeded, "the body has more than " + std::to_string(JsonDocument::kMaxValues) +
+                                                      " JSON values, which is the limit");
         }
         nodes.push_back({payload, static_cast<std::uint32_t>(nodes.size() + 1), kind});
         return true;
@@ -112,7 +111,7 @@ private:
 };
 
 Result<JsonDocument> JsonDocument::parse(std::string_view text) {
-    // Which the library takes for the end.
+    // The library takes a NUL for the end of the text.
     if (const auto nul = text.find('\0'); nul != std::string_view::npos) return invalid_at(nul + 1);
     JsonBuilder builder;
     nlohmann::json::sax_parse(text.begin(), text.end(), &builder);

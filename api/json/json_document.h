@@ -13,18 +13,18 @@ namespace ccdt::api {
 
 class JsonValue;
 
-/// JSON text that was read: a flat list of values in the order they stand in the text: it costs 16 bytes a value, and
-/// neither copying nor destroying it recurses, however deep the text nests.
+/// Parsed JSON text, as a flat list of values in the order of the text. It takes 16 bytes per value, and neither
+/// copying nor destroying it recurses, however deep the text nests.
 class JsonDocument {
 public:
     static constexpr std::size_t kMaxDepth = 32;
     static constexpr std::size_t kMaxValues = std::size_t{1} << 23;  ///< member names count as values
 
-    /// Parses a text. Errors: Malformed for what is not JSON (RFC 8259, UTF-8), deeper than kMaxDepth, or an object
-    /// with two members of one name; LimitExceeded for more than kMaxValues.
+    /// Parses a text. Errors: Malformed for invalid JSON (RFC 8259, UTF-8), for nesting deeper than kMaxDepth, and for
+    /// an object with two members of the same name; LimitExceeded for more than kMaxValues.
     static Result<JsonDocument> parse(std::string_view text);
 
-    /// Gives the whole text's value; the document must outlive it and stay where it is.
+    /// Returns the value of the whole text. The document must outlive it and must not move.
     JsonValue root() const;
 
 private:
@@ -34,8 +34,8 @@ private:
     enum class Kind : std::uint8_t { Null, Boolean, Number, String, Array, Object };
 
     struct Node {
-        std::uint64_t payload = 0;  ///< a double's bits, a boolean, an index into texts_, a count of elements
-        std::uint32_t end = 0;      ///< index of the node after this one and all that it holds
+        std::uint64_t payload = 0;  ///< bits of a double, a boolean, an index into texts_, or a number of elements
+        std::uint32_t end = 0;      ///< index of the node after this one and all its descendants
         Kind kind = Kind::Null;
     };
 
@@ -43,7 +43,7 @@ private:
     std::vector<std::string> texts_;
 };
 
-/// Value inside a JsonDocument. Small; pass it by value. What is asked must fit the kind.
+/// A value in a JsonDocument. Small; pass it by value. Accessors require a value of their type.
 class JsonValue {
 public:
     class Iterator;
@@ -60,7 +60,7 @@ public:
     double number() const;
     const std::string& text() const { return document_->texts_[node().payload]; }
 
-    /// Counts the elements of an array, or the members of an object.
+    /// Returns the number of elements of an array, or of members of an object.
     std::size_t size() const { return static_cast<std::size_t>(node().payload); }
 
     /// Iterates over the elements of an array.
@@ -70,7 +70,7 @@ public:
     /// Lists the members of an object, in the order of the text.
     std::vector<Member> members() const;
 
-    /// Finds a member of an object by its name.
+    /// Finds a member of an object by name.
     std::optional<JsonValue> find(std::string_view name) const;
 
 private:
@@ -105,13 +105,13 @@ struct JsonValue::Member {
     JsonValue value;
 };
 
-/// Appends a value as JSON text; numbers are the shortest that read back to the same double.
+/// Appends a value as JSON text. Numbers have the fewest digits that read back to the same double.
 void append_json(std::string& out, JsonValue value);
 
 /// Appends a text as a JSON string; bytes that are not UTF-8 are replaced.
 void append_json_text(std::string& out, std::string_view text);
 
-/// Makes a JSON Pointer (RFC 6901) one step below another.
+/// Returns the JSON Pointer (RFC 6901) to a member or an element of the value at `pointer`.
 std::string pointer_below(std::string_view pointer, std::string_view member);
 std::string pointer_below(std::string_view pointer, std::size_t element);
 

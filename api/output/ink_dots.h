@@ -14,28 +14,28 @@
 
 namespace ccdt::api {
 
-/// Grounds of a drawing with dots on both sides of the tonal scale, in the points' units.
+/// Black ground of a halftone with dots on both sides of the tonal scale, in the units of the points.
 struct Grounds {
     std::span<const Ink> inks;                           ///< [channels]
-    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] around ground that is ink, by the even-odd rule
+    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] around black ground, by the even-odd rule
 };
 
-/// Dots of one kind on both sides of the tonal scale, in the points' units.
+/// Dots that flip the same channels, on both sides of the tonal scale, in the units of the points.
 struct TwoSidedDots {
-    const SizedDots& dots;  ///< `white` tells of channels whose ground is not ink
-    unsigned flips;         ///< channels, as bits
+    const SizedDots& dots;  ///< `white` has the bits of the channels with white ground
+    unsigned flips;         ///< bits of the channels that they flip
     const Grounds& grounds;
 };
 
-/// Dots of an ink, as writers of answers take them; what they refer to must outlive them.
+/// Dots of an ink, as writers receive them. Everything that it refers to must outlive it.
 struct InkDots {
     const Ink& ink;
     const Distribution& dots;
-    double radius = 0;                        ///< of each dot, in the points' units; only drawings ask for it
+    double radius = 0;                        ///< of each dot, in the units of the points; used only by drawings
     const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
 };
 
-/// Calls function(channel) for each of some channels that are given as bits.
+/// Calls function(channel) for each channel whose bit is set.
 template <class Function>
 void for_channels(unsigned bits, const Function& function) {
     for (std::size_t channel = 0; bits >> channel != 0; ++channel) {
@@ -43,12 +43,12 @@ void for_channels(unsigned bits, const Function& function) {
     }
 }
 
-/// Tells whether answers tell inks apart. Of the only ink, which has no name, they tell nothing but its points.
+/// Returns whether answers name inks. A single ink has no name, and answers contain only its points.
 inline bool are_named(std::span<const InkDots> inks) {
     return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
 }
 
-/// Ranks of some points, or none.
+/// Returns the ranks of a range of points; empty if points have none.
 inline std::span<const std::uint32_t> ranks_of(const Distribution& points, std::size_t first, std::size_t count) {
     const std::span<const std::uint32_t> all = points.ranks;
     return all.empty() ? all : all.subspan(first, count);

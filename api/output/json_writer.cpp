@@ -17,9 +17,9 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
-constexpr std::size_t kStopStride = 4'096;  ///< points between two looks at the stop token
+constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
 
-/// Appends a number. JSON has no word for what is not finite, and whoever reads a number was promised one.
+/// Appends a number. Throws if it is not finite, since JSON cannot express that and clients expect a number.
 void append_number(std::string& out, double value) {
     if (!std::isfinite(value)) throw std::domain_error("a number of the answer is not finite");
     append_shortest(out, value);
@@ -51,7 +51,8 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list, each element by `append_element(out, element)`. Stopped, or if nobody takes it, it ends early.
+/// Writes a long list, each element by `append_element(out, element)`. Ends early on a stop, or if the taker of the
+/// body fails.
 template <class Element, class AppendElement>
 void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
     std::string& out = body.text();
@@ -77,7 +78,7 @@ void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
     append_array(out, indices, append_index);
 }
 
-/// Writes `,"rank":[...]`, if points have ranks.
+/// Writes `,"rank":[...]` if points have ranks.
 void write_ranks(Body& body, std::span<const std::uint32_t> ranks, const std::stop_token& stop) {
     if (ranks.empty()) return;
     body.text() += ",\"rank\":";
@@ -122,7 +123,7 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
-/// Appends members that tell what was asked for.
+/// Appends members that repeat the request.
 void append_order(std::string& out, std::size_t sites, const Report& report) {
     out += "\"sites\":";
     append_number(out, std::uint64_t{sites});
@@ -130,7 +131,7 @@ void append_order(std::string& out, std::size_t sites, const Report& report) {
     out.append(",\"method\":\"").append(report.method).append("\"");
 }
 
-/// Appends members that tell what a run came to, and what there is to tell about the request.
+/// Appends members about the outcome of a run, and about repairs and warnings.
 void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (stopped) out += ",\"partial\":true";
     if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
@@ -138,7 +139,7 @@ void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
-/// Appends members that tell where points come from.
+/// Appends members about the run that placed the points.
 void append_run(std::string& out, const Distribution& distribution, const Report& report) {
     append_order(out, distribution.points.size(), report);
     append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
@@ -146,7 +147,7 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     append_remarks(out, distribution.stopped, report);
 }
 
-/// Writes repairs or warnings. Both are our own words and numbers: nothing needs to be escaped.
+/// Writes repairs or warnings. Their texts are not escaped.
 template <class Remark>
 std::string write_remarks(std::span<const Remark> remarks) {
     std::string out;
@@ -164,7 +165,7 @@ double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
 
-/// Appends members that tell of the whole answer.
+/// Appends members about the whole answer.
 void append_report(std::string& out, const Report& report) {
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (!report.picture) return;
@@ -175,7 +176,7 @@ void append_report(std::string& out, const Report& report) {
     append_member(out, "tone", report.dots->tone);
 }
 
-/// Writes the members of an answer whose points are those of the only ink.
+/// Writes the members of an answer with a single ink.
 void write_distribution(Body& body, const Distribution& distribution, const Report& report,
                         const std::stop_token& stop) {
     std::string& out = body.text();
@@ -190,7 +191,7 @@ void write_distribution(Body& body, const Distribution& distribution, const Repo
     if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
 }
 
-/// Rounds to a thousandth: an outline needs no more digits.
+/// Rounds to a thousandth, which is precise enough for outlines.
 Point rounded(Point point) {
     constexpr double kSteps = 1000;
     return {std::round(point.x * kSteps) / kSteps, std::round(point.y * kSteps) / kSteps};
@@ -209,7 +210,7 @@ void write_rings(Body& body, std::span<const std::vector<Point>> rings, const st
     write_list(body, rings, append_ring, stop);
 }
 
-/// Writes radius and side of each dot, and the black ground.
+/// Writes the radius and side of each dot, and the outlines of the black ground.
 void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
     write_radii(body, two_sides.dots, stop);
     body.text() += ",\"side\":";
@@ -244,7 +245,7 @@ void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
     out += '}';
 }
 
-/// Writes the rings of each channel.
+/// Writes the outlines of the black ground of each channel.
 void write_grounds(Body& body, const Grounds& grounds, const std::stop_token& stop) {
     std::string& out = body.text();
     out += ",\"grounds\":[";
@@ -258,7 +259,7 @@ void write_grounds(Body& body, const Grounds& grounds, const std::stop_token& st
     out += ']';
 }
 
-/// Writes the members of an answer that tells inks apart.
+/// Writes the members of an answer with named inks.
 void write_inks(Body& body, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
     std::string& out = body.text();
     const bool of_kinds = inks.front().two_sides != nullptr;
@@ -271,7 +272,7 @@ void write_inks(Body& body, std::span<const InkDots> inks, const Report& report,
     append_report(out, report);
 }
 
-/// Appends members that tell where the points of a map come from.
+/// Appends members about the run that placed the points of a dot map.
 void append_map_run(std::string& out, const MapOfDots& map, const Report& report) {
     append_order(out, map.size(), report);
     std::uint64_t iterations = 0;
@@ -287,8 +288,8 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Writes `,"name":[...]` with a number for each point, by its class and its place in that. Stopped, or if nobody takes
-/// it, it ends early.
+/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the taker of the
+/// body fails.
 template <class NumberOf>
 void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
                   const std::stop_token& stop) {
@@ -315,7 +316,7 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Writes the features and how many points each has. If nobody takes it, it ends early.
+/// Writes the features and the number of points of each. Ends early if the taker of the body fails.
 void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
@@ -351,8 +352,8 @@ void append_classes(std::string& out, const MapOfDots& map) {
     });
 }
 
-/// Appends properties that tell of which feature and class dots are, each with a comma behind it: those that are
-/// carried come first.
+/// Appends the properties of all points of a class in a feature, each followed by a comma: first those that points
+/// carry, then those that identify feature and class.
 void append_origin(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature) {
     if (map.properties != nullptr) {
         const std::size_t before = out.size();
@@ -384,7 +385,7 @@ void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::u
     out += "}}";
 }
 
-/// Texts around the Features of single points.
+/// Text before and after the Features of single points.
 struct Separators {
     std::string_view before_first, before_others, after;
 };
@@ -393,10 +394,10 @@ constexpr Separators kListed{"", ",\n", ""};
 constexpr Separators kLines{"", "", "\n"};
 constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 
-/// Writes a Feature for each point. Stopped, or if nobody takes it, it ends early.
-/// @param ranks       of the points, or none
-/// @param properties  of all of them, each with a comma behind it
-/// @param is_first    of the answer
+/// Writes a Feature for each point. Ends early on a stop, or if the taker of the body fails.
+/// @param ranks       of the points; may be empty
+/// @param properties  that all points share, each followed by a comma
+/// @param is_first    whether these points are the first of the answer
 void write_single_points(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks,
                          std::string_view properties, const Separators& separators, bool is_first,
                          const std::stop_token& stop) {
@@ -417,7 +418,7 @@ void write_single_points(Body& body, std::span<const Point> points, std::span<co
     }
 }
 
-/// Writes a Feature for each point of a map.
+/// Writes a Feature for each point of a dot map.
 void write_single_points(Body& body, const MapOfDots& map, const Separators& separators, const std::stop_token& stop) {
     bool first = true;
     for (const MapDots& each : map.classes) {
@@ -433,7 +434,7 @@ void write_single_points(Body& body, const MapOfDots& map, const Separators& sep
     }
 }
 
-/// Writes a Feature for each point of the only ink.
+/// Writes a Feature for each point of a single ink.
 void write_single_points(Body& body, const InkDots& ink, const Separators& separators, const std::stop_token& stop) {
     write_single_points(body, ink.dots.points, ink.dots.ranks, {}, separators, true, stop);
 }

@@ -13,18 +13,18 @@
 
 namespace ccdt::api {
 
-/// Dots of one class of a map, as writers of answers take them; what they refer to must outlive them.
+/// Dots of one class of a dot map, as writers receive them. Everything that it refers to must outlive it.
 struct MapDots {
-    const Ink& ink;  ///< its name is that of the class; empty: of the only one, which answers do not tell of
+    const Ink& ink;  ///< has the name of the class; empty for a single class that answers do not name
     const ClassDots& dots;
-    double radius = 0;  ///< of each dot, in the points' units; only drawings ask for it
+    double radius = 0;  ///< of each dot, in the units of the points; used only by drawings
 };
 
-/// Dots of a map, of all classes, and its features.
+/// Dots of all classes of a dot map, and its features.
 struct MapOfDots {
     std::span<const MapDots> classes;               ///< at least one
-    std::span<const std::string> feature_ids;       ///< [features] as JSON; empty where there is none
-    const CarriedProperties* properties = nullptr;  ///< of the features; null: none are carried
+    std::span<const std::string> feature_ids;       ///< [features] as JSON; empty for a feature without id
+    const CarriedProperties* properties = nullptr;  ///< of the features; null: points carry none
 
     bool are_named() const { return !classes.front().ink.name.empty(); }
     bool are_ranked() const {
@@ -37,7 +37,7 @@ struct MapOfDots {
     }
 };
 
-/// Calls function(feature, first, count) with each run of points of one feature.
+/// Calls function(feature, first, count) for each run of points of the same feature.
 template <class Function>
 void for_features(const ClassDots& dots, Function&& function) {
     const auto& features = dots.feature_of;

@@ -10,13 +10,13 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kStopStride = 4'096;  ///< points between two looks at the stop token
-constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a comma, the end of the line
+constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
+constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a comma and a line break
 constexpr std::size_t kUsualName = 8;       ///< of an ink, with its comma
-constexpr std::size_t kNpyAlignment = 64;   ///< of where the numbers begin
+constexpr std::size_t kNpyAlignment = 64;   ///< of the offset of the first number
 
-/// @param ranks  of the points, or none
-/// @param end    of each line
+/// @param ranks  of the points; may be empty
+/// @param end    end of each line
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {
     std::string& out = body.text();
@@ -31,7 +31,7 @@ void write_lines(Body& body, std::span<const Point> points, std::span<const std:
     }
 }
 
-/// Writes the beginning of an array's file.
+/// Writes the header of an NPY file.
 void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
     static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
     constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
@@ -49,7 +49,7 @@ void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
 }
 
 /// Writes a row for each point.
-/// @param rest  gives the columns after the first two
+/// @param rest  returns the columns after the first two
 template <class Rest>
 void write_rows(Body& body, std::span<const Point> points, std::size_t columns, Rest rest,
                 const std::stop_token& stop) {
@@ -61,13 +61,13 @@ void write_rows(Body& body, std::span<const Point> points, std::size_t columns, 
     }
 }
 
-/// Inks of the ground below a dot, as bits.
-/// @param white  channels whose ground is not ink
+/// Returns the inks of the ground below a dot, as bits.
+/// @param white  bits of the channels with white ground
 unsigned inks_below(unsigned white, const Grounds& grounds) {
     return ~white & ((1U << grounds.inks.size()) - 1);
 }
 
-/// Names inks of channels that are given as bits, or tells that there are none.
+/// Joins the names of the inks whose bits are set, or returns "paper" if there are none.
 std::string names_of(unsigned bits, const Grounds& grounds) {
     std::string names;
     for_channels(
@@ -75,8 +75,8 @@ std::string names_of(unsigned bits, const Grounds& grounds) {
     return names.empty() ? "paper" : names;
 }
 
-/// Writes a line for each dot, with its radius and its side or, of several channels, what it flips and what is its
-/// ground.
+/// Writes a line for each dot, with its radius and its side or, with several channels, the channels that it flips and
+/// its ground.
 void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop_token& stop) {
     const bool named = are_named(kinds);
     std::string& out = body.text();
@@ -103,7 +103,7 @@ void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop
     }
 }
 
-/// Quotes a field that has what parts fields (RFC 4180).
+/// Quotes a field that contains a separator or a quote (RFC 4180).
 std::string quoted(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
     std::string out = "\"";
@@ -111,8 +111,8 @@ std::string quoted(std::string_view text) {
     return out + '"';
 }
 
-/// Appends the columns of a feature's properties: texts as they are, nothing for null and for what is missing, JSON for
-/// all else.
+/// Appends the columns of a feature's properties: text as it is, other values as JSON, and nothing for null or a
+/// missing property.
 void append_columns(std::string& out, const CarriedProperties& properties, std::size_t feature) {
     std::size_t column = 0;
     for (const auto& [name, is_text, value] : properties.of_feature[feature]) {

@@ -21,21 +21,21 @@ constexpr Box kSpectrum{{510, 50}, {930, 470}};
 constexpr Box kPower{{1010, 50}, {1410, 240}};
 constexpr Box kAnisotropy{{1010, 280}, {1410, 470}};
 
-constexpr double kTitle = 16, kLabel = 13, kTick = 12;  // sizes of letters
+constexpr double kTitle = 16, kLabel = 13, kTick = 12;  // font sizes
 constexpr std::string_view kFrame = R"(fill="none" stroke="#000")";
 constexpr std::string_view kTickLine = R"(stroke="#000")";
 constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")";
 constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
 
-constexpr double kMostShown = 2500;  // points; more would be grey
-constexpr double kWhitest = 3;       // power
+constexpr double kMostShown = 2500;  // points; more would look grey
+constexpr double kWhitest = 3;       // power that is drawn white
 
 std::string decimal(double value) {
     char digits[32];
     return {digits, std::to_chars(digits, digits + sizeof digits, std::round(value * 1e6) / 1e6 + 0.0).ptr};
 }
 
-/// Writes a number, its thousands set off by commas.
+/// Formats an integer with commas between groups of thousands.
 std::string grouped(std::size_t number) {
     std::string text = std::to_string(number);
     for (std::size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, 1, ',');
@@ -46,13 +46,13 @@ double middle(double a, double b) {
     return (a + b) / 2;
 }
 
-/// Values along one side of a chart.
+/// Range of values along one side of a chart.
 struct Axis {
     double min;
     double max;
     double step;  ///< between ticks
 
-    /// Makes an axis from `min` to `max`, both moved outwards to ticks, of which there will be a handful.
+    /// Returns an axis that contains [min, max] and ends at ticks, of which it has a handful.
     static Axis around(double min, double max) {
         const double raw = (max - min) / 4;
         const double decade = std::pow(10, std::floor(std::log10(raw)));
@@ -117,14 +117,14 @@ void draw_curve(SvgDrawing& svg, const Chart& chart, const std::vector<double>& 
     svg.end_clip();
 }
 
-/// Draws a level to compare the curve with.
+/// Draws a line at a level for comparison with the curve.
 void draw_reference(SvgDrawing& svg, const Chart& chart, double level, std::string_view words) {
     const Point end = chart.at(chart.x.max, level);
     svg.line(chart.at(chart.x.min, level), end, kReference);
     svg.text(end + Point{7, 4}, Anchor::Start, kTick, words);
 }
 
-/// Part of the domain that is shown, and how large it is.
+/// Part of the domain that is shown, and its scale.
 struct View {
     Box shown;
     Point centre;  ///< of the panel
@@ -139,7 +139,7 @@ struct View {
     }
 };
 
-/// Chooses the whole domain, or a part in its middle that would hold kMostShown points if they were spread evenly.
+/// Selects the whole domain, or a part in its middle that would contain kMostShown points if they were spread evenly.
 View view_of(std::size_t points, const Box& domain) {
     const double share = std::min(1.0, kMostShown / static_cast<double>(points));
     const double side = std::sqrt(share * domain.width()) * std::sqrt(domain.height());
@@ -171,10 +171,10 @@ void draw_points(SvgDrawing& svg, const Analysis& analysis, std::span<const Poin
     draw_caption(svg, frame, 22, caption);
 }
 
-/// The spectrum as grey levels, the light in proportion to the power, y down.
+/// The spectrum as grey levels, with light in proportion to the power; y points down.
 struct Periodogram {
     Raster raster;
-    Point size;  ///< in frequencies, the last one perhaps beyond the spectrum
+    Point size;  ///< in frequencies; may reach beyond the spectrum
 };
 
 /// Averages the power of the frequencies that share a pixel.
@@ -191,8 +191,8 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
     return sum / count;
 }
 
-/// Draws the spectrum: many frequencies share pixels; few are given several each, since not every viewer enlarges
-/// without blurring.
+/// Draws the spectrum. Pixels of a large one show several frequencies. In a small one, each frequency has several
+/// pixels, because some viewers blur pictures when they enlarge them.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
     constexpr int kMostPixels = 640, kFewestPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);
@@ -246,7 +246,7 @@ void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequenci
 }
 
 void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
-    constexpr double kMost = 40;  // dB; beyond lie rings that hold next to no power
+    constexpr double kMost = 40;  // dB; rings beyond these have almost no power
     const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
     const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
     const double least = std::max(std::min(low, isotropic - 5), isotropic - kMost);

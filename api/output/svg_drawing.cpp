@@ -21,7 +21,7 @@ std::string_view name_of(Anchor anchor) {
     return "end";
 }
 
-/// Alphabet of base64 (RFC 4648, section 4).
+/// Encodes bytes as base64 (RFC 4648, section 4).
 std::string base64(std::string_view bytes) {
     constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
@@ -67,7 +67,7 @@ void SvgDrawing::rectangle(const Box& box, std::string_view style) {
 }
 
 void SvgDrawing::dots(std::span<const Point> centres, double radius) {
-    // A path of no length with round caps: a third of the bytes of as many circles.
+    // Subpaths of zero length with round caps take a third of the bytes of circles.
     write("<path stroke=\"#000\" stroke-linecap=\"round\" stroke-width=\"", 2 * radius, "\" d=\"");
     for (const Point& centre : centres) write("M", centre.x, " ", centre.y, "h0");
     write("\"/>\n");
@@ -93,7 +93,7 @@ std::string SvgDrawing::finish() {
     return std::move(out_);
 }
 
-/// Appends two decimals at most, without trailing zeros.
+/// Appends a length with at most two decimals, without trailing zeros.
 void SvgDrawing::append(double length) {
     append_rounded(out_, length, 2);
 }

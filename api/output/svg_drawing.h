@@ -10,14 +10,14 @@ namespace ccdt::api {
 
 enum class Anchor { Start, Middle, End };
 
-/// SVG document in the making. Lengths are user units, y runs down. Coordinates are written with two decimals.
+/// Builder of an SVG document. Lengths are in user units; y points down. Coordinates are written with two decimals.
 /// Same calls, same bytes.
 class SvgDrawing {
 public:
-    /// Begins a document, white all over.
+    /// Begins a document with a white background.
     SvgDrawing(double width, double height);
 
-    /// @param words  XML text: `<`, `&` are up to the caller
+    /// @param words  XML text, in which the caller has escaped `<` and `&`
     void text(Point at, Anchor anchor, double size, std::string_view words);
 
     /// @param style  SVG attributes
@@ -28,14 +28,14 @@ public:
     /// Draws black discs of equal size.
     void dots(std::span<const Point> centres, double radius);
 
-    /// Stretches a picture over a box, its pixels left square and sharp.
+    /// Stretches a picture over a box, with sharp, square pixels.
     void picture(const Box& box, std::string_view png);
 
-    /// Clips: until the matching end, what lies outside the box is not seen. Coordinates stay as they are.
+    /// Clips to a box everything that is drawn before the matching end. Coordinates stay the same.
     void begin_clip(const Box& box);
     void end_clip();
 
-    /// Gives the document. Nothing can be drawn after it.
+    /// Returns the document. Nothing can be drawn after it.
     std::string finish();
 
 private:

@@ -7,10 +7,10 @@
 
 namespace ccdt::api {
 
-/// Draws an SVG document of our own as a PNG file, by librsvg and cairo.
+/// Renders one of our SVG documents as a PNG file, by librsvg and cairo.
 ///
 /// @param scale  pixels per user unit
-/// Same input, same bytes, with the same fonts installed. Errors: Internal if it is no SVG or memory runs out.
+/// Same input, same bytes, with the same fonts installed. Errors: Internal if it is not SVG or memory runs out.
 Result<std::string> render_svg(std::string_view svg, double scale);
 
 }  // namespace ccdt::api

@@ -7,16 +7,17 @@
 
 namespace ccdt::api {
 
-/// Outcome of a run that a deadline stops: an error, or what there is by then.
+/// Outcome of a run that reaches its deadline: an error, or a partial result.
 enum class OnStop { Error, Partial };
 
-/// Checks that nothing was asked to stop. Errors: Stopped.
+/// Checks that no stop was requested. Errors: Stopped.
 Result<void> check_stop(const std::stop_token& stop);
 
-/// Checks that a distribution is whole, or that its part will do. Errors: Stopped.
+/// Checks that a distribution is complete, or that a partial one is accepted. Errors: Stopped.
 Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
 
-/// Makes the token that ends the writing of an answer: one that never does where a part is to be told in full.
+/// Returns the token that stops the writing of an answer. It never stops if partial results are accepted, which are
+/// written in full.
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop);
 
 }  // namespace ccdt::api

@@ -4,10 +4,10 @@
 
 namespace ccdt::api {
 
-/// Clock of the stages of a computation.
+/// Measures the time of the stages of a computation.
 class Stopwatch {
 public:
-    /// Gives the milliseconds since the last lap, or since it was made.
+    /// Returns the milliseconds since the last lap, or since construction.
     double lap() {
         const auto now = Clock::now();
         const std::chrono::duration<double, std::milli> elapsed = now - start_;

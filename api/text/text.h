@@ -9,14 +9,14 @@
 
 namespace ccdt::api {
 
-/// Cuts off the blanks at both ends.
+/// Removes the blanks at both ends.
 inline std::string_view trim(std::string_view text, std::string_view blanks = " \t") {
     const auto first = text.find_first_not_of(blanks);
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Takes the part before the first separator; `text` keeps what follows it.
+/// Removes and returns the part before the first separator; `text` keeps what follows the separator.
 inline std::string_view take_until(std::string_view& text, std::string_view separator) {
     const auto at = text.find(separator);
     const auto part = text.substr(0, at);
@@ -24,8 +24,8 @@ inline std::string_view take_until(std::string_view& text, std::string_view sepa
     return part;
 }
 
-/// Reads a number, nothing before or after it; the same in any locale.
-/// @param form  base of a whole number, std::chars_format of another
+/// Parses a number that makes up the whole text, the same in any locale.
+/// @param form  base of an integer, std::chars_format of a floating-point number
 template <class T, class... Form>
 std::optional<T> parse_number(std::string_view text, Form... form) {
     T value{};
@@ -35,7 +35,8 @@ std::optional<T> parse_number(std::string_view text, Form... form) {
     return value;
 }
 
-/// Tells whether a text is letters, digits, dots, underscores and dashes: what is safe in a header, a log, a label.
+/// Returns whether a text has only letters, digits, dots, underscores and dashes, which are safe in headers, logs and
+/// labels, and is neither empty nor too long.
 inline bool is_plain_name(std::string_view text, std::size_t longest) {
     const auto is_plain = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||

@@ -19,7 +19,7 @@ double share_at(std::size_t entry) {
 /// Share of places whose nearest dot is within reach of them, by the number of dots in a disc of that reach.
 ///
 /// Measured on ten flat greys of 16,384 dots, quality standard, to 0.0001; drafts cover up to 0.006 less, the best up
-/// to 0.003 more. Shown by CoverageCurve.IsThatOfPolishedDots.
+/// to 0.003 more. Shown by CoverageCurve.MatchesPolishedDots.
 double within_reach(double dots) {
     constexpr double kFirst = 0.6, kStep = 0.05;  // below the first, discs do not touch
     constexpr std::array kShares = {0.6,     0.64968, 0.69899, 0.74649, 0.79030, 0.82966, 0.86439, 0.89447,

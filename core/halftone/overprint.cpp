@@ -17,7 +17,7 @@ using Channels = Overprint::Channels;
 /// @param a, b    areas of their dots per area
 /// @param others  those of all other inks
 /// Fitted to 1,300 flat tints of two to four inks, 8,000 dots, quality standard: the shares that two inks both cover
-/// come out to 0.002 (root mean square). Shown by Overprint.IsWhatDotsShow.
+/// come out to 0.002 (root mean square). Shown by Overprint.MatchesRasterizedDots.
 double overlap(double a, double b, double others) {
     const double crowding = 1.94 * (a * a + b * b) + 0.73 * a * b + 0.91 * (1 - std::exp(-others / 0.68)) - 0.106;
     return 1 - std::exp(-std::max(0.0, crowding));

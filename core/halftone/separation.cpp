@@ -41,7 +41,7 @@ public:
 private:
     /// What a full cover costs, in squared differences of colour: decides between mixtures that look alike, and leaves
     /// out dots that would not be seen. Without it greys are not black alone, and a hundredfold is seen:
-    /// Separation.MakesGreysOfBlackAlone and LooksLikeThePicture.
+    /// Separation.UsesBlackOnlyForGreys and MatchesColoursOfPicture.
     static constexpr double kPriceOfCover = 0.1;
 
     /// A mixture and what it looks like.
@@ -110,7 +110,7 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, d
 }
 
 Node Separator::node_of(const Light& light) const {
-    // Fewer parts, or one step in each, get lost: Separation.LooksLikeThePicture.
+    // Fewer parts, or one step in each, get lost: Separation.MatchesColoursOfPicture.
     constexpr int kParts = 6, kStepsOnTheWay = 2, kMostSteps = 20;
     constexpr double kExactOnTheWay = 1, kExact = 1e-4;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(Overprint::channels_of(light));

@@ -68,7 +68,7 @@ TEST(AnalyzeRequest, ReadsEveryMember) {
     EXPECT_EQ(request->format->file.name, "svg");
 }
 
-TEST(AnalyzeRequest, PointsAtWhatIsWrong) {
+TEST(AnalyzeRequest, LocatesErrorsByJsonPointer) {
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {"", ""},
         {kPoints + ',' + kSets, ""},
@@ -98,7 +98,7 @@ TEST(AnalyzeRequest, PointsAtWhatIsWrong) {
     }
 }
 
-TEST(AnalyzeRequest, StopsAtTheLimitOfPoints) {
+TEST(AnalyzeRequest, RefusesMorePointsThanTheLimit) {
     for (const auto& [members, field] : {std::pair{kPoints, "/points"}, std::pair{kSets, "/sets"}}) {
         const auto request = parse('{' + members + '}', "", {.max_sites = 3});
         ASSERT_FALSE(request);
@@ -109,7 +109,7 @@ TEST(AnalyzeRequest, StopsAtTheLimitOfPoints) {
     EXPECT_TRUE(parse('{' + kSets + '}', "", {.max_sites = 6}));
 }
 
-TEST(AnalyzeRequest, KnowsWhatIsAccepted) {
+TEST(AnalyzeRequest, NegotiatesTheFormat) {
     const std::string body = '{' + kPoints + '}';
     EXPECT_EQ(parse(body, "*/*")->format->file.name, "json");
     EXPECT_EQ(parse(body, "image/*")->format->file.name, "png");
@@ -118,7 +118,7 @@ TEST(AnalyzeRequest, KnowsWhatIsAccepted) {
     EXPECT_EQ(parse('{' + kPoints + R"(,"format":"png"})", "text/csv")->format->file.name, "png");
 }
 
-TEST(Analyze, AnswersWithTheDocumentedMembers) {
+TEST(Analyze, WritesTheDocumentedMembers) {
     const auto json = analyzed('{' + kSets + ',' + kTorus + '}');
     EXPECT_EQ(json.at("sets"), 3);
     const auto rings = json.at("frequency").size();
@@ -146,12 +146,12 @@ TEST(Analyze, MeasuresALattice) {
     }
 }
 
-TEST(Analyze, HasNoLowFrequenciesAmongFourPoints) {
+TEST(Analyze, HasNoLowFrequencyPowerForFourPoints) {
     EXPECT_TRUE(analyzed('{' + kPoints + '}').at("low_frequency_power").is_null());
     EXPECT_TRUE(analyzed('{' + lattice(5) + '}').at("low_frequency_power").is_number());
 }
 
-TEST(Analyze, PointsIntoTheRequestAtWhatCannotBeMeasured) {
+TEST(Analyze, LocatesPointsThatCannotBeAnalyzed) {
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {R"("points":[[0.5,0.5]])", "/points"},
         {R"("points":[])", "/points"},
@@ -171,7 +171,7 @@ TEST(Analyze, PointsIntoTheRequestAtWhatCannotBeMeasured) {
     }
 }
 
-TEST(Analyze, NamesTheLimitOfItsTransform) {
+TEST(Analyze, NamesTheLimitOfTheTransform) {
     const auto result = answer('{' + lattice(370) + R"(,"max_frequency":16})");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::LimitExceeded);
@@ -203,7 +203,7 @@ TEST(Analyze, DrawsThePlotAsSvg) {
     EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
-TEST(Analyze, ShowsTheMiddleOfVeryManyPoints) {
+TEST(Analyze, ShowsOnlyTheMiddleOfManyPoints) {
     const auto result = answer('{' + lattice(100) + R"(,"max_frequency":1,"format":"svg"})");
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_NE(result->body.find("the middle: 2,500 of 10,000 points"), std::string::npos);
@@ -237,14 +237,14 @@ TEST(Analyze, DrawsThePlotAsPng) {
     EXPECT_EQ(png.at(80 + 84, 100 + 168)[0], 255);
 }
 
-TEST(Analyze, IsTheSameEveryTime) {
+TEST(Analyze, IsDeterministic) {
     for (const auto* format : {"json", "svg", "png"}) {
         const std::string body = '{' + kSets + ',' + kTorus + R"(,"format":")" + format + "\"}";
         EXPECT_EQ(answer(body).value().body, answer(body).value().body) << format;
     }
 }
 
-TEST(Analyze, StopsWhenAsked) {
+TEST(Analyze, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     const auto request = parse('{' + kPoints + '}');

@@ -83,7 +83,7 @@ TEST_P(Documented, HaveTheFormatsThatAreDocumented) {
     EXPECT_EQ(types, std::set<std::string>(made.begin(), made.end()));
 }
 
-TEST_P(Documented, HaveTheOptionsThatAreDocumented) {
+TEST_P(Documented, ListDocumentedOptions) {
     std::set<std::string> documented;
     const Json properties = properties_of(GetParam().schema);
     for (const auto& [name, schema] : properties.items()) documented.insert(name);
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Endpoints, Documented,
                                          Endpoint{"analyze", "AnalyzeRequest"}),
                          [](const auto& each) { return each.param.name; });
 
-TEST(Capabilities, HaveTheMethodsThatAreDocumented) {
+TEST(Capabilities, ListDocumentedMethods) {
     const auto names = all(capabilities().at("sample").at("methods"), "name");
     for (const auto* schema : {"SampleRequest", "Origin"}) {
         const Json method = resolve(properties_of(schema).at("method"));
@@ -111,7 +111,7 @@ std::string objection(const std::string& option) {
     return request ? "" : request.error().message;
 }
 
-TEST(Capabilities, HaveTheWordsThatAreDocumented) {
+TEST(Capabilities, MatchDocumentedEnumerations) {
     int words = 0;
     const Json properties = properties_of("HalftoneRequest");
     for (const auto& [option, node] : properties.items()) {
@@ -126,7 +126,7 @@ TEST(Capabilities, HaveTheWordsThatAreDocumented) {
     EXPECT_GE(words, 5);
 }
 
-TEST(Capabilities, TellTheLimits) {
+TEST(Capabilities, ReportLimits) {
     const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99});
     EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99})"));
     const Json methods = json.at("sample").at("methods");
@@ -138,7 +138,7 @@ TEST(Capabilities, TellTheLimits) {
     EXPECT_EQ(method("odt").at("options"), Json::parse(R"(["iterations","tolerance"])"));
 }
 
-TEST(Capabilities, TellWhetherThereArePicturesOfTheServers) {
+TEST(Capabilities, ReportWhetherServerOffersPictures) {
     const auto told = [](OfferedPictures pictures) {
         return Json::parse(capabilities_json({}, pictures)).at("halftone").at("pictures");
     };
@@ -147,7 +147,7 @@ TEST(Capabilities, TellWhetherThereArePicturesOfTheServers) {
     EXPECT_EQ(told(OfferedPictures::Signed), "signed");
 }
 
-TEST(Capabilities, TellWhatIsDrawnAndHowLarge) {
+TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {
     const Json formats = capabilities().at("halftone").at("formats");
     const auto format = [&](const std::string& name) { return row_of(formats, name); };
     for (const auto* name : {"png", "svg", "webp", "tiff"}) EXPECT_EQ(format(name).at("drawn"), true) << name;

@@ -127,7 +127,7 @@ std::string squares(int side, int points, const std::string& options = R"("sites
 
 class SampleCost : public testing::TestWithParam<SampleCase> {};
 
-TEST_P(SampleCost, IsNeverPassed) {
+TEST_P(SampleCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     const auto request = parse_sample('{' + GetParam().body + '}', {}, "", {});
     ASSERT_TRUE(request) << request.error().message;
@@ -194,7 +194,7 @@ const std::string kColours = "astronaut.png";
 
 class HalftoneCost : public testing::TestWithParam<HalftoneCase> {};
 
-TEST_P(HalftoneCost, IsNeverPassed) {
+TEST_P(HalftoneCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     const std::string file = photograph(GetParam().picture);
     const auto request = parse_halftone(file, GetParam().options, "", {});
@@ -249,7 +249,7 @@ INSTANTIATE_TEST_SUITE_P(
             "cmyk_vectors", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}, 4, kColours}),
     [](const auto& each) { return each.param.name; });
 
-TEST(HalftoneCost, OfManyPixelsIsNeverPassed) {
+TEST(HalftoneCost, BoundsMemoryUsedForManyPixels) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     Raster raster{1600, 1600, 1, {}};
     for (int y = 0; y < raster.height; ++y) {
@@ -272,7 +272,7 @@ TEST(HalftoneCost, OfManyPixelsIsNeverPassed) {
     }
 }
 
-TEST(SampleCost, KnowsWhatAnAnswerHasAtLeast) {
+TEST(SampleCost, BoundsAnswerSizeFromBelow) {
     const auto least = [](const std::string& format) {
         const auto request = parse_sample(R"({"sites":1000,"format":")" + format + "\"," + kSquare + '}', {}, "", {});
         Timings timings;
@@ -286,7 +286,7 @@ TEST(SampleCost, KnowsWhatAnAnswerHasAtLeast) {
     for (const char* drawing : {"svg", "png"}) EXPECT_EQ(least(drawing), 0U);
 }
 
-TEST(AnalyzeCost, IsNeverPassed) {
+TEST(AnalyzeCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     std::string points;
     for (int i = 0; i < 20'000; ++i) {
@@ -305,7 +305,7 @@ TEST(AnalyzeCost, IsNeverPassed) {
     }
 }
 
-TEST(ParsingCost, IsNeverPassed) {
+TEST(ParsingCost, BoundsMemoryUsed) {
     if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
     std::string rings, words, numbers, pairs;
     for (int i = 0; i < 300'000; ++i) {
@@ -321,7 +321,7 @@ TEST(ParsingCost, IsNeverPassed) {
     }
 }
 
-TEST(Cost, KnowsShortRequests) {
+TEST(Cost, EstimatesTimeOfShortRequests) {
     const auto seconds = [](const std::string& body) { return cost_of(*parse_sample(body, {}, "", {}), {}).seconds; };
     EXPECT_LT(seconds(R"({"sites":1000,)" + kSquare + '}'), 0.02);
     EXPECT_GT(seconds(R"({"sites":20000,)" + kSquare + '}'), 0.02);
@@ -329,7 +329,7 @@ TEST(Cost, KnowsShortRequests) {
     EXPECT_GT(seconds(R"({"sites":1000,"method":"cvt",)" + kSquare + '}'), 0.02);
 }
 
-TEST(Cost, IsANumberForDomainsThatAreNone) {
+TEST(Cost, IsFiniteForDegenerateDomains) {
     const std::vector<std::string> polygons = {
         "[[1,1],[1,1],[1,1]]",
         "[[0,0],[1,0],[2,0]]",
@@ -346,7 +346,7 @@ TEST(Cost, IsANumberForDomainsThatAreNone) {
     }
 }
 
-TEST(UsualSites, ArePlacedInTwoSeconds) {
+TEST(UsualSites, TakeAtMostTwoSecondsToPlace) {
     const std::string file = photograph("camera.png");
     const auto most = [&](const std::vector<TextOption>& options) {
         const auto request = parse_halftone(file, options, "", {});
@@ -368,7 +368,7 @@ TEST(UsualSites, ArePlacedInTwoSeconds) {
     }
 }
 
-TEST(UsualSites, AreFewerInAThinPicture) {
+TEST(UsualSites, AreFewerInThinPictures) {
     const auto most = [](std::uint32_t width, std::uint32_t height) {
         HalftoneRequest request;
         request.image.header.width = width;
@@ -384,7 +384,7 @@ TEST(UsualSites, AreFewerInAThinPicture) {
     EXPECT_EQ(most(100, 10'000), square);
 }
 
-TEST(UsualSites, AreThoseOfThePictureBelowThat) {
+TEST(UsualSites, FollowPictureBelowTimeLimit) {
     const auto request = parse_halftone(photograph("camera.png"), {{"scale", "2"}}, "", {});
     const PictureSize all = {512, 512};
     EXPECT_EQ(usual_sites(*request, all, 80'000, 0, {}), 10'000U);
@@ -392,7 +392,7 @@ TEST(UsualSites, AreThoseOfThePictureBelowThat) {
     EXPECT_EQ(usual_sites(*request, all, 80'000, 0.04, {.max_sites = 7000}), 7000U);
 }
 
-TEST(UsualSites, FollowFromTheSizeOnAScreen) {
+TEST(UsualSites, FollowSizeOfDrawingForScreen) {
     const std::string file = photograph("camera.png");
     const auto sites = [&](const std::vector<TextOption>& options) {
         return usual_sites(*parse_halftone(file, options, "", {}), {512, 512}, 80'000, 0, {});
@@ -404,7 +404,7 @@ TEST(UsualSites, FollowFromTheSizeOnAScreen) {
     EXPECT_EQ(sites({{"width", "200"}, {"width_mm", "50"}}), 10'000U) << "in print it does not";
 }
 
-TEST(Cost, OfAPictureIsKnownFromItsHeader) {
+TEST(Cost, IsEstimatedFromPictureHeader) {
     const std::string file = fixture("grey.jpg");
     const auto memory = [&](std::vector<TextOption> options) {
         return cost_of(*parse_halftone(file, options, "", {}), {}).memory;

@@ -82,7 +82,7 @@ TEST(DotMapRequest, ReadsOptionsBesideADocument) {
     EXPECT_EQ(error_of(kTwo, {{"sites", "1e400"}}).field, "sites");
 }
 
-TEST(DotMapRequest, RefusesWhatDoesNotFitTogether) {
+TEST(DotMapRequest, RefusesConflictingOptions) {
     const std::string square = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]]]})";
     const std::pair<std::string, std::string> wrong[] = {
         {request(R"("sites":"people")", square), "/sites"},
@@ -107,12 +107,12 @@ TEST(DotMapRequest, RefusesWhatDoesNotFitTogether) {
     }
 }
 
-TEST(DotMapRequest, CostsWhatItsPointsDo) {
+TEST(DotMapRequest, CostsMoreForMorePoints) {
     const auto few = parse(request(R"("sites":"people","per":1000)")), many = parse(request(R"("sites":"people")"));
     EXPECT_GT(cost_of(*many, {}).seconds, 10 * cost_of(*few, {}).seconds);
 }
 
-TEST(DotMap, TellsOfEachPointItsFeature) {
+TEST(DotMap, WritesTheFeatureOfEachPoint) {
     const auto told = map(request(R"("sites":"people","per":100)"));
     ASSERT_EQ(told["points"].size(), 25U);
     ASSERT_EQ(told["feature"].size(), 25U);
@@ -127,7 +127,7 @@ TEST(DotMap, TellsOfEachPointItsFeature) {
     EXPECT_FALSE(told.contains("repaired"));
 }
 
-TEST(DotMap, TellsOfEachPointItsClass) {
+TEST(DotMap, WritesTheClassOfEachPoint) {
     const auto told = map(request(R"("classes":["people","dogs"],"per":100)"));
     EXPECT_EQ(told["features"],
               nlohmann::json::parse(R"([{"id":"west","sites":24,"classes":[20,4]},{"sites":6,"classes":[5,1]}])"));
@@ -137,7 +137,7 @@ TEST(DotMap, TellsOfEachPointItsClass) {
     EXPECT_EQ(std::count(told["class"].begin(), told["class"].end(), 1), 5);
 }
 
-TEST(DotMap, LeavesOutWhatHasNoAreaAndSaysSo) {
+TEST(DotMap, SkipsFeaturesWithoutAreaWithAWarning) {
     const std::string flat =
         R"({"type":"Feature","properties":{"people":300},"geometry":{"type":"Polygon","coordinates":[[[5,5],[6,6],[5,5]]]}})";
     const std::string none = R"({"type":"Feature","properties":{"people":100},"geometry":null})";
@@ -160,7 +160,7 @@ TEST(DotMap, LeavesOutWhatHasNoAreaAndSaysSo) {
     EXPECT_EQ(answer(request(R"("sites":"people")", collection(flat))).error().field, "/geometry/features");
 }
 
-TEST(DotMap, TellsWhatWasRepaired) {
+TEST(DotMap, ReportsRepairs) {
     const std::string tie =
         R"({"type":"Feature","properties":{"people":30},"geometry":{"type":"MultiPolygon","coordinates":)"
         R"([[[[7,0],[8,0],[8,1],[7,1]]],[[[2,0],[4,2],[4,0],[2,2]]]]}})";
@@ -172,7 +172,7 @@ TEST(DotMap, TellsWhatWasRepaired) {
     EXPECT_EQ(answer(request(R"("sites":"people","invalid":"reject")", features)).error().field, pointer);
 }
 
-TEST(DotMap, PointsToAFeatureWithoutDensity) {
+TEST(DotMap, LocatesAFeatureWithoutDensity) {
     const auto refused =
         answer(request(R"("sites":"people","per":100,"density":{"width":2,"height":1,"values":[1,0]})"));
     ASSERT_FALSE(refused);
@@ -180,14 +180,14 @@ TEST(DotMap, PointsToAFeatureWithoutDensity) {
     EXPECT_EQ(refused.error().field, "/geometry/features/1");
 }
 
-/// Calls check(x, y) with each point of a map of all points.
+/// Checks the number of points of an answer, and calls check(x, y) with each.
 template <class Check>
 void check_all(const nlohmann::json& told, std::size_t points, Check check) {
     ASSERT_EQ(told["points"].size(), points);
     for (const auto& point : told["points"]) check(point[0].get<double>(), point[1].get<double>());
 }
 
-TEST(DotMap, AvoidsWhatItIsTo) {
+TEST(DotMap, ExcludesAvoidedAreas) {
     for (const std::string coordinates : {"plane", "lonlat"}) {
         const auto told =
             map(request(R"("sites":"people","per":10,"avoid":[[[0.5,0.25],[1.5,0.25],[1.5,0.75],[0.5,0.75]]],)"
@@ -198,13 +198,13 @@ TEST(DotMap, AvoidsWhatItIsTo) {
     }
 }
 
-TEST(DotMap, AvoidsWhatIsOnAnotherTurnOfTheGlobe) {
+TEST(DotMap, ExcludesAvoidedAreasOnAnotherTurnOfTheGlobe) {
     const auto told = map(request(
         R"("sites":"people","per":10,"coordinates":"lonlat","avoid":[[[360.5,-1],[361.5,-1],[361.5,2],[360.5,2]]])"));
     check_all(told, 250, [](double x, double) { EXPECT_TRUE(x < 0.5 || x > 1.5); });
 }
 
-TEST(DotMap, KeepsOffTheBorderOfAllFeatures) {
+TEST(DotMap, KeepsTheBufferFromTheOuterBorder) {
     const auto told = map(request(R"("sites":"people","per":10,"buffer":0.125)"));
     double between = 1;
     check_all(told, 250, [&](double x, double y) {
@@ -217,7 +217,7 @@ TEST(DotMap, KeepsOffTheBorderOfAllFeatures) {
     check_all(apart, 250, [](double x, double) { EXPECT_TRUE(x <= 0.375 || x >= 1.625) << x; });
 }
 
-TEST(DotMap, LeavesOutFeaturesOfWhichNothingIsLeft) {
+TEST(DotMap, WarnsOfFeaturesThatAreFullyExcluded) {
     const std::string avoid = R"("sites":"people","per":10,"avoid":[[[1,0],[2,0],[2,1],[1,1]]])";
     for (const std::string& rest : {avoid, avoid + R"(,"buffer":0.1)", avoid + R"(,"coordinates":"lonlat")",
                                     avoid + R"(,"coordinates":"lonlat","buffer":9000)"}) {
@@ -236,7 +236,7 @@ TEST(DotMap, LeavesOutFeaturesOfWhichNothingIsLeft) {
     EXPECT_EQ(answer(request(R"("sites":"people","buffer":70000,"coordinates":"lonlat")")).error().field, "/buffer");
 }
 
-TEST(DotMap, TellsRepairsOfWhatItAvoids) {
+TEST(DotMap, ReportsRepairsOfAvoidedAreas) {
     const auto told = map(request(R"("sites":"people","per":10,"avoid":[[[0.2,0.2],[0.4,0.4],[0.4,0.2],[0.2,0.4]]])"));
     ASSERT_EQ(told["repaired"].size(), 1U);
     const std::string pointer = told["repaired"][0]["pointer"];
@@ -255,7 +255,7 @@ TEST(DotMap, IsWrittenInEveryFormat) {
     }
 }
 
-TEST(DotMap, IsACollectionInGeoJson) {
+TEST(DotMap, WritesAFeatureCollectionInGeoJson) {
     const auto result = answer(request(R"("classes":["people","dogs"],"per":100,"format":"geojson")"));
     ASSERT_TRUE(result) << result.error().message;
     const auto told = nlohmann::json::parse(result->body);
@@ -270,7 +270,7 @@ TEST(DotMap, IsACollectionInGeoJson) {
     EXPECT_EQ(first["geometry"]["coordinates"].size(), 20U);
 }
 
-TEST(DotMap, QuotesNamesOfClasses) {
+TEST(DotMap, EscapesClassNames) {
     const std::string features = collection(square(0, R"({"a,\"b\"<&":3,"c":2})"));
     const std::string classes = R"("classes":["a,\"b\"<&","c"])";
     const auto told = map(request(classes, features));
@@ -313,7 +313,7 @@ TEST(DotMap, RanksThePointsOfAllFeaturesTogether) {
     EXPECT_NE(svg.find(R"(data-rank="249")"), std::string::npos);
 }
 
-TEST(DotMap, HasAPathInEachFeature) {
+TEST(DotMap, OrdersPointsAlongAPathInEachFeature) {
     const std::string options = R"("sites":"people","per":10,"coordinates":"lonlat",)";
     const auto usual = map(request(options + R"("seed":1)")),
                path = map(request(options + R"("order":"path","seed":1)"));

@@ -22,7 +22,7 @@ HalftoneRequest request_of(const Asked& asked) {
     return request;
 }
 
-/// Width and height of the canvas of a picture.
+/// Returns width and height of the canvas of a picture.
 std::pair<int, int> size_of(const Asked& asked, PictureSize picture, const Limits& limits = {}) {
     const HalftoneRequest request = request_of(asked);
     const Canvas canvas = *settled_canvas(request, drawn_part(request, picture), limits);
@@ -36,7 +36,7 @@ std::pair<int, int> part_of(const Asked& asked, PictureSize picture) {
 
 using Size = std::pair<int, int>;
 
-TEST(DrawingSize, KeepsTheAspectOfOneSide) {
+TEST(DrawingSize, KeepsTheAspectRatioForOneSide) {
     EXPECT_EQ(size_of({640, {}}, {451, 300}), Size(640, 426));
     EXPECT_EQ(size_of({{}, 100}, {451, 300}), Size(150, 100));
     EXPECT_EQ(size_of({1, {}}, {300, 451}), Size(1, 2));
@@ -51,7 +51,7 @@ TEST(DrawingSize, ContainsThePictureWithinBothSides) {
     EXPECT_EQ(part_of({640, 100}, {451, 300}), Size(451, 300));
 }
 
-TEST(DrawingSize, NeverPassesTheSidesThatContainIt) {
+TEST(DrawingSize, NeverExceedsTheGivenSides) {
     for (int width = 1; width < 40; ++width) {
         for (int height = 1; height < 40; ++height) {
             const Size size = size_of({17, 13}, {width, height});
@@ -62,7 +62,7 @@ TEST(DrawingSize, NeverPassesTheSidesThatContainIt) {
     }
 }
 
-TEST(DrawingSize, CoversBothSidesWithTheMiddle) {
+TEST(DrawingSize, CropsToTheMiddleToCoverBothSides) {
     EXPECT_EQ(size_of({200, 200, Fit::Cover}, {451, 300}), Size(200, 200));
     EXPECT_EQ(part_of({200, 200, Fit::Cover}, {451, 300}), Size(300, 300));
     EXPECT_EQ(part_of({100, 37, Fit::Cover}, {451, 300}), Size(451, 167));
@@ -70,7 +70,7 @@ TEST(DrawingSize, CoversBothSidesWithTheMiddle) {
     EXPECT_EQ(part_of({1, 65'535, Fit::Cover}, {24, 16}), Size(1, 16)) << "at least a pixel";
 }
 
-TEST(DrawingSize, HasAScaleThatKeepsAreas) {
+TEST(DrawingSize, HasTheScaleThatPreservesAreas) {
     const Canvas canvas = *settled_canvas(request_of({640, {}}), {451, 300}, {});
     EXPECT_NEAR(canvas.scale * canvas.scale, 640.0 * 426 / (451 * 300), 1e-12);
 }
@@ -85,12 +85,12 @@ TEST(DrawingSize, FitsAScreen) {
     EXPECT_EQ(size_of({}, {1, 60'000}), Size(1, 1000));
 }
 
-TEST(DrawingSize, OfAScreenGivesWayToTheLimit) {
+TEST(DrawingSize, ReducesAScreenDrawingToThePixelLimit) {
     const Size size = size_of({}, {400, 200}, {.max_pixels = 80'000});
     EXPECT_EQ(size, Size(400, 200));
 }
 
-TEST(DrawingSize, IsLeftToTheDotsInPrint) {
+TEST(DrawingSize, DependsOnTheDotsInPrint) {
     HalftoneRequest request;
     EXPECT_FALSE(settled_canvas(request, {451, 300}, {}));
     request.scale = 2;

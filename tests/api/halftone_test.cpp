@@ -68,7 +68,7 @@ Asked ask(const std::string& image, const Options& options, bool obey) {
     return asked;
 }
 
-TEST(Halftone, ReadsNoMoreOfALargePictureThanItsDotsShow) {
+TEST(Halftone, ReducesLargePicturesToResolutionOfDots) {
     const std::string image = large_picture(255);
     EXPECT_EQ(ask(image, {{"sites", "2000"}}, true).reduced, std::vector{4});
     EXPECT_EQ(ask(image, {{"sites", "2000"}, {"color", "cmyk"}, {"tone", "perceptual"}}, true).reduced, std::vector{4});
@@ -80,7 +80,7 @@ TEST(Halftone, ReadsNoMoreOfALargePictureThanItsDotsShow) {
     EXPECT_NEAR(means.dots->radius, whole.dots->radius, 1e-3 * whole.dots->radius);
 }
 
-TEST(Halftone, ReadsAllOfALargePictureThatIsNotLinearInItsLight) {
+TEST(Halftone, ReadsLargePicturesInFullForNonlinearTones) {
     const std::string image = large_picture(255);
     EXPECT_EQ(ask(image, {{"sites", "2000"}, {"tone", "perceptual"}}, true).reduced, std::vector{1});
     EXPECT_EQ(ask(image, {{"sites", "2000"}, {"levels", "0,0.9"}}, true).reduced, std::vector{1});
@@ -88,7 +88,7 @@ TEST(Halftone, ReadsAllOfALargePictureThatIsNotLinearInItsLight) {
         << "dots are as many as it takes";
 }
 
-TEST(Halftone, ReadsALargePictureAgainWhoseDotsTurnOutFine) {
+TEST(Halftone, ReadsLargePicturesAgainIfDotsAreSmallerThanExpected) {
     const std::string image = large_picture(6);
     const Options options = {{"sites", "15000"}, {"quality", "draft"}, {"dots", "ink"}};
     const auto means = ask(image, options, true);
@@ -96,7 +96,7 @@ TEST(Halftone, ReadsALargePictureAgainWhoseDotsTurnOutFine) {
     EXPECT_EQ(means.answer.body, ask(image, options, false).answer.body);
 }
 
-TEST(HalftoneOptions, HaveTheirDefaults) {
+TEST(HalftoneOptions, HaveDocumentedDefaults) {
     const auto request = parse({});
     ASSERT_TRUE(request);
     EXPECT_FALSE(request->sites || request->scale || request->width || request->height || request->dot);
@@ -117,7 +117,7 @@ TEST(HalftoneOptions, HaveTheirDefaults) {
     EXPECT_EQ(request->run.quality, Quality::Standard);
 }
 
-TEST(HalftoneOptions, AreAllRead) {
+TEST(HalftoneOptions, ReadAllOptions) {
     const auto request = parse({{"sites", "20000"},
                                 {"seed", "9007199254740991"},
                                 {"iterations", "0"},
@@ -150,7 +150,7 @@ TEST(HalftoneOptions, AreAllRead) {
     EXPECT_EQ(request->format->file.name, "json");
 }
 
-TEST(HalftoneOptions, AreRefusedByName) {
+TEST(HalftoneOptions, NameInvalidOption) {
     const Options wrong = {{"sites", "0"},          {"sites", "12abc"},     {"seed", "9007199254740992"},
                            {"seed", "-1"},          {"iterations", "1001"}, {"passes", "0"},
                            {"passes", "101"},       {"scale", "0.05"},      {"scale", "17"},
@@ -173,7 +173,7 @@ TEST(HalftoneOptions, AreRefusedByName) {
     EXPECT_TRUE(parse({{"dot", "auto"}}));
 }
 
-TEST(HalftoneOptions, TellScreenFromPrint) {
+TEST(HalftoneOptions, DistinguishScreenFromPrint) {
     const auto is_soft = [](const Options& options) {
         const auto request = parse(options);
         EXPECT_TRUE(request) << request.error().message;
@@ -199,7 +199,7 @@ TEST(HalftoneOptions, TellScreenFromPrint) {
     EXPECT_FALSE(parse({{"antialias", "false"}})->antialias);
 }
 
-TEST(HalftoneOptions, HaveOneSize) {
+TEST(HalftoneOptions, RejectContradictorySizes) {
     struct Wrong {
         Options options;
         std::string field;
@@ -224,13 +224,13 @@ TEST(HalftoneOptions, HaveOneSize) {
     EXPECT_EQ(parse_halftone_json(image + R"(,"width":640})", {}, "", {})->width, 640);
 }
 
-TEST(HalftoneOptions, HaveNoDetailByDensityAlone) {
+TEST(HalftoneOptions, ForbidDetailWithDensityTone) {
     EXPECT_EQ(parse({{"tone", "density"}})->detail, 0);
     EXPECT_EQ(parse({{"tone", "density"}, {"detail", "0"}})->detail, 0);
     EXPECT_EQ(parse({{"detail", "0.5"}, {"tone", "density"}}).error().field, "detail");
 }
 
-TEST(HalftoneOptions, HaveLevels) {
+TEST(HalftoneOptions, ReadLevels) {
     EXPECT_EQ(parse({{"levels", "0.1,0.9"}})->levels, (Levels{0.1, 0.9, 1}));
     EXPECT_EQ(parse({{"levels", " 0, 1 ,2.5"}})->levels, (Levels{0, 1, 2.5}));
     const std::string image = R"({"image":")" + base64(fixture("rgba.png")) + '"';
@@ -260,20 +260,20 @@ TEST(HalftoneOptions, HaveLevels) {
     EXPECT_EQ(parse_json("7").error().field, "/levels");
 }
 
-TEST(HalftoneOptions, StopAtTheLimitOfSites) {
+TEST(HalftoneOptions, LimitNumberOfSites) {
     const auto request = parse({{"sites", "11"}}, "", {.max_sites = 10});
     ASSERT_FALSE(request);
     EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
 }
 
-TEST(HalftoneOptions, LetFormatWinOverAccept) {
+TEST(HalftoneOptions, PreferFormatToAcceptHeader) {
     EXPECT_EQ(parse({}, "application/json")->format->file.name, "json");
     EXPECT_EQ(parse({{"format", "png"}}, "application/json")->format->file.name, "png");
     EXPECT_EQ(parse({{"format", "png"}}, "text/html")->format->file.name, "png");
     EXPECT_EQ(parse({}, "text/html").error().code, ErrorCode::NotAcceptable);
 }
 
-TEST(HalftoneRequest, NeedsAnImage) {
+TEST(HalftoneRequest, RequiresImage) {
     EXPECT_EQ(parse_halftone("", {}, "", {}).error().code, ErrorCode::Malformed);
     EXPECT_EQ(parse_halftone("hello", {}, "", {}).error().code, ErrorCode::Unsupported);
 }
@@ -291,7 +291,7 @@ TEST(HalftoneJson, ReadsImageAndOptions) {
     EXPECT_EQ(request->dots, Dots::Paper);
 }
 
-TEST(HalftoneJson, PointsAtWhatIsWrong) {
+TEST(HalftoneJson, PointsToInvalidMember) {
     const std::string image = R"("image":")" + base64(fixture("rgba.png")) + '"';
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {R"({"sites":7})", "/image"},
@@ -315,7 +315,7 @@ TEST(HalftoneJson, PointsAtWhatIsWrong) {
     EXPECT_EQ(twice.error().message, "sites is given twice");
 }
 
-TEST(Halftone, KeepsTheMeanTone) {
+TEST(Halftone, PreservesMeanTone) {
     constexpr double kExpected = 0.373205;
     for (const auto* dots : {"both", "ink", "paper"}) {
         const auto result = answer(fixture("lossless.webp"), {{"sites", "200"}, {"scale", "16"}, {"dots", dots}});
@@ -329,7 +329,7 @@ TEST(Halftone, KeepsTheMeanTone) {
     }
 }
 
-TEST(Halftone, PutsDotsWhereThePictureIsDark) {
+TEST(Halftone, PlacesDotsInDarkParts) {
     const auto result = answer(fixture("lossless.webp"), {{"sites", "1000"}, {"format", "json"}, {"tone", "density"}});
     ASSERT_TRUE(result);
     EXPECT_EQ(result->media_type, "application/json");
@@ -350,14 +350,14 @@ TEST(Halftone, PutsDotsWhereThePictureIsDark) {
     EXPECT_LT(counts[1][1], 5);
 }
 
-TEST(Halftone, GivesTheSameBytesForTheSameSeed) {
+TEST(Halftone, IsReproducibleForSeed) {
     const std::string image = fixture("lossless.webp");
     const Options options = {{"sites", "50"}, {"seed", "1"}};
     EXPECT_EQ(answer(image, options)->body, answer(image, options)->body);
     EXPECT_NE(answer(image, options)->body, answer(image, {{"sites", "50"}, {"seed", "2"}})->body);
 }
 
-TEST(Halftone, UsesTheColoursItIsGiven) {
+TEST(Halftone, UsesGivenColours) {
     const auto result = answer(fixture("lossless.webp"), {{"sites", "50"},
                                                           {"scale", "8"},
                                                           {"invert", "true"},
@@ -374,7 +374,7 @@ TEST(Halftone, UsesTheColoursItIsGiven) {
     EXPECT_GT(partly, 0);
 }
 
-TEST(Halftone, ChoosesSitesAndScaleByThePicture) {
+TEST(Halftone, ChoosesSitesAndScaleFromPicture) {
     const auto result = answer(photograph("chelsea.png"), {{"width_mm", "100"}});
     ASSERT_TRUE(result);
     const DecodedPng png = decode_png(result->body);
@@ -383,7 +383,7 @@ TEST(Halftone, ChoosesSitesAndScaleByThePicture) {
     EXPECT_EQ(png.bit_depth, 1);
 }
 
-TEST(Halftone, IsDrawnForAScreen) {
+TEST(Halftone, DrawsForScreenByDefault) {
     const std::string photo = photograph("chelsea.png");
     for (const auto* color : {"gray", "cmyk"}) {
         const auto result = answer(photo, {{"color", color}, {"quality", "draft"}});
@@ -395,7 +395,7 @@ TEST(Halftone, IsDrawnForAScreen) {
     }
 }
 
-TEST(Halftone, HasTheSizeThatIsAskedFor) {
+TEST(Halftone, HasRequestedSize) {
     const std::string photo = photograph("chelsea.png");
     struct Size {
         Options options;
@@ -420,7 +420,7 @@ TEST(Halftone, HasTheSizeThatIsAskedFor) {
     EXPECT_NE(drawing->body.find(R"(width="137" height="91")"), std::string::npos);
 }
 
-TEST(Halftone, OfASizeIsHeldToTheLimit) {
+TEST(Halftone, LimitsPixelsOfRequestedSize) {
     const Limits limits = {.max_pixels = 10'000};
     const std::string image = fixture("lossless.webp");
     const auto large = answer(image, {{"sites", "50"}, {"height", "101"}}, limits);
@@ -435,7 +435,7 @@ TEST(Halftone, OfASizeIsHeldToTheLimit) {
     EXPECT_EQ(webp.error().field, "width");
 }
 
-TEST(Halftone, CoversWithTheMiddleOfThePicture) {
+TEST(Halftone, CropsToMiddleIfFitIsCover) {
     // White but for a black square in the middle, so wide that a drawing of half the width shows it whole.
     Raster raster{300, 100, 1, std::vector<std::uint8_t>(std::size_t{300} * 100)};
     for (int y = 25; y < 75; ++y) {
@@ -456,14 +456,14 @@ TEST(Halftone, CoversWithTheMiddleOfThePicture) {
     }
 }
 
-TEST(Halftone, MakesAtLeastOnePixel) {
+TEST(Halftone, DrawsAtLeastOnePixel) {
     const auto result = answer(fixture("palette-transparent.png"), {{"scale", "0.1"}, {"sites", "1"}});
     ASSERT_TRUE(result) << result.error().message;
     EXPECT_EQ(decode_png(result->body).width, 1);
     EXPECT_EQ(decode_png(result->body).height, 1);
 }
 
-TEST(Halftone, HoldsTheOutputToTheLimit) {
+TEST(Halftone, LimitsPixelsOfScaledDrawing) {
     const Limits limits = {.max_pixels = std::size_t{24} * 16 * 9};
     const auto large = answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "4"}}, limits);
     ASSERT_FALSE(large);
@@ -475,7 +475,7 @@ TEST(Halftone, HoldsTheOutputToTheLimit) {
     EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "4"}, {"format", "json"}}, limits));
 }
 
-TEST(Halftone, RefusesPicturesWithoutInk) {
+TEST(Halftone, RejectsPicturesWithoutInk) {
     const Raster paper{8, 8, 0, std::vector<std::uint8_t>(64, 0)};
     const std::string white = *write_png(image_of(paper, false));
     const std::string nothing = *write_png(image_of(paper, false, kBlack, {.transparent = true}));
@@ -535,7 +535,7 @@ TEST(Halftone, ListsRadiusAndSideOfEachDot) {
     EXPECT_NE(table.find(",paper\r\n"), std::string::npos);
 }
 
-TEST(HalftoneOptions, ChooseTheSidesOfDots) {
+TEST(HalftoneOptions, ChooseSidesOfDots) {
     const auto dots = [](const Options& options) { return parse(options)->dots; };
     for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
     for (const auto* list : {"json", "csv", "npy"}) {
@@ -559,7 +559,7 @@ TEST(HalftoneOptions, ChooseTheSidesOfDots) {
     EXPECT_EQ(dots({{"dots", "both"}, {"invert", "false"}}), Dots::Both);
 }
 
-TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyWhereTheyCanBeDrawn) {
+TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
     const std::vector<std::pair<Options, std::string>> wrong = {
         {{{"dots", "paper"}, {"color", "cmyk"}}, "dots"},
         {{{"dots", "both"}, {"palette", "#f00"}}, "dots"},
@@ -599,7 +599,7 @@ nlohmann::json dots_of(const Options& options) {
     return nlohmann::json::parse(answer(photograph("camera.png"), asked)->body);
 }
 
-TEST(Halftone, HasAsManyDotsAsAPenNeeds) {
+TEST(Halftone, DerivesNumberOfDotsFromPenWidth) {
     const auto fine = dots_of({{"dot", "0.4mm"}, {"width_mm", "150"}, {"iterations", "1"}, {"quality", "draft"}});
     const auto broad = dots_of({{"dot", "0.8mm"}, {"width_mm", "150"}, {"iterations", "1"}, {"quality", "draft"}});
     EXPECT_NEAR(fine.at("radius").get<double>(), 0.4 / 150 * 512, 1e-9);
@@ -611,7 +611,7 @@ TEST(Halftone, HasAsManyDotsAsAPenNeeds) {
     EXPECT_NEAR(again.at("radius").get<double>(), 2, 0.001) << "each follows from the other";
 }
 
-TEST(Halftone, TellsTheToneOfDotsOfAnyNumberAndSize) {
+TEST(Halftone, ReportsToneForGivenNumberAndSizeOfDots) {
     const auto light = dots_of({{"dot", "2"}, {"scale", "2"}, {"sites", "5000"}, {"iterations", "1"}});
     EXPECT_EQ(light.at("radius"), 1);
     EXPECT_LT(light.at("tone").get<double>(), 0.2);
@@ -633,7 +633,7 @@ TEST(HalftoneOptions, ChooseInks) {
     EXPECT_EQ(palette({{"palette", "#f00,#00f"}, {"invert", "false"}}).mixing, Mixing::Multiply);
 }
 
-TEST(HalftoneOptions, ColourTheOpaqueInkAndItsPaper) {
+TEST(HalftoneOptions, SetForegroundAndBackground) {
     const auto colours = [](const Options& options) {
         const Palette palette = parse(options)->palette;
         return std::pair(palette.inks.at(0).colour, palette.paper);
@@ -643,7 +643,7 @@ TEST(HalftoneOptions, ColourTheOpaqueInkAndItsPaper) {
     EXPECT_EQ(colours({{"color", "gray"}, {"background", "#00f"}}), std::pair(kBlack, Colour{0, 0, 255}));
 }
 
-TEST(HalftoneOptions, OfInksFitTogether) {
+TEST(HalftoneOptions, RejectContradictoryInks) {
     const std::vector<std::pair<Options, std::string>> wrong = {
         {{{"color", "CMYK"}}, "color"},
         {{{"palette", "#f00,#f00"}}, "palette"},
@@ -675,7 +675,7 @@ std::array<double, 3> mean_light(const ColourPicture& picture) {
     return mean;
 }
 
-TEST(Halftone, KeepsTheMeanColour) {
+TEST(Halftone, PreservesMeanColour) {
     constexpr std::size_t kMaxPixels = 16'000'000;
     const std::string photo = photograph("chelsea.png");
     const auto wanted = mean_light(*decode_colour_image(photo, kMaxPixels));
@@ -693,7 +693,7 @@ TEST(Halftone, KeepsTheMeanColour) {
     }
 }
 
-TEST(Halftone, ListsTheDotsOfEachInk) {
+TEST(Halftone, ListsDotsOfEachInk) {
     const Options options = {{"sites", "700"}, {"palette", "#c00,#00c"}, {"format", "json"}};
     const auto json = nlohmann::json::parse(answer(photograph("chelsea.png"), options)->body);
     EXPECT_FALSE(json.contains("points"));
@@ -725,7 +725,7 @@ double difference(const nlohmann::json& points, const nlohmann::json& others) {
     return sum / static_cast<double>(points.size());
 }
 
-TEST(Halftone, OfBlackInkHasTheDotsOfGrey) {
+TEST(Halftone, PlacesDotsOfBlackInkLikeThoseOfGrey) {
     const std::string photo = photograph("camera.png");
     const auto points = [&](Options options) {
         options.insert(options.end(), {{"sites", "9000"}, {"seed", "5"}, {"format", "json"}});
@@ -745,7 +745,7 @@ TEST(Halftone, ReportsBrokenImages) {
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
 }
 
-TEST(Halftone, StopsWhenAsked) {
+TEST(Halftone, StopsOnRequest) {
     std::stop_source stop;
     const std::string file = fixture("lossless.webp");
     const auto request = parse_halftone(file, {{"sites", "50"}}, "", {});
@@ -756,7 +756,7 @@ TEST(Halftone, StopsWhenAsked) {
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
 }
 
-TEST(Halftone, StopsInColourWhenAsked) {
+TEST(Halftone, StopsOnRequestInColour) {
     const std::string file = photograph("chelsea.png");
     for (const auto& [on_deadline, may_answer] : {std::pair{"error", false}, {"partial", true}}) {
         std::stop_source stop;
@@ -775,7 +775,7 @@ TEST(Halftone, StopsInColourWhenAsked) {
     }
 }
 
-TEST(Halftone, ReportsProgressThatOnlyGrows) {
+TEST(Halftone, ReportsMonotonicProgress) {
     double done = 0;
     int iteration = 0;
     const std::string file = photograph("chelsea.png");

@@ -25,7 +25,7 @@ Result<Answer> answer(const SampleRequest& request, const Control& control = {})
     return run_sample(request, {}, decode_inline(), control, timings);
 }
 
-TEST(Mask, IsAPicture) {
+TEST(Mask, IsAGreyPng) {
     for (const std::string format : {"mask", "mask16"}) {
         const auto request = parse(torus("32", "24"), format);
         ASSERT_TRUE(request) << request.error().message;
@@ -39,7 +39,7 @@ TEST(Mask, IsAPicture) {
     }
 }
 
-TEST(Mask, TakesATorusOfPixels) {
+TEST(Mask, RequiresATorusWithIntegerSides) {
     for (const std::string side : {"7", "1025", "64.5", "1e300"}) {
         EXPECT_EQ(parse(torus(side, "64")).error().field, "/domain/width") << side;
         EXPECT_EQ(parse(torus("64", side)).error().field, "/domain/height") << side;
@@ -48,11 +48,17 @@ TEST(Mask, TakesATorusOfPixels) {
     EXPECT_FALSE(parse(R"("domain":{"type":"rectangle","width":64,"height":64})"));
 }
 
-TEST(Mask, TakesNothingThatOnlyPointsHave) {
-    for (const auto& [name, value] :
-         {std::pair<std::string, std::string>{"sites", "10"}, {"fixed", "[[1,1]]"}, {"order", R"("progressive")"},
-          {"density", R"({"width":1,"height":1,"values":[1]})"}, {"quality", R"("best")"}, {"passes", "5"},
-          {"method", R"("lloyd")"}, {"mesh", "false"}, {"dot", "1"}, {"coordinates", R"("plane")"}}) {
+TEST(Mask, RefusesOptionsOfPoints) {
+    for (const auto& [name, value] : {std::pair<std::string, std::string>{"sites", "10"},
+                                      {"fixed", "[[1,1]]"},
+                                      {"order", R"("progressive")"},
+                                      {"density", R"({"width":1,"height":1,"values":[1]})"},
+                                      {"quality", R"("best")"},
+                                      {"passes", "5"},
+                                      {"method", R"("lloyd")"},
+                                      {"mesh", "false"},
+                                      {"dot", "1"},
+                                      {"coordinates", R"("plane")"}}) {
         const auto request = parse(torus("64", "64") + ",\"" + name + "\":" + value);
         ASSERT_FALSE(request) << name;
         EXPECT_EQ(request.error().code, ErrorCode::Malformed);
@@ -61,7 +67,7 @@ TEST(Mask, TakesNothingThatOnlyPointsHave) {
     EXPECT_TRUE(parse(torus("64", "64") + R"(,"seed":7)"));
 }
 
-TEST(Mask, EndsWhenItIsStopped) {
+TEST(Mask, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const auto stopped = answer(*parse(torus("64", "64")), {source.get_token(), {}});
@@ -69,7 +75,7 @@ TEST(Mask, EndsWhenItIsStopped) {
     EXPECT_EQ(stopped.error().code, ErrorCode::Stopped);
 }
 
-TEST(Mask, CostsMoreTheLargerItIs) {
+TEST(Mask, CostsMoreForLargerSides) {
     const Cost small = cost_of(*parse(torus("64", "64")), {}), large = cost_of(*parse(torus("1024", "1024")), {});
     EXPECT_GT(large.seconds, 100 * small.seconds);
     EXPECT_GT(large.memory, small.memory);

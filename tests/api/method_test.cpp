@@ -18,7 +18,7 @@ Result<SampleRequest> parse(const std::string& members) {
     return parse_sample(kTorus + members + '}', {}, "", {});
 }
 
-TEST(Method, IsReadByItsName) {
+TEST(Method, IsReadByName) {
     for (const Method& method : methods()) {
         const auto read = read_method({"method", "/method", method.name});
         ASSERT_TRUE(read) << method.name;
@@ -33,7 +33,7 @@ TEST(Method, IsReadByItsName) {
     }
 }
 
-TEST(Method, HasAsManyIterationsAsItNeedsUnlessTold) {
+TEST(Method, HasItsOwnDefaultNumberOfIterations) {
     EXPECT_EQ(parse(R"(,"sites":10)")->run.iterations, Options{}.iterations);
     EXPECT_EQ(parse(R"(,"sites":10,"method":"ccdt")")->run.iterations, Options{}.iterations);
     for (const auto* name : {"cvt", "odt", "ccvt"}) {
@@ -44,7 +44,7 @@ TEST(Method, HasAsManyIterationsAsItNeedsUnlessTold) {
     }
 }
 
-TEST(Method, RefusesOptionsThatItDoesNotHave) {
+TEST(Method, RefusesUnsupportedOptions) {
     const std::vector<std::pair<std::string, std::string>> options = {
         {"iterations", "5"}, {"passes", "5"}, {"quality", R"("draft")"}, {"tolerance", "0.1"}};
     const auto has = [](const Method& method, const std::string& option) {
@@ -63,7 +63,7 @@ TEST(Method, RefusesOptionsThatItDoesNotHave) {
     }
 }
 
-TEST(Method, LimitsItsSites) {
+TEST(Method, LimitsTheNumberOfSites) {
     for (const auto& [name, most] : {std::pair{"cvt", 50'000}, {"odt", 500'000}, {"ccvt", 20'000}}) {
         const std::string method = R"(,"method":")" + std::string(name) + R"(","sites":)";
         EXPECT_TRUE(parse(method + std::to_string(most))) << name;
@@ -80,7 +80,7 @@ TEST(Method, LimitsItsSites) {
     }
 }
 
-TEST(Method, IsNamedInTheAnswerAndMakesItsOwnPoints) {
+TEST(Method, IsNamedInTheAnswerAndPlacesDifferentPoints) {
     std::vector<nlohmann::json> points;
     for (const Method& method : methods()) {
         const auto request = parse(R"(,"sites":50,"mesh":true,"method":")" + std::string(method.name) + '"');
@@ -96,7 +96,7 @@ TEST(Method, IsNamedInTheAnswerAndMakesItsOwnPoints) {
     }
 }
 
-TEST(Method, HasTheOptionsOfItsKind) {
+TEST(Method, ListsItsOptions) {
     const std::vector<std::string_view> all = {"iterations", "passes", "quality", "tolerance", "fixed"};
     EXPECT_EQ(option_names(methods().front()), all);
     const std::vector<std::string_view> few = {"iterations", "tolerance"};
@@ -105,7 +105,7 @@ TEST(Method, HasTheOptionsOfItsKind) {
     EXPECT_TRUE(option_names(**read_method({"method", "/method", std::string_view("random")})).empty());
 }
 
-TEST(Method, StopsWhenAsked) {
+TEST(Method, StopsOnRequest) {
     for (const std::string name : {"cvt", "odt", "ccvt"}) {
         std::stop_source stop;
         const auto request = parse(R"(,"sites":100,"method":")" + name + '"');

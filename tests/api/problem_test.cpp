@@ -7,7 +7,7 @@
 namespace ccdt::api {
 namespace {
 
-TEST(Problem, SaysWhatIsWrongAndWhere) {
+TEST(Problem, WritesMessageAndPointer) {
     const Error error{ErrorCode::Malformed, "sites must be more", "sites"};
     const auto json = nlohmann::json::parse(problem_json(400, "Bad Request", error, "urn:request:7"));
     EXPECT_EQ(json, nlohmann::json::parse(R"({"type": "about:blank", "title": "Bad Request", "status": 400,
@@ -15,7 +15,7 @@ TEST(Problem, SaysWhatIsWrongAndWhere) {
         "errors": [{"pointer": "sites", "detail": "sites must be more"}]})"));
 }
 
-TEST(Problem, SaysAllThatIsWrong) {
+TEST(Problem, ListsAllErrors) {
     Error error{ErrorCode::Malformed, "sites must be more", "sites"};
     error.others = {{ErrorCode::Unsupported, "this is HEIC", ""},
                     {ErrorCode::Malformed, "scale must be less", "scale"}};
@@ -25,13 +25,13 @@ TEST(Problem, SaysAllThatIsWrong) {
         {"pointer": "scale", "detail": "scale must be less"}])"));
 }
 
-TEST(Problem, LeavesOutWhatThereIsNot) {
+TEST(Problem, OmitsMissingMembers) {
     const auto json = nlohmann::json::parse(problem_json(500, "Internal Server Error", {}, ""));
     EXPECT_FALSE(json.contains("errors"));
     EXPECT_FALSE(json.contains("instance"));
 }
 
-TEST(Problem, ReplacesWhatIsNotUtf8) {
+TEST(Problem, ReplacesInvalidUtf8) {
     const Error error{ErrorCode::Malformed, "unknown option '\xff\xc3'", "\xff"};
     EXPECT_TRUE(nlohmann::json::accept(problem_json(400, "Bad Request", error, "\xfe")));
 }

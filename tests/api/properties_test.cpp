@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// A square of two by two in a row of them, a feature.
+/// Returns a feature: the square with this number in a row of squares of side 2.
 std::string square(int number, const std::string& properties, const std::string& more = "") {
     const std::string west = std::to_string(2 * number), east = std::to_string(2 * number + 2);
     return R"({"type":"Feature",)" + more + R"("properties":)" + properties +
@@ -60,7 +60,7 @@ std::vector<std::vector<double>> points_of(const std::string& geometry, std::vec
     return Json::parse(body_of(geometry, options)).at("points").get<std::vector<std::vector<double>>>();
 }
 
-TEST(Properties, AreThoseOfTheFeatureThatAPointLiesIn) {
+TEST(Properties, AreThoseOfTheContainingFeature) {
     const auto json = Json::parse(body_of(kThree, {{"sites", "60"}, {"properties", "name,n"}, {"format", "geojson"}}));
     EXPECT_EQ(json.at("type"), "FeatureCollection");
     EXPECT_EQ(json.at("sites"), 60);
@@ -82,7 +82,7 @@ TEST(Properties, AreThoseOfTheFeatureThatAPointLiesIn) {
     EXPECT_EQ(points, 60U);
 }
 
-TEST(Properties, LeavePointsWhereTheyAre) {
+TEST(Properties, DoNotMovePoints) {
     for (const std::string coordinates : {"plane", "lonlat"}) {
         const std::vector<TextOption> plain = {{"sites", "50"}, {"coordinates", coordinates}};
         auto carrying = plain;
@@ -124,14 +124,14 @@ TEST(Properties, AreListedOnceInJson) {
     EXPECT_EQ(json.at("feature").size(), 30U);
 }
 
-TEST(Properties, OfAFeatureAloneAreThoseOfAllPoints) {
+TEST(Properties, OfASingleFeatureBelongToAllPoints) {
     const auto json = Json::parse(
         body_of(square(0, R"({"name":"only"})"), {{"sites", "9"}, {"properties", "*"}, {"format", "geojson"}}));
     ASSERT_EQ(json.at("features").size(), 1U);
     EXPECT_EQ(json.at("features").at(0).at("properties").at("name"), "only");
 }
 
-TEST(Properties, GoWithMapsOfDots) {
+TEST(Properties, AreWrittenForDotMaps) {
     const std::string map = collection(square(0, R"({"people":30,"name":"a"})") + ',' +
                                        square(1, R"({"people":10,"name":"b","class":"old"})"));
     const std::vector<TextOption> options = {{"sites", "people"}, {"properties", "name,class"}};
@@ -160,7 +160,7 @@ TEST(Properties, StayWithTheirPointsInAnyOrder) {
     }
 }
 
-TEST(Properties, AreFoundAcrossTheDateLine) {
+TEST(Properties, AreFoundAcrossTheAntimeridian) {
     const std::string east = R"({"type":"Feature","properties":{"n":"east"},"geometry":{"type":"Polygon",)"
                              R"("coordinates":[[[170,0],[180,0],[180,9],[170,9],[170,0]]]}})";
     const std::string west = R"({"type":"Feature","properties":{"n":"west"},"geometry":{"type":"Polygon",)"
@@ -176,7 +176,7 @@ TEST(Properties, AreFoundAcrossTheDateLine) {
     }
 }
 
-TEST(Properties, NeedFeatures) {
+TEST(Properties, RequireFeatures) {
     const std::string polygon = R"({"sites":9,"polygon":[[0,0],[1,0],[0,1]],"properties":"*"})";
     EXPECT_EQ(error_of(polygon, {}).field, "/properties");
     const std::string geometry = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1]]]})";
@@ -187,7 +187,7 @@ TEST(Properties, NeedFeatures) {
     EXPECT_EQ(error_of(kThree, {{"sites", "9"}, {"properties", "*"}, {"mesh", "true"}}).field, "mesh");
 }
 
-TEST(Properties, OfAllPointsAreLimited) {
+TEST(Properties, AreLimitedInTotalSize) {
     const std::string huge = collection(square(0, "{\"people\":20000,\"a\":\"" + std::string(60'000, 'x') + "\"}"));
     for (const std::string format : {"csv", "ndjson"}) {
         const Error map = error_of(huge, {{"sites", "people"}, {"properties", "a"}, {"format", format}});
@@ -200,7 +200,7 @@ TEST(Properties, OfAllPointsAreLimited) {
     EXPECT_LT(body_of(huge, {{"sites", "people"}, {"iterations", "0"}, {"properties", "a"}}).size(), 2'000'000U);
 }
 
-TEST(Properties, CountInTheSizeOfARequest) {
+TEST(Properties, CountTowardsTheSizeOfARequest) {
     const std::string text = collection(square(0, "{\"a\":\"" + std::string(60'000, 'x') + "\"}"));
     const auto without = parse_sample(text, {{"sites", "9"}}, "", {});
     const auto with = parse_sample(text, {{"sites", "9"}, {"properties", "*"}}, "", {});
@@ -208,7 +208,7 @@ TEST(Properties, CountInTheSizeOfARequest) {
     EXPECT_GE(size_of(*with), size_of(*without) + 60'000);
 }
 
-/// Answer that is taken in pieces, of which the largest is noted.
+/// Takes an answer in pieces, and records the size of the largest.
 class Pieces : public BodyTaker {
 public:
     Result<void> begin(const Answer&) override { return {}; }
@@ -243,7 +243,7 @@ std::vector<Json> lines_of(const std::string& body) {
 
 const std::string kRectangle = R"({"sites":20,"domain":{"type":"rectangle","width":2,"height":1})";
 
-TEST(JsonLines, AreAFeatureForEachPoint) {
+TEST(JsonLines, ContainOneFeaturePerPoint) {
     const auto lines = lines_of(answer(kRectangle + R"(,"format":"ndjson"})")->body);
     const auto points = Json::parse(answer(kRectangle + "}")->body).at("points");
     ASSERT_EQ(lines.size(), 20U);
@@ -253,12 +253,12 @@ TEST(JsonLines, AreAFeatureForEachPoint) {
     }
 }
 
-TEST(JsonLines, HaveRanks) {
+TEST(JsonLines, ContainRanks) {
     const auto lines = lines_of(answer(kRectangle + R"(,"format":"ndjson","order":"progressive"})")->body);
     for (std::size_t i = 0; i < lines.size(); ++i) EXPECT_EQ(lines[i].at("properties"), Json({{"rank", i}}));
 }
 
-TEST(JsonLines, HaveTheirFeaturesIdAndProperties) {
+TEST(JsonLines, ContainIdAndPropertiesOfTheFeature) {
     const auto lines = lines_of(body_of(kThree, {{"sites", "30"}, {"properties", "n"}, {"format", "ndjson"}}));
     ASSERT_EQ(lines.size(), 30U);
     for (const Json& line : lines) {
@@ -270,7 +270,7 @@ TEST(JsonLines, HaveTheirFeaturesIdAndProperties) {
     }
 }
 
-TEST(JsonLines, HaveTheClassesOfAMap) {
+TEST(JsonLines, ContainTheClassesOfADotMap) {
     const std::string map = collection(square(0, R"({"cats":3,"dogs":2})"));
     const auto lines = lines_of(body_of(map, {{"classes", "cats,dogs"}, {"format", "ndjson"}}));
     ASSERT_EQ(lines.size(), 5U);
@@ -292,7 +292,7 @@ TEST(JsonLines, BeginWithARecordSeparatorInATextSequence) {
     EXPECT_EQ(sequence, lines);
 }
 
-TEST(Multipoint, FalseMakesAFeatureForEachPoint) {
+TEST(Multipoint, WritesOneFeaturePerPointIfFalse) {
     const auto json = Json::parse(answer(kRectangle + R"(,"format":"geojson","multipoint":false})")->body);
     EXPECT_EQ(json.at("type"), "FeatureCollection");
     EXPECT_EQ(json.at("sites"), 20);
@@ -305,7 +305,7 @@ TEST(Multipoint, FalseMakesAFeatureForEachPoint) {
     }
 }
 
-TEST(Multipoint, FalseMakesAFeatureForEachPointOfAMap) {
+TEST(Multipoint, WritesOneFeaturePerPointOfADotMapIfFalse) {
     const std::string map = collection(square(0, R"({"people":3,"name":"a"})") + ',' + square(1, R"({"people":2})"));
     const auto json = Json::parse(
         body_of(map, {{"sites", "people"}, {"format", "geojson"}, {"multipoint", "false"}, {"properties", "name"}}));
@@ -331,13 +331,13 @@ TEST(TopoJson, IsReadAsADocumentAndAsGeometry) {
         EXPECT_EQ(static_cast<int>(document[i][0] / 2), member.at("feature").at(i));
 }
 
-TEST(TopoJson, HasFeaturesThatAreCounted) {
+TEST(TopoJson, HasFeaturesWithCounts) {
     const auto json = Json::parse(body_of(kTopology, {{"sites", "n"}, {"object", "two"}}));
     EXPECT_EQ(json.at("features").at(0).at("sites"), 30);
     EXPECT_EQ(json.at("features").at(1).at("sites"), 10);
 }
 
-TEST(TopoJson, WantsAnObjectToBeChosen) {
+TEST(TopoJson, RequiresTheChoiceOfAnObject) {
     EXPECT_EQ(error_of(kTopology, {{"sites", "9"}}).field, "/objects");
     EXPECT_EQ(error_of(kTopology, {{"sites", "9"}, {"object", "other"}}).field, "/objects");
     EXPECT_EQ(error_of(kThree, {{"sites", "9"}, {"object", "two"}}).field, "object");

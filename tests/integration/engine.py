@@ -1,4 +1,4 @@
-"""A Redis of its own for a test."""
+"""A Redis server for tests."""
 
 import contextlib
 import os
@@ -12,8 +12,8 @@ import time
 
 from harness import PATIENCE
 
-# Debian's redis-server is a link to this program, which goes by the name it is called by; that package would start a
-# daemon, the one with this program does not.
+# Debian's redis-server is a link to this program, which acts according to the name by which it is called. The package
+# of redis-server would start a daemon; the one with this program does not.
 PROGRAM = "/usr/bin/redis-check-rdb"
 
 
@@ -83,7 +83,7 @@ class Redis:
 
 
 class SlowWay:
-    """A way to a Redis by which each of its answers is late."""
+    """A proxy in front of a Redis that delays each of its answers."""
 
     def __init__(self, redis, seconds):
         self.redis, self.seconds = redis, seconds

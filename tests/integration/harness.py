@@ -1,6 +1,6 @@
-"""The real server program under test, and curl to ask it with.
+"""The real server under test, and curl as its client.
 
-The program's path is in the environment variable CCDT_SERVER.
+The environment variable CCDT_SERVER holds the path of the program.
 """
 
 import base64
@@ -29,12 +29,12 @@ TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
 NODE_MODULES = TOOLS / "page" / "node_modules"
 NODE = TOOLS / "page" / "node"
 
-# For anything that must happen soon; only a fault makes a test wait so long.
+# Seconds within which anything that must happen soon happens. Only a fault makes a test wait this long.
 PATIENCE = 120
 
 
 def wait_until(condition):
-    """Waits until a condition holds; returns the value it gave."""
+    """Waits until a condition holds, and returns its value."""
     end = time.monotonic() + PATIENCE
     while not (found := condition()):
         if time.monotonic() > end:
@@ -45,8 +45,8 @@ def wait_until(condition):
 class Server:
     """A running server on a port of its own. Its log is kept.
 
-    Unless told otherwise, it has no cache, and computes as long as a client waits: its workers yield to everything else
-    on the machine, so that a busy one makes them slow.
+    By default it has no cache, and computes as long as a client waits, because its workers yield to everything else on
+    the machine and are slow on a busy one.
     """
 
     def __init__(self, *flags, environment=None, program=None, limit=None):
@@ -70,7 +70,7 @@ class Server:
         self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)
 
     def keeps(self, line):  # pylint: disable=unused-argument
-        """Whether a line of the log is worth its memory."""
+        """Returns whether a line of the log is worth its memory."""
         return True
 
     def _read_log(self):
@@ -103,7 +103,7 @@ class Server:
         self.process.send_signal(number)
 
     def wait(self):
-        """Waits for the end; returns the exit code."""
+        """Waits for the end, and returns the exit code."""
         code = self.process.wait(PATIENCE)
         self.reader.join()
         self.process.stderr.close()
@@ -138,7 +138,7 @@ class Answer:
         return json.loads(self.body)
 
     def picture(self, mode=None):
-        """Its pixels, as they are or as one of Pillow's modes; of one bit, white is 1."""
+        """Returns the pixels, as they are or in one of Pillow's modes; in pictures of one bit, white is 1."""
         return pixels(self.body, mode)
 
     def __repr__(self):
@@ -146,7 +146,7 @@ class Answer:
 
 
 def _parse(head):
-    """The last head of several, such as after 100 Continue."""
+    """Parses the last of several heads, as after 100 Continue."""
     lines = head.decode("latin-1").strip().split("\r\n\r\n")[-1].split("\r\n")
     headers = {}
     for line in lines[1:]:
@@ -182,7 +182,7 @@ class Call:
             return Answer(status, headers, self.body.read_bytes() if self.body.is_file() else b"")
 
     def abandon(self):
-        """The client goes away."""
+        """Ends curl, as if the client went away."""
         with self.folder:
             self.process.kill()
             self.process.communicate()
@@ -198,7 +198,7 @@ def post_json(server, path, body, *arguments):
 
 
 def figures_at_rest(server):
-    """What /metrics tells once all answers are counted, which they are after they were sent."""
+    """Returns the figures of /metrics once all answers are counted, which happens after they are sent."""
     told = ask(server, "/metrics").body.decode()
     while "\nccdt_connections_open 1\n" not in told:
         told = ask(server, "/metrics").body.decode()
@@ -213,7 +213,7 @@ class ServerCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        # Ends it even if a subclass's set-up fails: unittest then skips tearDownClass.
+        # Ends the server even if the set-up of a subclass fails: unittest then skips tearDownClass.
         cls.server = cls.enterClassContext(Server(*cls.flags, program=cls.program))
 
     @classmethod
@@ -248,7 +248,7 @@ class ServerCase(unittest.TestCase):
 
 
 def file_of(picture, kind="PNG"):
-    """A file's bytes, from an array of grey levels or colours of 8 bits."""
+    """Returns the bytes of a file, from an array of grey levels or colours of 8 bits."""
     file = io.BytesIO()
     Image.fromarray(numpy.asarray(picture, dtype=numpy.uint8)).save(file, kind)
     return file.getvalue()
@@ -268,7 +268,7 @@ def data_uri(bytes_, kind="image/png"):
 
 
 def linear(level):
-    """Relative luminance of a grey level of sRGB, in [0, 1]."""
+    """Returns the relative luminance of a grey level of sRGB, in [0, 1]."""
     value = level / 255
     return value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
 
@@ -278,13 +278,13 @@ def polygon(name):
 
 
 def rings_of(geometry):
-    """All rings of a GeoJSON geometry, as arrays of corners, without the repeated last one."""
+    """Returns all rings of a GeoJSON geometry, as arrays of corners without the repeated last one."""
     many = geometry["coordinates"] if geometry["type"] == "MultiPolygon" else [geometry["coordinates"]]
     return [numpy.array(ring[:-1]) for part in many for ring in part]
 
 
 def area(rings):
-    """Of the region inside an odd number of rings; the rings do not cross."""
+    """Returns the area inside an odd number of rings, which do not cross."""
     def signed(ring):
         x, y = ring[:, 0], ring[:, 1]
         return 0.5 * numpy.sum(x * numpy.roll(y, -1) - numpy.roll(x, -1) * y)
@@ -298,7 +298,7 @@ def area(rings):
 
 
 def inside(points, rings):
-    """Whether each point is inside an odd number of rings."""
+    """Returns whether each point is inside an odd number of rings."""
     x, y = numpy.asarray(points)[:, 0], numpy.asarray(points)[:, 1]
     odd = numpy.zeros(len(x), dtype=bool)
     for ring in rings:

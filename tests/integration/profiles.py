@@ -1,4 +1,4 @@
-"""ICC profiles made by hand, and what they say a colour is (ICC.1:2001-04)."""
+"""ICC profiles made by hand, and the colours that they define (ICC.1:2001-04)."""
 
 import struct
 
@@ -28,7 +28,7 @@ def _to_xyz(xy):
 
 
 def primaries_to_xyz(primaries, white=D65):
-    """Of linear light, for eyes that are used to D50 (Bradford)."""
+    """Returns the matrix from linear light to XYZ, adapted to D50 (Bradford)."""
     columns = numpy.stack([_to_xyz(xy) for xy in primaries], axis=1)
     matrix = columns * numpy.linalg.solve(columns, _to_xyz(white))
     bradford = numpy.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
@@ -37,13 +37,13 @@ def primaries_to_xyz(primaries, white=D65):
 
 
 def to_srgb_light(light, primaries):
-    """Linear light of other primaries in those of sRGB, which may not hold it: [..., 3]."""
+    """Converts linear light of other primaries to those of sRGB; the result may be out of range: [..., 3]."""
     matrix = numpy.linalg.solve(primaries_to_xyz(SRGB), primaries_to_xyz(primaries))
     return numpy.asarray(light) @ matrix.T
 
 
 def fit(light):
-    """What sRGB does not hold is mixed with grey of its own luminance."""
+    """Mixes colours outside sRGB with grey of their own luminance until they fit."""
     grey = numpy.clip(light @ WEIGHTS, 0, 1)
     low, high = light.min(-1), light.max(-1)
     with numpy.errstate(divide="ignore", invalid="ignore"):
@@ -61,7 +61,7 @@ def _xyz(values):
 
 
 def _curve(curve):
-    """A power, or a function of which it keeps so many points as profiles of sRGB use to have."""
+    """Encodes a curve: a power, or a function sampled at as many points as in usual profiles of sRGB."""
     if callable(curve):
         points = numpy.rint(curve(numpy.linspace(0, 1, 1024)) * 65535).astype(">u2")
         return b"curv\0\0\0\0" + struct.pack(">I", len(points)) + points.tobytes()
@@ -92,7 +92,7 @@ def grey_profile(curve):
 
 
 def ink_light(inks):
-    """Linear sRGB of inks as tinted glass, which black ink only dims to 1 %: [..., 4] to [..., 3]."""
+    """Returns the linear sRGB of inks like tinted glass, which black ink only dims to 1 %: [..., 4] to [..., 3]."""
     inks = numpy.asarray(inks, float)
     cyan, magenta, yellow, black = (inks[..., i:i + 1] for i in range(4))
     light = numpy.ones(inks.shape[:-1] + (3,))
@@ -109,7 +109,7 @@ def _xyz_to_lab(xyz):
 
 
 def _table(light_of, channels, points):
-    """A table of 16 bits (lut16Type) to CIELAB."""
+    """Encodes a table of 16 bits (lut16Type) to CIELAB."""
     steps = numpy.linspace(0, 1, points)
     light = light_of(numpy.stack(numpy.meshgrid(*[steps] * channels, indexing="ij"), axis=-1))
     lab = _xyz_to_lab(light @ primaries_to_xyz(SRGB).T)
@@ -125,5 +125,5 @@ def ink_profile(points=9):
 
 
 def table_profile(light_of, points=17):
-    """Of red, green and blue, by a table."""
+    """Returns an RGB profile with a table."""
     return _profile(b"scnr", b"RGB ", b"Lab ", {b"A2B0": _table(light_of, 3, points)})

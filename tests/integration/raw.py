@@ -1,4 +1,4 @@
-"""Bytes to and from the server, as no well-behaved client would send them, and what they cost it."""
+"""Bytes to and from the server, as no well-behaved client would send them, and their cost."""
 
 import contextlib
 import http.client
@@ -11,12 +11,13 @@ import time
 
 from harness import PATIENCE
 
-# Within it "at once" has to happen. Generous: only waiting for a timeout that should not be waited for takes longer.
+# Seconds within which things that must happen at once happen. The limit is generous: only waiting for a time-out that
+# should not be waited for takes longer.
 AT_ONCE = 1.0
 
 SANITIZED = re.search(rb"__(a|t)san_init", pathlib.Path(os.environ["CCDT_SERVER"]).read_bytes()) is not None
 
-# MiB that clients may cost beyond what accepted work takes. Sanitizers keep what is freed for a while.
+# MiB that clients may cost beyond accepted work. Sanitizers keep freed memory for a while.
 MOST_MEMORY = 1024 if SANITIZED else 64
 
 
@@ -36,7 +37,7 @@ class Raw:
         self.socket.sendall(data)
 
     def try_send(self, data):
-        """False if the server takes nothing any more."""
+        """Returns False if the server accepts no more data."""
         try:
             self.socket.sendall(data)
         except OSError:
@@ -44,17 +45,17 @@ class Raw:
         return True
 
     def has_news(self):
-        """An answer, or the end."""
+        """Returns whether an answer, or the end, has arrived."""
         return bool(select.select([self.socket], [], [], 0)[0])
 
     def answer(self):
-        """The next answer's status, headers and body."""
+        """Returns status, headers and body of the next answer."""
         response = http.client.HTTPResponse(self.socket)
         response.begin()
         return response.status, response.headers, response.read()
 
     def rest(self):
-        """All that comes until the server closes the connection."""
+        """Returns everything that arrives until the server closes the connection."""
         received = b""
         try:
             while chunk := self.socket.recv(65536):
@@ -71,13 +72,13 @@ class Raw:
 
 
 def sources():
-    """Addresses of this machine, one after another, so that a limit by address does not count."""
+    """Yields addresses of this machine, one after another, so that limits by address do not apply."""
     return (f"127.0.{i // 250 + 1}.{i % 250 + 1}" for i in range(60_000))
 
 
 @contextlib.contextmanager
 def crowd(server, count, data=b""):
-    """Many clients, each from an address of its own, that have sent no more than this."""
+    """Connects many clients, each from an address of its own, which have sent no more than `data`."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(Raw(server, source)) for _, source in zip(range(count), sources())]
         for client in clients:
@@ -86,12 +87,12 @@ def crowd(server, count, data=b""):
 
 
 def statuses(received):
-    """Of the answers in what was received."""
+    """Returns the statuses of the answers in received bytes."""
     return [int(status) for status in re.findall(rb"HTTP/1\.1 (\d{3}) ", received)]
 
 
 def ping(server):
-    """Seconds until the server has said that it lives."""
+    """Returns the seconds that the server takes to answer a health check."""
     start = time.monotonic()
     with Raw(server) as raw:
         raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
@@ -100,7 +101,7 @@ def ping(server):
 
 
 class Memory:
-    """How far the server's resident memory rises within a block, in MiB."""
+    """Measures by how many MiB the server's resident memory rises within a block."""
 
     def __init__(self, server):
         self.folder = pathlib.Path(f"/proc/{server.process.pid}")
@@ -110,7 +111,7 @@ class Memory:
         return int(re.search(name + r":\s+(\d+) kB", (self.folder / "status").read_text()).group(1)) / 1024
 
     def __enter__(self):
-        (self.folder / "clear_refs").write_text("5")  # the peak is measured from here
+        (self.folder / "clear_refs").write_text("5")  # resets the peak
         self.before = self._read("VmRSS")
         return self
 

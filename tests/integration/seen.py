@@ -1,4 +1,4 @@
-"""What is seen of pictures from afar: light blurred in the eye, colours and their differences by the CIE."""
+"""Appearance of pictures from afar: light blurred in the eye, CIE colours and their differences."""
 
 import numpy
 
@@ -9,13 +9,13 @@ TO_XYZ = numpy.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.019
 
 
 def lightness(light):
-    """CIE L*, 0 to 100."""
+    """Returns CIE L*, 0 to 100."""
     light = numpy.clip(light, 0, 1)
     return numpy.where(light > 216 / 24389, 116 * numpy.cbrt(light) - 16, light * 24389 / 27)
 
 
 def blurred(plane, sigma):
-    """By a Gaussian, mirrored at the sides."""
+    """Blurs by a Gaussian, mirrored at the sides."""
     for axis in (0, 1):
         plane = numpy.moveaxis(plane, axis, -1)
         side = plane.shape[-1]
@@ -27,18 +27,18 @@ def blurred(plane, sigma):
 
 
 def seen_light(picture, sigma):
-    """A picture's red, green and blue, blurred."""
+    """Returns a picture's red, green and blue light, blurred."""
     return numpy.stack([blurred(picture[..., channel], sigma) for channel in range(3)], -1)
 
 
 def lab(light):
-    """CIE L*, a*, b* of linear light with the primaries of sRGB."""
+    """Returns CIE L*, a*, b* of linear light with the primaries of sRGB."""
     x, y, z = numpy.moveaxis(lightness(light @ (TO_XYZ / TO_XYZ.sum(1, keepdims=True)).T), -1, 0)
     return numpy.stack([y, 500 / 116 * (x - y), 200 / 116 * (y - z)], -1)
 
 
 def ciede2000(one, other):
-    """Difference of colours in L*, a*, b*. Source: Sharma, Wu, Dalal 2005."""
+    """Returns the CIEDE2000 difference of colours in L*, a*, b*. Source: Sharma, Wu, Dalal 2005."""
     chroma = (numpy.hypot(one[..., 1], one[..., 2]) + numpy.hypot(other[..., 1], other[..., 2])) / 2
     stretch = 1.5 - 0.5 * numpy.sqrt(chroma ** 7 / (chroma ** 7 + 25.0 ** 7))
     c1, c2 = (numpy.hypot(stretch * colour[..., 1], colour[..., 2]) for colour in (one, other))

@@ -29,7 +29,7 @@ class Keys(unittest.TestCase):
         self.file = pathlib.Path(folder.name) / "keys"
         self.file.write_text(f"# who may ask\nalice:{ALICE}\n\nbob {BOB}\n")
 
-    def test_are_needed_but_for_health_and_preflights(self):
+    def test_are_required_except_for_health_checks_and_preflights(self):
         with Server(environment={"CCDT_API_KEY_FILE": str(self.file)}) as server:
             for path in ("/halftone", "/sample", "/nothing"):
                 for header in ((), bearer(""), bearer(ALICE[:-1]), bearer(ALICE + "x"), bearer("x" * 5000),
@@ -53,14 +53,14 @@ class Keys(unittest.TestCase):
             for key in (ALICE, BOB):
                 self.assertNotIn(key, server.log())
 
-    def test_of_several_none_counts(self):
+    def test_several_in_one_request_are_refused(self):
         with Server(f"--api-key-file={self.file}") as server:
             for first, second in ((ALICE, BOB), (ALICE, ALICE), ("unknown", ALICE)):
                 answer = ask(server, HALFTONE, *bearer(first), *bearer(second), data=GREY)
                 self.assertEqual((answer.status, answer.type), (400, "application/problem+json"))
                 self.assertIn("Authorization", answer.json()["detail"])
 
-    def test_do_not_reach_the_log_by_the_url(self):
+    def test_in_the_url_are_redacted_in_the_log(self):
         names = ("key", "api_key", "apikey", "token", "access_token", "Authorization", "kye")
         for form in ("text", "json"):
             with Server(f"--api-key-file={self.file}", f"--log-format={form}") as server:
@@ -74,7 +74,7 @@ class Keys(unittest.TestCase):
                 self.assertEqual(server.stop(), 0)
                 self.assertNotIn(ALICE, server.log())
 
-    def test_are_read_again_on_sighup(self):
+    def test_are_reloaded_on_sighup(self):
         with Server(f"--api-key-file={self.file}") as server:
             self.file.write_text("carol:carol-0123456789abcdef\n")
             server.signal(signal.SIGHUP)
@@ -87,7 +87,7 @@ class Keys(unittest.TestCase):
             self.assertEqual(ask(server, HALFTONE, *bearer("carol-0123456789abcdef"), data=GREY).status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_a_file_without_keys_is_told_at_the_start(self):
+    def test_files_without_keys_prevent_the_start(self):
         for text in ("", "# none\n", "alice\n", "alice:short\n", f"a/b:{ALICE}\n", f"alice:{ALICE}\nbob:{ALICE}\n"):
             self.file.write_text(text)
             self.check_refused()
@@ -101,7 +101,7 @@ class Keys(unittest.TestCase):
         self.assertIn(str(self.file), result.stderr)
         self.assertNotIn(ALICE, result.stderr)
 
-    def test_have_a_rate_each(self):
+    def test_have_separate_rate_limits(self):
         with Server(f"--api-key-file={self.file}", "--rate-limit=0.001", "--rate-burst=3") as server:
             for key in (ALICE, BOB):
                 answers = [ask(server, HALFTONE, *bearer(key), data=GREY) for _ in range(5)]
@@ -114,7 +114,7 @@ class Keys(unittest.TestCase):
 
 
 class Rates(unittest.TestCase):
-    def test_are_of_an_address_without_keys(self):
+    def test_apply_per_address_without_keys(self):
         request = b"GET /nothing HTTP/1.1\r\nHost: localhost\r\n\r\n"
         with Server("--rate-limit=0.001", "--rate-burst=2") as server:
             for source in ("127.0.0.1", "127.0.0.2"):
@@ -125,7 +125,7 @@ class Rates(unittest.TestCase):
                         found.append(raw.answer()[0])
                 self.assertEqual(found, [404, 404, 429, 429])
 
-    def test_count_preflights(self):
+    def test_include_preflights(self):
         preflight = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
                      b"Access-Control-Request-Method: POST\r\n\r\n")
         with Server("--rate-limit=0.001", "--rate-burst=2", "--cors-origin=https://a.example") as server:
@@ -151,13 +151,13 @@ class Origins(ServerCase):
     def from_origin(self, origin, *arguments):
         return self.ask("/halftone", "--header", "Origin: " + origin, *arguments)
 
-    def test_are_answered_one_by_one(self):
+    def test_that_are_allowed_are_echoed(self):
         for origin in ("https://a.example", "https://b.example:8443"):
             answer = self.from_origin(origin)
             self.assertEqual(answer.headers["access-control-allow-origin"], origin)
             self.assertEqual(answer.headers["vary"], "Origin")
 
-    def test_others_may_not_read(self):
+    def test_that_are_not_allowed_get_no_cors_headers(self):
         for origin in ("https://c.example", "http://a.example", "https://a.example.evil", "null", "*"):
             answer = self.from_origin(origin)
             self.assertNotIn("access-control-allow-origin", answer.headers)
@@ -172,12 +172,12 @@ class Origins(ServerCase):
 
 
 class Hosts(unittest.TestCase):
-    """Names by which a server is asked: those of a stranger may lead to loopback, too."""
+    """Host names of requests. A stranger's name may resolve to loopback, too."""
 
     def statuses(self, server, *hosts):
         return [ask(server, "/capabilities", "--header", f"Host: {host}").status for host in hosts]
 
-    def test_are_those_of_loopback_there(self):
+    def test_must_be_loopback_if_bound_to_loopback(self):
         with Server() as server:
             port = server.port
             good = (f"localhost:{port}", f"127.0.0.1:{port}", f"[::1]:{port}", "localhost", "127.0.0.1")
@@ -194,14 +194,14 @@ class Hosts(unittest.TestCase):
             server.wait_for_log("--allowed-host")
             self.assertEqual(server.log().count("--allowed-host"), 1)
 
-    def test_are_those_that_are_allowed(self):
+    def test_must_be_listed_if_names_are_configured(self):
         with Server(environment={"CCDT_ALLOWED_HOST": "dots.example,b.example"}) as server:
             self.assertEqual(self.statuses(server, "dots.example", "B.example:80", "localhost", "a.dots.example"),
                              [200, 200, 200, 421])
         with Server("--allowed-host=*") as server:
             self.assertEqual(self.statuses(server, "evil.example"), [200])
 
-    def test_are_any_elsewhere_unless_some_are_allowed(self):
+    def test_are_unrestricted_on_other_addresses_by_default(self):
         with Server("--bind=0.0.0.0") as server:
             self.assertEqual(self.statuses(server, "evil.example"), [200])
         with Server("--bind=0.0.0.0", "--allowed-host=dots.example") as server:
@@ -213,19 +213,19 @@ class OriginsOfThisMachine(ServerCase):
         return self.ask("/halftone", "--request", "OPTIONS", "--header", "Origin: " + origin, "--header",
                         "Access-Control-Request-Method: POST")
 
-    def test_may_call_as_nobody_else_can(self):
+    def test_are_allowed_if_bound_to_loopback(self):
         for origin in ("http://localhost:5500", "http://127.0.0.1:3000", "http://[::1]", "https://app.localhost"):
             answer = self.preflight(origin)
             self.assertEqual(answer.headers["access-control-allow-origin"], origin)
             self.assertEqual(answer.headers["access-control-allow-methods"], "POST, OPTIONS")
 
-    def test_are_told_apart_from_others_which_the_log_names_once(self):
+    def test_others_are_refused_and_logged_once(self):
         for origin in ("https://a.example", "http://127.0.0.1.example", "null"):
             self.assertNotIn("access-control-allow-origin", self.preflight(origin).headers)
         self.server.wait_for_log("--cors-origin https://a.example would allow it")
         self.assertEqual(self.server.log().count("would allow it"), 1)
 
-    def test_may_not_call_where_others_can_reach(self):
+    def test_are_refused_if_bound_to_other_addresses(self):
         with Server("--bind=0.0.0.0") as server:
             answer = ask(server, "/halftone", "--request", "OPTIONS", "--header", "Origin: http://localhost:5500",
                          "--header", "Access-Control-Request-Method: POST")
@@ -240,7 +240,7 @@ class Compression(ServerCase):
         header = ("--header", "Accept-Encoding: " + accepted) if accepted else ()
         return post_json(self.server, "/sample", body or self.body, *header)
 
-    def test_is_made_if_asked_for(self):
+    def test_is_applied_on_request(self):
         plain = self.get(None)
         self.assertNotIn("content-encoding", plain.headers)
         for accepted in ("gzip", "deflate, gzip;q=0.5", "*", "GZIP", "gzip;q=1.0, identity;q=0.5"):
@@ -250,13 +250,13 @@ class Compression(ServerCase):
             self.assertLess(len(answer.body), 0.6 * len(plain.body))
             self.assertEqual(json.loads(gzip.decompress(answer.body))["points"], plain.json()["points"])
 
-    def test_is_not_made_otherwise(self):
+    def test_is_not_applied_otherwise(self):
         for accepted in ("", "br", "gzip;q=0", "*;q=0", "identity", "gzip;q=0.1, identity", "gzip;q=x", "deflate"):
             answer = self.get(accepted)
             self.assertNotIn("content-encoding", answer.headers, accepted)
             self.assertEqual(answer.headers["vary"], "Accept, Accept-Encoding, Origin")
 
-    def test_spares_what_is_small_or_a_picture(self):
+    def test_skips_small_answers_and_pictures(self):
         for answer in (self.ask("/health", "--header", "Accept-Encoding: gzip"),
                        self.ask("/halftone?sites=5000", "--header", "Accept-Encoding: gzip", data=GREY)):
             self.assertEqual(answer.status, 200)
@@ -279,7 +279,7 @@ class Log(unittest.TestCase):
             raw.rest()
         ask(server, "/sample", data=b'{"evil\x1b[31m\n":1}')
 
-    def test_carries_traces_and_nothing_unescaped(self):
+    def test_has_traces_and_escapes_everything(self):
         with Server() as server:
             self.ask_all(server)
             self.assertEqual(server.stop(), 0)
@@ -289,7 +289,7 @@ class Log(unittest.TestCase):
         self.assertEqual(sum("trace=" in line for line in lines), 1)
         self.check_clean(server.log(), lines)
 
-    def test_carries_them_as_json(self):
+    def test_has_traces_in_json(self):
         with Server("--log-format=json") as server:
             self.ask_all(server)
             self.assertEqual(server.stop(), 0)

@@ -17,12 +17,12 @@ def noise(points, seed=1):
 
 
 def power(points, i, j):
-    """The periodogram on the unit torus, from its definition."""
+    """Returns the periodogram on the unit torus, by its definition."""
     return abs(numpy.exp(-2j * numpy.pi * (points @ (i, j))).sum()) ** 2 / len(points)
 
 
 def nearest(points):
-    """From each point to the nearest other one on the unit torus."""
+    """Returns the distance from each point to the nearest other one on the unit torus."""
     apart = numpy.abs(points[:, None] - points[None, :])
     squared = (numpy.minimum(apart, 1 - apart) ** 2).sum(axis=2)
     numpy.fill_diagonal(squared, numpy.inf)
@@ -41,7 +41,7 @@ class AnalyzeCase(ServerCase):
 
 
 class Figures(AnalyzeCase):
-    def test_spectrum_is_what_the_definition_says(self):
+    def test_spectrum_equals_its_definition(self):
         points = noise(150)
         spectrum = self.analyze(points=points.tolist(), spectrum=True)["spectrum"]
         self.assertEqual(len(spectrum["values"]), spectrum["width"] * spectrum["height"])
@@ -110,7 +110,7 @@ class Figures(AnalyzeCase):
 class Plots(AnalyzeCase):
     points = noise(300).tolist()
 
-    def test_accept_and_format_choose(self):
+    def test_accept_and_format_select_the_format(self):
         for kind, name in (("image/png", "png"), ("image/svg+xml", "svg"), ("application/json", "json")):
             accepted = self.post("--header", f"Accept: {kind}", points=self.points)
             named = self.post("--header", "Accept: text/csv", points=self.points, format=name)
@@ -118,7 +118,7 @@ class Plots(AnalyzeCase):
             self.assertEqual((named.status, named.type), (200, kind))
             self.assertEqual(accepted.body, named.body)
 
-    def test_png_is_a_picture_with_four_panels(self):
+    def test_png_has_four_panels(self):
         pixels = self.post(points=self.points, format="png").picture("L")
         self.assertEqual(pixels.shape, (1080, 3000))
         for left, top, right, bottom in ((90, 110, 910, 930), (1030, 110, 1850, 930), (2030, 110, 2810, 470),
@@ -127,7 +127,7 @@ class Plots(AnalyzeCase):
             self.assertLess(panel.min(), 130)
             self.assertGreater(panel.max(), 200)
 
-    def test_svg_is_well_formed_and_shows_all(self):
+    def test_svg_is_well_formed_and_complete(self):
         root = xml.etree.ElementTree.fromstring(self.post(sets=[self.points] * 2, format="svg").body)
         self.assertEqual(root.tag, SVG + "svg")
         words = {text.text for text in root.iter(SVG + "text")}
@@ -140,7 +140,7 @@ class Plots(AnalyzeCase):
         rings = len(self.analyze(points=self.points)["power"])
         self.assertEqual([len(curve) for curve in curves], [rings, rings])
 
-    def test_same_bytes_from_any_worker(self):
+    def test_are_identical_from_any_worker(self):
         body = json.dumps({"points": self.points})
         for kind in ("image/png", "image/svg+xml", "application/json"):
             with Server("--workers=4") as other:
@@ -182,7 +182,7 @@ class Refusals(AnalyzeCase):
         long, points = {"type": "rectangle", "width": 1e8, "height": 1}, noise(20000) * [1e8, 1]
         self.refuse(413, "/max_frequency", "536870912", points=points.tolist(), domain=long, max_frequency=16)
 
-    def test_422_points_at_what_cannot_be_measured(self):
+    def test_422_locates_points_that_cannot_be_analyzed(self):
         good = noise(10).tolist()
         self.refuse(422, "/points", points=good[:1])
         self.refuse(422, "/points/10", points=good + [[0.5, 1.01]])
@@ -190,8 +190,8 @@ class Refusals(AnalyzeCase):
         self.refuse(422, "/sets/1/3", sets=[good, good[:3] + [[-1, 0]] + good[4:]])
         self.refuse(422, "/domain", points=good, domain={**TORUS, "width": 1e9})
 
-    def test_504_ends_the_work(self):
-        # Every set costs a little: 5,000 of them more than there is time for.
+    def test_504_ends_the_computation(self):
+        # Each set costs a little; 5,000 of them take longer than the timeout.
         sets = [noise(4, seed).tolist() for seed in range(5000)]
         self.refuse(504, "timeout", sets=sets, max_frequency=16, domain={**TORUS, "width": 1000})
         self.assertEqual(self.post(points=noise(100).tolist()).status, 200)

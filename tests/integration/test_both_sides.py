@@ -19,12 +19,12 @@ CAMERA = (PICTURES / "camera.png").read_bytes()
 
 
 def light(file):
-    """Linear light of a drawing that mixes in linear light."""
+    """Returns the linear light of a drawing whose edges are antialiased in linear light."""
     return LIGHT[pixels(file, "L")]
 
 
 def black_and_white():
-    """Text and noise, in black and white."""
+    """Returns text and noise, in black and white."""
     picture = Image.new("L", (160, 120), 255)
     draw = ImageDraw.Draw(picture)
     draw.rectangle((80, 0, 160, 60), fill=0)
@@ -40,13 +40,13 @@ def rings(answer):
 
 
 def is_far_from_boundary(answer):
-    """Whether each dot is farther from the boundary of the ground than the outline is inexact."""
+    """Returns for each dot whether its distance from the boundary of the ground exceeds the error of the outline."""
     boundary = shapely.geometry.MultiLineString([[*ring, ring[0]] for ring in answer["ground"]])
     return numpy.array([shapely.geometry.Point(point).distance(boundary) > 0.5 for point in answer["points"]])
 
 
 class Tone(ServerCase):
-    def test_flat_greys_keep_their_luminance(self):
+    def test_flat_greys_preserve_luminance(self):
         for share in (0.02, 0.05, 0.1, 0.2, 0.3, 0.4, 0.48, 0.52, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98):
             level = int(numpy.argmin(abs(LIGHT - share)))
             with self.subTest(share=share):
@@ -59,12 +59,12 @@ class Tone(ServerCase):
             covered = numpy.pi * (numpy.array(dots["radii"]) ** 2).sum() / 128 ** 2
             self.assertAlmostEqual(covered, min(linear(level), 1 - linear(level)), delta=0.01)
 
-    def test_paper_and_ink_have_the_colours_that_are_asked_for(self):
+    def test_foreground_and_background_are_used(self):
         drawn = self.halftone(CAMERA, "?sites=2000&scale=4&foreground=%23024&background=%23fda").picture("RGB")
         colours = {tuple(colour) for colour in numpy.unique(drawn.reshape(-1, 3), axis=0).tolist()}
         self.assertEqual(colours, {(0, 0x22, 0x44), (255, 0xdd, 0xaa)})
 
-    def test_dots_of_a_number_and_a_radius_have_their_factor(self):
+    def test_tone_is_reported_for_given_number_and_radius(self):
         for dots, radius in ((1000, 1), (3000, 1)):
             answer = self.halftone(file_of(flat(210, 200, 200)), f"?sites={dots}&scale=4&dot={4 * radius}&antialias=true")
             tone = float(answer.headers["x-tone"])
@@ -74,7 +74,7 @@ class Tone(ServerCase):
 
 
 class BlackAndWhite(ServerCase):
-    def test_is_drawn_by_the_ground_alone(self):
+    def test_is_reproduced_without_dots(self):
         picture = black_and_white()
         for query in ("", "&sites=500", "&detail=0", "&format=webp"):
             with self.subTest(query=query):
@@ -92,14 +92,14 @@ class BlackAndWhite(ServerCase):
 
 
 class Lists(ServerCase):
-    def test_hold_as_many_dots_as_are_asked_for(self):
+    def test_hold_the_requested_number_of_dots(self):
         for sites in (1, 7, 1000, 20_000):
             dots = self.halftone(CAMERA, f"?sites={sites}&dots=both&format=json").json()
             self.assertEqual(dots["sites"], sites)
             for member in ("points", "radii", "side"):
                 self.assertEqual(len(dots[member]), sites, member)
 
-    def test_sides_are_those_of_the_ground(self):
+    def test_sides_agree_with_the_ground(self):
         for data in (CAMERA, ASTRONAUT):
             dots = self.halftone(data, "?sites=8000&dots=both&format=json").json()
             on_black = inside(dots["points"], rings(dots))
@@ -109,7 +109,7 @@ class Lists(ServerCase):
             self.assertGreater(far.mean(), 0.7)
             numpy.testing.assert_array_equal(is_paper[far], on_black[far])
 
-    def test_hold_the_same_dots(self):
+    def test_hold_the_same_dots_in_all_formats(self):
         query = "?sites=900&dots=both&format="
         dots = self.halftone(ASTRONAUT, query + "json").json()
         expected = numpy.column_stack([dots["points"], dots["radii"], [side == "paper" for side in dots["side"]]])
@@ -120,7 +120,7 @@ class Lists(ServerCase):
         self.assertEqual([row[3] for row in rows[1:]], dots["side"])
         numpy.testing.assert_allclose(numpy.array([row[:3] for row in rows[1:]], float), expected[:, :3], rtol=1e-6)
 
-    def test_are_what_is_drawn(self):
+    def test_agree_with_drawings(self):
         scale = 8
         dots = self.halftone(CAMERA, "?sites=2000&dots=both&format=json").json()
         drawn = self.halftone(CAMERA, f"?sites=2000&scale={scale}").picture()
@@ -129,7 +129,7 @@ class Lists(ServerCase):
             x, y = (numpy.array(dots["points"][i]) * scale).astype(int)
             self.assertEqual(drawn[y, x], dots["side"][i] == "paper", dots["points"][i])
 
-    def test_are_of_ink_unless_asked_otherwise(self):
+    def test_have_ink_dots_by_default(self):
         for form in ("json", "csv", "npy"):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&seed=4&format={form}{dots}").body
                           for dots in ("", "&dots=ink"))
@@ -156,26 +156,26 @@ class Drawings(ServerCase):
 
 
 class Colour(ServerCase):
-    def test_inks_and_lamps_look_the_same(self):
-        for query in ("&scale=2", "&scale=2&antialias=true"):  # rims for the screen are rounded apart
+    def test_cmyk_and_rgb_give_the_same_pixels(self):
+        for query in ("&scale=2", "&scale=2&antialias=true"):  # edges for screens are rounded separately
             inks, lamps = (pixels(self.halftone(ASTRONAUT, f"?sites=2000&color={color}{query}").body, "RGB")
                            for color in ("cmyk", "rgb"))
             numpy.testing.assert_array_equal(inks, lamps)
 
-    def test_tones_are_those_of_each_channel(self):
+    def test_flat_colours_preserve_each_channel(self):
         for colour in ((20, 40, 80), (120, 40, 20), (230, 200, 180)):
             drawn = self.halftone(file_of(numpy.full((128, 128, 3), colour)),
                                   "?sites=3000&scale=4&antialias=true&color=cmyk")
             seen = LIGHT[pixels(drawn.body, "RGB")].mean((0, 1))
             numpy.testing.assert_allclose(seen, [linear(value) for value in colour], atol=0.004)
 
-    def test_greys_have_black_and_white_dots_alone(self):
+    def test_greys_have_black_and_white_dots_only(self):
         answer = self.halftone(CAMERA, "?sites=1000&color=cmyk&dots=both&format=json").json()
         self.assertEqual([kind["flips"] for kind in answer["kinds"]], [["cyan", "magenta", "yellow"]])
         first, *others = (ground["rings"] for ground in answer["grounds"])
         self.assertTrue(all(rings == first for rings in others))
 
-    def test_lists_hold_the_same_dots(self):
+    def test_lists_hold_the_same_dots_in_all_formats(self):
         query = "?sites=900&color=cmyk&dots=both&format="
         answer = self.halftone(ASTRONAUT, query + "json").json()
         self.assertEqual(answer["sites"], 900)
@@ -193,7 +193,7 @@ class Colour(ServerCase):
 
 
 class Options(ServerCase):
-    def test_that_contradict_each_other_are_refused(self):
+    def test_contradictory_ones_are_rejected(self):
         for query, field, words in (
                 ("dots=both&palette=%23f00", "dots", "dots of a palette are ink"),
                 ("dots=both&tone=density", "dots", "tone=density"),
@@ -207,7 +207,7 @@ class Options(ServerCase):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=CAMERA), 400, words)
                 self.assertEqual(problem["errors"][0]["pointer"], field)
 
-    def test_of_drawings_are_both_by_default(self):
+    def test_drawings_have_dots_on_both_sides_by_default(self):
         for form in ("png", "webp", "tiff", "svg"):
             usual, both, ink = (self.halftone(CAMERA, f"?sites=300&format={form}{dots}").body
                                 for dots in ("", "&dots=both", "&dots=ink"))
@@ -219,7 +219,7 @@ class Options(ServerCase):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&{query}{dots}").body for dots in ("", "&dots=ink"))
             self.assertEqual(usual, ink, query)
 
-    def test_invert_is_a_name_for_sides(self):
+    def test_invert_is_an_alias_of_dots(self):
         for invert, dots in (("true", "paper"), ("false", "ink")):
             inverted, sided = (self.halftone(CAMERA, "?sites=300&" + query).body
                                for query in (f"invert={invert}", f"dots={dots}"))

@@ -1,4 +1,4 @@
-"""GET /halftone/{name}: pictures of the server's own, URLs that are signed, and names and files that mean harm."""
+"""GET /halftone/{name}: the server's own pictures, signed URLs, and malicious names and files."""
 
 import base64
 import hmac
@@ -22,7 +22,7 @@ OPTIONS = "?sites=50&scale=1"
 CAT = "/halftone/cat.png" + OPTIONS
 SECRET = b"what nobody may read"
 
-# As Chromium, Firefox and Safari ask for an <img>.
+# Accept headers of Chromium, Firefox and Safari for an <img>.
 BROWSERS = ("image/avif,image/webp,image/apng,image/svg+xml,image/*,*/*;q=0.8",
             "image/avif,image/webp,image/png,image/svg+xml,image/*;q=0.8,*/*;q=0.5",
             "image/webp,image/avif,image/jxl,image/heic,image/heic-sequence,video/*;q=0.8,image/png,image/svg+xml,image/*;q=0.8,*/*;q=0.5")
@@ -33,7 +33,7 @@ NEW = "new-signing-key-0123456789abcdef0123456789"
 
 
 def folder_of_pictures(case):
-    """A folder with a picture, in one that has a secret beside it."""
+    """Returns a folder with a picture, in one that has a secret beside it."""
     root = pathlib.Path(case.enterContext(tempfile.TemporaryDirectory()))
     root.chmod(0o755)
     folder = root / "pictures"
@@ -44,7 +44,7 @@ def folder_of_pictures(case):
 
 
 def signed(key, text):
-    """The URL of a path and query, signed as the README tells it."""
+    """Returns the URL of a path and query, signed as the README describes."""
     signature = base64.urlsafe_b64encode(hmac.digest(key.encode(), text.encode(), "sha256")).decode().rstrip("=")
     return text + ("&" if "?" in text else "?") + "signature=" + signature
 
@@ -71,7 +71,7 @@ class PicturesCase(unittest.TestCase):
 class Answers(PicturesCase):
     flags = ("--cache=16MiB",)
 
-    def test_are_those_of_the_same_picture_that_is_sent(self):
+    def test_equal_those_for_the_same_picture_in_a_body(self):
         for query in (OPTIONS, OPTIONS + "&format=svg", OPTIONS + "&color=cmyk&format=webp", OPTIONS + "&format=npy",
                       "?sites=9&format=csv&invert=true&seed=7", "?sites=9&foreground=%23c30"):
             with self.subTest(query=query):
@@ -80,7 +80,7 @@ class Answers(PicturesCase):
                 for header in ("x-radius", "x-tone"):
                     self.assertEqual(named.headers.get(header), sent.headers.get(header))
 
-    def test_to_browsers_are_pictures(self):
+    def test_to_browsers_are_pngs(self):
         tags = set()
         for accept in BROWSERS:
             answer = self.ask(CAT, "--header", "Accept: " + accept)
@@ -90,14 +90,14 @@ class Answers(PicturesCase):
             tags.add(self.ask(CAT + "&format=webp", "--header", "Accept: " + accept).headers["etag"])
         self.assertEqual(len(tags), 1, "who names the format gets what others got")
 
-    def test_need_no_permission_of_other_origins(self):
+    def test_for_images_need_no_cors_headers(self):
         answer = self.ask(CAT, "--header", "Origin: https://a.example", "--header", "Sec-Fetch-Mode: no-cors", "--header",
                           "Sec-Fetch-Site: cross-site")
         self.assertNotIn("access-control-allow-origin", answer.headers)
         self.assertNotIn("cross-origin-resource-policy", answer.headers)
         self.ask(CAT, "--header", "Host: evil.example", status=421)
 
-    def test_have_strong_tags_that_spare_the_computation(self):
+    def test_have_strong_tags_that_avoid_the_computation(self):
         tag = self.ask(CAT + "&seed=1").headers["etag"]
         self.assertRegex(tag, r'^"[^"]+"$')
         before = self.sites()
@@ -108,7 +108,7 @@ class Answers(PicturesCase):
         self.assertEqual(self.sites(), before)
         self.assertNotEqual(self.ask(CAT + "&seed=2").headers["etag"], tag)
 
-    def test_are_kept(self):
+    def test_are_cached(self):
         first = self.ask(CAT, "--header", "X-Request-ID: first")
         before = self.sites()
         again = self.ask(CAT, "--header", "X-Request-ID: second")
@@ -130,8 +130,8 @@ class Answers(PicturesCase):
         file.write_bytes(GREY)
         self.assertEqual(self.ask(CAT).headers["etag"], first.headers["etag"], "the same on every server")
 
-    def test_to_head_are_the_same_without_a_body(self):
-        large = "/halftone/cat.png?sites=100000&iterations=0&format=svg"  # which comes in pieces
+    def test_to_head_have_the_same_headers_without_a_body(self):
+        large = "/halftone/cat.png?sites=100000&iterations=0&format=svg"  # is streamed
         for path in (CAT, large):
             head, whole = self.ask(path, "--head"), self.ask(path)
             self.assertEqual((head.body, head.headers["content-length"]), (b"", str(len(whole.body))))
@@ -140,20 +140,20 @@ class Answers(PicturesCase):
         self.assertGreater(len(whole.body), 4 << 20)
         self.ask("/halftone/other.png", "--head", status=404)
 
-    def test_to_other_methods_are_refusals(self):
+    def test_to_other_methods_are_405(self):
         for method in ("POST", "PUT", "PATCH", "DELETE", "BREW"):
             answer = self.ask(CAT, "--request", method, status=405, data=GREY)
             self.assertEqual(answer.headers["allow"], "GET, HEAD, OPTIONS")
         self.assertEqual(self.ask(CAT, "--request", "OPTIONS", status=204).headers["allow"], "GET, HEAD, OPTIONS")
 
-    def test_heed_nothing_but_the_query(self):
+    def test_depend_only_on_the_query(self):
         answer = self.ask(CAT)
         for header in ("Prefer: respond-async", "Content-Type: application/json", "Content-Encoding: br",
                        "Content-Type: multipart/form-data; boundary=b"):
             self.assertEqual(self.ask(CAT, "--header", header).body, answer.body, header)
         self.assertEqual(self.ask(CAT, "--request", "GET", data=DARK).body, answer.body)
 
-    def test_refuse_as_for_pictures_that_are_sent(self):
+    def test_have_the_same_errors_as_for_pictures_in_bodies(self):
         (self.folder / "white.png").write_bytes(file_of(flat(255)))
         (self.folder / "broken.png").write_bytes(GREY[:60])
         (self.folder / "notes.txt").write_bytes(b"no picture at all")
@@ -167,7 +167,7 @@ class Answers(PicturesCase):
                                    ("/halftone/notes.txt", 415, ""), ("/halftone/request.json", 415, ""),
                                    ("/halftone/empty.png", 400, "")):
             self.assertIn(word, self.ask(path, status=status).json()["detail"], path)
-        self.ask("/halftone/cat.png?sites=5&expires=1&signature=whatever")  # by no key: neither says anything
+        self.ask("/halftone/cat.png?sites=5&expires=1&signature=whatever")  # ignored, since there are no signing keys
 
     def test_are_counted_and_logged_like_others(self):
         self.ask(CAT, "--header", "X-Request-ID: named")
@@ -179,10 +179,10 @@ class Answers(PicturesCase):
         self.assertNotIn("unknown", figures)
         self.assertIn(" GET " + CAT + " 200 ", self.server.wait_for_log("named "))
 
-    def test_are_offered(self):
+    def test_are_listed_in_capabilities(self):
         self.assertEqual(self.ask("/capabilities").json()["halftone"]["pictures"], "unsigned")
 
-    def test_that_are_parts_are_not_to_be_kept(self):
+    def test_that_are_partial_are_not_cacheable(self):
         with Server(f"--pictures={self.folder}", "--timeout=1") as server:
             answer = ask(server, "/halftone/cat.png?sites=5000&iterations=1000&passes=100&on_deadline=partial")
         self.assertEqual((answer.status, answer.headers["x-partial"]), (200, "deadline"))
@@ -191,7 +191,7 @@ class Answers(PicturesCase):
 
 
 class Names(PicturesCase):
-    def test_lead_nowhere_else(self):
+    def test_cannot_leave_the_folder(self):
         folder = self.folder
         (folder / "sub").mkdir()
         (folder / "sub" / "cat.png").write_bytes(GREY)
@@ -216,7 +216,7 @@ class Names(PicturesCase):
                     self.assertNotIn(word, answer.json()["detail"])
         self.ask(CAT)
 
-    def test_may_be_any_that_files_have(self):
+    def test_may_contain_any_characters_of_file_names(self):
         for name, encoded in (("\u00e4 b.png", "%C3%A4%20b.png"), ("%2e%2e%2fsecret", "%252e%252e%252fsecret"),
                               ("a&b=c?d#e.png", "a&b=c%3Fd%23e.png"), ("x" * 255, "x" * 255), ("cat", "cat"),
                               ("signature=x", "signature=x"), ("-rf", "-rf"), ("a\\b", "a%5Cb")):
@@ -229,12 +229,12 @@ class Names(PicturesCase):
             raw.send(b"GET http://localhost/halftone/cat.png?sites=5#fragment HTTP/1.1\r\nHost: localhost\r\n\r\n")
             self.assertEqual(raw.answer()[0], 200)
 
-    def test_are_none_without_a_folder(self):
+    def test_are_unknown_without_a_folder(self):
         with Server() as server:
             self.assertEqual(ask(server, CAT).status, 404)
             self.assertEqual(ask(server, "/capabilities").json()["halftone"]["pictures"], "none")
 
-    def test_need_a_folder_that_is_there(self):
+    def test_require_an_existing_folder(self):
         for folder in (self.folder / "cat.png", self.folder / "nowhere"):
             done = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", f"--pictures={folder}"], capture_output=True,
                                   text=True, timeout=PATIENCE, check=False)
@@ -246,7 +246,7 @@ class Files(PicturesCase):
     flags = ("--max-body=64KiB",)
 
     def ask_meanwhile(self, change, allowed):
-        """Asks as long as something changes the file; the server goes on."""
+        """Sends requests while something changes the file; the server must continue."""
         over = threading.Event()
 
         def work():
@@ -273,7 +273,7 @@ class Files(PicturesCase):
         self.ask_meanwhile(grow, {200, 422, 503, 413})
         self.assertIn("max-body", self.ask(CAT, status=413).json()["detail"])
 
-    def test_that_come_and_go_are_there_or_not(self):
+    def test_that_are_replaced_or_removed_are_whole_or_404(self):
         def replace():
             for i in range(300):
                 with tempfile.NamedTemporaryFile(dir=self.folder, delete=False) as other:
@@ -291,7 +291,7 @@ class Files(PicturesCase):
             file.truncate(1 << 40)
         self.ask("/halftone/sparse.png", status=413)
 
-    def test_that_may_not_be_read_are_not_there(self):
+    def test_that_are_unreadable_are_404(self):
         (self.folder / "cat.png").chmod(0)
         program = self.folder.parent / "as-nobody"
         program.write_text('#!/bin/sh\nexec setpriv --reuid=65534 --regid=65534 --clear-groups "$CCDT_SERVER" "$@"\n')
@@ -304,7 +304,7 @@ class Files(PicturesCase):
             (self.folder / "cat.png").chmod(0o644)
             self.assertEqual(ask(server, CAT).status, 200)
 
-    def test_of_a_folder_that_is_gone_are_a_failure_of_the_server(self):
+    def test_in_a_removed_folder_are_500(self):
         self.folder.rename(self.folder.parent / "elsewhere")
         self.assertNotIn(self.folder.name, self.ask(CAT, status=500).json()["detail"])
         self.server.wait_for_log("folder of pictures: No such file")
@@ -313,7 +313,7 @@ class Files(PicturesCase):
 
 
 class SignedUrls(PicturesCase):
-    """Of a server with API keys and two signing keys."""
+    """URLs of a server with API keys and two signing keys."""
 
     flags = ("--cache=16MiB",)
 
@@ -331,7 +331,7 @@ class SignedUrls(PicturesCase):
         for word in words:
             self.assertIn(word, detail)
 
-    def test_stand_for_keys(self):
+    def test_replace_api_keys(self):
         for key in (OLD, NEW):
             self.ask(signed(key, CAT))
             self.ask(signed(key, "/halftone/cat.png"))
@@ -376,7 +376,7 @@ class SignedUrls(PicturesCase):
         self.refuse(signed(OLD, f"{CAT}&expires={now + 3600}").replace(str(now + 3600), str(now + 7200)), "the signature")
         self.ask(signed(OLD, f"{CAT}&expires=soon"), status=400)
 
-    def test_share_what_is_kept(self):
+    def test_share_the_cache(self):
         self.ask(signed(OLD, CAT))
         self.ask(signed(NEW, f"{CAT}&expires={int(time.time()) + 3600}"), "--header", "X-Request-ID: second")
         self.assertIn(" cache=hit", self.server.wait_for_log("second "))
@@ -391,7 +391,7 @@ class SignedUrls(PicturesCase):
         for secret in (url.rpartition("=")[2], OLD, NEW):
             self.assertNotIn(secret, self.server.log())
 
-    def test_are_those_of_keys_that_are_read_again(self):
+    def test_follow_reloaded_signing_keys(self):
         self.signing.write_text(f"new:{NEW}\n")
         self.server.signal(signal.SIGHUP)
         self.server.wait_for_log("were reloaded")
@@ -404,7 +404,7 @@ class SignedUrls(PicturesCase):
 
 
 class Snippets(PicturesCase):
-    """The README's, which sign a URL with the key of the environment."""
+    """Snippets of the README that sign a URL with the key in the environment."""
 
     environment = {"CCDT_SIGNING_KEY": OLD}
 
@@ -416,7 +416,7 @@ class Snippets(PicturesCase):
         self.assertEqual(found[0].count("\n"), 3, "lines")
         return found[0]
 
-    def test_sign_alike(self):
+    def test_produce_the_same_signature(self):
         expected = signed(OLD, CAT)
         for command, code in (((sys.executable, "-c"), self.snippet("python", "hmac")),
                               ((NODE, "--input-type=module", "--eval"), self.snippet("js", "createHmac")),
@@ -434,7 +434,7 @@ class Keys(unittest.TestCase):
         self.folder = folder_of_pictures(self)
         self.flag = f"--pictures={self.folder}"
 
-    def test_of_the_environment_stay_in_the_server(self):
+    def test_in_the_environment_are_hidden_from_child_processes(self):
         with Server(self.flag, environment={"CCDT_SIGNING_KEY": OLD}) as server:
             self.assertEqual(ask(server, signed(OLD, "/halftone/unknown")).status, 404)
             processes = [path for path in pathlib.Path("/proc").glob("[0-9]*")
@@ -452,7 +452,7 @@ class Keys(unittest.TestCase):
 
     @staticmethod
     def is_below(path, ancestor):
-        """Whether a process was started by another, or by one that was."""
+        """Returns whether a process is a descendant of another."""
         while path.name not in ("0", "1"):
             try:
                 parent = re.search(r"^PPid:\s(\d+)", (path / "status").read_text(), re.MULTILINE)[1]
@@ -470,13 +470,13 @@ class Keys(unittest.TestCase):
         self.assertNotIn("0123456789", done.stderr)
         return done.stderr
 
-    def test_that_are_wrong_keep_the_server_from_starting(self):
+    def test_that_are_invalid_prevent_the_start(self):
         self.assertIn("CCDT_SIGNING_KEY", self.refuse(2, "--signing-key=" + OLD))
         self.assertIn("32 to 256", self.refuse(1, CCDT_SIGNING_KEY="short-0123456789"))
         self.assertIn("/none", self.refuse(1, "--signing-key-file=/none"))
         self.assertIn("only one", self.refuse(2, "--signing-key-file=/none", CCDT_SIGNING_KEY=OLD))
 
-    def test_of_clients_are_needed_where_nothing_is_signed(self):
+    def test_of_clients_are_required_without_a_signature(self):
         with tempfile.NamedTemporaryFile("w") as keys:
             keys.write("alice:alice-0123456789abcdef\n")
             keys.flush()
@@ -485,7 +485,7 @@ class Keys(unittest.TestCase):
                 answer = ask(server, CAT, *ALICE)
                 self.assertEqual((answer.status, answer.headers["cache-control"]), (200, "private, max-age=60"))
 
-    def test_are_counted_by_address(self):
+    def test_are_rate_limited_by_address(self):
         with Server(self.flag, "--rate-limit=0.001", "--rate-burst=2", environment={"CCDT_SIGNING_KEY": OLD}) as server:
             for url, statuses in ((signed(OLD, CAT), [200, 200, 429]), (CAT, [403, 403, 429])):
                 source = "127.0.0.1" if "signature" in url else "127.0.0.2"

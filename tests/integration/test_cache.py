@@ -1,4 +1,4 @@
-"""Entity tags, 304, and answers that are given again."""
+"""Entity tags, 304, and cached answers."""
 
 import gzip
 import pathlib
@@ -37,7 +37,7 @@ class CacheCase(ServerCase):
         return answer
 
     def counted(self, action):
-        """By how much it raised hits, misses and the sites computed."""
+        """Returns by how much an action raises hits, misses and computed sites."""
         names = ("ccdt_cache_hits_total", "ccdt_cache_misses_total", "ccdt_sites_total")
         before = [figure(self.server, name) for name in names]
         action()
@@ -45,9 +45,9 @@ class CacheCase(ServerCase):
 
 
 class Tags(CacheCase):
-    """With the cache off: nothing but the tag is known of the answer."""
+    """Tags with the cache off: the server knows nothing but the tag of the answer."""
 
-    def test_spare_the_computation(self):
+    def test_avoid_the_computation(self):
         for path, body in QUESTIONS:
             with self.subTest(path=path):
                 answer = self.pose(path, body)
@@ -63,7 +63,7 @@ class Tags(CacheCase):
                 self.assertEqual(self.counted(ask_again), (0, 0, 0))
                 self.pose(path, body, *known('"other"', "*"))
 
-    def test_differ_between_questions(self):
+    def test_differ_between_requests(self):
         tags = [self.pose("/sample", {**SAMPLE, "seed": seed}).headers["etag"] for seed in range(3)]
         tags += [self.pose("/sample", SAMPLE, "--header", "Accept: " + kind).headers["etag"]
                  for kind in ("text/csv", "image/png")]
@@ -71,7 +71,7 @@ class Tags(CacheCase):
         self.assertEqual(len(set(tags)), len(tags))
         self.pose("/sample", SAMPLE, *known(*tags[1:]))
 
-    def test_are_strong_where_bytes_repeat(self):
+    def test_are_strong_if_bytes_are_reproducible(self):
         for kind in ("csv", "geojson", "npy", "svg", "png"):
             first, second = (self.pose("/sample", {**SAMPLE, "format": kind}) for _ in range(2))
             self.assertTrue(first.headers["etag"].startswith('"'), kind)
@@ -80,7 +80,7 @@ class Tags(CacheCase):
             timed = b"elapsed_ms" in (answer := self.pose(path, body)).body
             self.assertEqual(answer.headers["etag"].startswith("W/"), timed, path)
 
-    def test_know_codings_apart(self):
+    def test_differ_between_codings(self):
         body = {**SAMPLE, "format": "csv"}
         plain = self.pose("/sample", body)
         packed = self.pose("/sample", body, "--header", "Accept-Encoding: gzip")
@@ -90,23 +90,23 @@ class Tags(CacheCase):
             again = self.pose("/sample", body, *known(tag), status=304)
             self.assertEqual(again.headers["etag"], tag)
 
-    def test_are_only_for_success(self):
+    def test_are_only_on_success(self):
         self.assertNotIn("etag", self.pose("/sample", CROSSING, status=422).headers)
         self.pose("/sample", CROSSING, *known("*"), status=422)
 
-    def test_name_the_limits(self):
+    def test_depend_on_the_limits(self):
         with Server("--max-sites=1000") as other:
             self.assertNotEqual(pose(other, "/sample", SAMPLE).headers["etag"],
                                 self.pose("/sample", SAMPLE).headers["etag"])
 
-    def test_keep_the_cache_off(self):
+    def test_do_not_turn_the_cache_on(self):
         self.assertEqual(self.counted(lambda: [self.pose("/sample", SAMPLE) for _ in range(2)]), (0, 0, 200))
 
 
 class Cache(CacheCase):
     flags = ("--cache=1MiB", "--cors-origin=https://a.example")
 
-    def test_gives_answers_again(self):
+    def test_returns_cached_answers(self):
         for i, (path, body) in enumerate(QUESTIONS):
             with self.subTest(path=path):
                 answers = []
@@ -114,20 +114,20 @@ class Cache(CacheCase):
                     lambda: answers.extend(self.pose(path, body, "--header", f"X-Request-ID: {i}-{turn}")
                                            for turn in range(3)))
                 self.assertEqual((hits, misses), (2, 1))
-                self.assertEqual(len({answer.body for answer in answers}), 1)  # the time that it took, too
+                self.assertEqual(len({answer.body for answer in answers}), 1)  # with the time that it took
                 self.assertEqual(len({answer.headers["etag"] for answer in answers}), 1)
                 self.assertEqual({answer.type for answer in answers}, {answers[0].type})
                 self.assertNotIn("cache=", self.server.wait_for_log(f"{i}-0 "))
                 self.assertIn(" cache=hit", self.server.wait_for_log(f"{i}-1 "))
         self.assertGreater(figure(self.server, "ccdt_cache_bytes"), len(PICTURE))
 
-    def test_computes_them_once(self):
+    def test_computes_each_answer_once(self):
         body = {**SAMPLE, "seed": 1}
         self.assertEqual(self.counted(lambda: [self.pose("/sample", body) for _ in range(4)]), (3, 1, 100))
         for other in ({"seed": 2}, {"mesh": True}, {"quality": "draft"}):
             self.assertEqual(self.counted(lambda: self.pose("/sample", {**body, **other}))[:2], (0, 1))
 
-    def test_knows_codings_apart(self):
+    def test_serves_each_coding(self):
         body = {**SAMPLE, "seed": 3, "format": "csv"}
         packed = [self.pose("/sample", body, "--header", "Accept-Encoding: gzip") for _ in range(2)]
         plain = [self.pose("/sample", body) for _ in range(2)]
@@ -135,12 +135,12 @@ class Cache(CacheCase):
         self.assertEqual({answer.body for answer in plain}, {gzip.decompress(packed[1].body)})
         self.assertEqual({answer.headers["content-encoding"] for answer in packed}, {"gzip"})
 
-    def test_keeps_no_errors(self):
+    def test_stores_no_errors(self):
         size = figure(self.server, "ccdt_cache_bytes")
         self.assertEqual(self.counted(lambda: [self.pose("/sample", CROSSING, status=422) for _ in range(2)])[0], 0)
         self.assertEqual(figure(self.server, "ccdt_cache_bytes"), size)
 
-    def test_lets_pages_read_tags(self):
+    def test_exposes_tags_to_pages(self):
         origin = ("--header", "Origin: https://a.example")
         answer = self.pose("/sample", SAMPLE, *origin)
         self.assertIn("ETag", answer.headers["access-control-expose-headers"])
@@ -150,7 +150,7 @@ class Cache(CacheCase):
 
 
 class Others(unittest.TestCase):
-    def test_parts_are_not_for_others(self):
+    def test_partial_answers_are_not_cached(self):
         body = {**SAMPLE, "sites": 2000, "iterations": 1000, "passes": 100, "on_deadline": "partial"}
         with Server("--timeout=1", "--cache=64MiB") as server:
             for _ in range(2):
@@ -161,7 +161,8 @@ class Others(unittest.TestCase):
             self.assertEqual(figure(server, "ccdt_cache_bytes"), 0)
 
     def ask_with_two_keys(self, *flags):
-        """Alice and Bob ask the same in turn, twice: which answers were kept ones, and the answers."""
+        """Sends the same request for Alice and Bob in turn, twice. Returns which answers were cached ones, and the
+        answers."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "keys"
             file.write_text("alice:alice-0123456789abcdef\nbob:bob-0123456789abcdef\n")
@@ -177,17 +178,17 @@ class Others(unittest.TestCase):
         self.assertEqual(len({answer.headers["etag"] for answer in answers}), 1)
         return ["cache=hit" in line for line in lines], [answer.body for answer in answers]
 
-    def test_keys_have_answers_of_their_own(self):
+    def test_keys_have_separate_caches(self):
         hits, bodies = self.ask_with_two_keys()
         self.assertEqual(hits, [False, False, True, True])
         self.assertEqual(bodies[:2], bodies[2:])
 
-    def test_keys_share_answers_if_they_may(self):
+    def test_keys_share_the_cache_if_configured(self):
         hits, bodies = self.ask_with_two_keys("--cache-shared=true")
         self.assertEqual(hits, [False, True, True, True])
         self.assertEqual(len(set(bodies)), 1)
 
-    def test_old_answers_make_room(self):
+    def test_old_answers_are_evicted(self):
         with Server("--cache=200KiB") as server:
             for seed in range(30):  # 45 KiB each
                 body = {"sites": 1000, "seed": seed, "domain": SAMPLE["domain"], "quality": "draft"}

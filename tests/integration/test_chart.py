@@ -1,4 +1,5 @@
-"""The Helm chart: rendered, and held against Kubernetes' own types, what is restricted, and what the server knows."""
+"""The Helm chart: rendered, and checked against the types of Kubernetes, the restricted profile and the server's
+settings."""
 
 import json
 import os
@@ -17,7 +18,7 @@ DEPLOY = TOOLS / "deploy"
 HELM = DEPLOY / "helm" / "helm"
 MODULES = DEPLOY / "node_modules"
 
-# Modules of kubernetes-types, by a document's apiVersion. Of what else there is none know the types.
+# Modules of kubernetes-types, by a document's apiVersion. There are no types for the others.
 TYPES = {"v1": "core/v1", "apps/v1": "apps/v1", "autoscaling/v2": "autoscaling/v2",
          "networking.k8s.io/v1": "networking/v1", "policy/v1": "policy/v1"}
 UNTYPED = {"keda.sh/v1alpha1", "monitoring.coreos.com/v1"}
@@ -76,7 +77,7 @@ def helm(command, values):
 
 
 def render(values):
-    """The documents of a release, by their kind."""
+    """Returns the documents of a release, by their kind."""
     done = helm(("template", "release", "--namespace=dots"), values)
     if done.returncode != 0:
         raise AssertionError(done.stderr)
@@ -86,7 +87,7 @@ def render(values):
 
 
 def typescript(documents):
-    """A program that is well formed if the documents are what Kubernetes knows."""
+    """Returns a program that type-checks if the documents match the types of Kubernetes."""
     lines = []
     for i, document in enumerate(documents):
         module, kind = TYPES[document["apiVersion"]], document["kind"]
@@ -96,7 +97,7 @@ def typescript(documents):
 
 
 def compile_types(documents):
-    """What TypeScript's compiler says of them; empty: nothing."""
+    """Returns the errors of TypeScript's compiler; empty if there are none."""
     with tempfile.TemporaryDirectory() as folder:
         (pathlib.Path(folder) / "node_modules").symlink_to(MODULES)
         (pathlib.Path(folder) / "documents.ts").write_text(typescript(documents))
@@ -120,13 +121,13 @@ class Chart(unittest.TestCase):
     def setUpClass(cls):
         cls.releases = {name: render(values) for name, values in RELEASES.items()}
 
-    def test_pleases_helm(self):
+    def test_passes_helm_lint(self):
         for name, values in RELEASES.items():
             with self.subTest(name=name):
                 linted = helm(("lint", "--strict"), values)
                 self.assertEqual(linted.returncode, 0, linted.stdout + linted.stderr)
 
-    def test_renders_what_kubernetes_knows(self):
+    def test_renders_documents_that_match_kubernetes_types(self):
         documents = [document for release in self.releases.values() for document in release.values()]
         typed = [document for document in documents if document["apiVersion"] not in UNTYPED]
         self.assertEqual(compile_types(typed), "")
@@ -136,7 +137,7 @@ class Chart(unittest.TestCase):
         deployment = {**self.releases["plain"]["Deployment"], "spec": {"replicaz": 3}}
         self.assertIn("replicaz", compile_types([deployment]))
 
-    def test_has_a_schema_of_its_values(self):
+    def test_rejects_invalid_values_by_its_schema(self):
         for values in REFUSED:
             with self.subTest(values=values):
                 self.assertNotEqual(helm(("template", "release"), values).returncode, 0)
@@ -153,14 +154,14 @@ class Chart(unittest.TestCase):
                                  {"allowPrivilegeEscalation": False, "readOnlyRootFilesystem": True,
                                   "capabilities": {"drop": ["ALL"]}})
 
-    def test_pods_have_longer_than_they_drain(self):
+    def test_grace_period_of_pods_exceeds_the_drain(self):
         for documents in self.releases.values():
             pod = pod_of(documents)
             pause = pod["containers"][0].get("lifecycle", {}).get("preStop", {}).get("sleep", {}).get("seconds", 0)
             self.assertGreater(pod["terminationGracePeriodSeconds"],
                                pause + int(variables_of(documents)["CCDT_DRAIN_TIMEOUT"]))
 
-    def test_sets_what_the_server_knows(self):
+    def test_sets_only_variables_of_the_server(self):
         told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
         known = set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
         for documents in self.releases.values():
@@ -173,7 +174,7 @@ class Chart(unittest.TestCase):
                                  env={**environment, **set_}, capture_output=True, text=True, check=False)
         self.assertIn("--api-key-file", checked.stderr, "of all only the flag that is wrong")
 
-    def test_secrets_are_in_secrets(self):
+    def test_secrets_appear_only_in_secrets(self):
         documents = self.releases["whole"]
         self.assertEqual(documents["Secret"]["stringData"]["url"], REDIS["redis"]["url"])
         self.assertEqual(documents["Secret/keys"]["stringData"]["keys"],
@@ -186,7 +187,7 @@ class Chart(unittest.TestCase):
         self.assertIn({"name": "CCDT_REDIS", "valueFrom": {"secretKeyRef": {"name": "engine", "key": "url"}}},
                       named["containers"][0]["env"])
 
-    def test_who_belongs_together_finds_each_other(self):
+    def test_selectors_match_labels(self):
         for documents in self.releases.values():
             workload = documents.get("Deployment") or documents["StatefulSet"]
             labels = workload["spec"]["template"]["metadata"]["labels"].items()
@@ -201,13 +202,13 @@ class Chart(unittest.TestCase):
                     self.assertEqual(documents[kind]["spec"]["scaleTargetRef"]["name"], workload["metadata"]["name"])
                     self.assertNotIn("replicas", workload["spec"])
 
-    def test_has_the_alerts_that_there_are(self):
+    def test_includes_all_alerts(self):
         rule = self.releases["whole"]["PrometheusRule"]["spec"]
         self.assertEqual(rule, yaml.safe_load((ROOT / "docker" / "prometheus" / "alerts.yaml").read_text()))
         endpoint = self.releases["whole"]["ServiceMonitor"]["spec"]["endpoints"][0]
         self.assertEqual(endpoint["relabelings"], [{"targetLabel": "job", "replacement": "ccdt"}])
 
-    def test_is_of_the_servers_version(self):
+    def test_has_the_servers_version(self):
         told = subprocess.run([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
         self.assertEqual(yaml.safe_load((CHART / "Chart.yaml").read_text())["appVersion"], told.stdout.split()[1])
 

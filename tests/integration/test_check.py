@@ -1,4 +1,4 @@
-"""What --check tells before a server is started."""
+"""Output of --check, before a server is started."""
 
 import os
 import pathlib
@@ -24,7 +24,7 @@ class Check(unittest.TestCase):
         self.folder = pathlib.Path(folder.name)
 
     def check(self, *flags, program=None, most_files=None, **environment):
-        """Exit code, value and origin of each flag, state and words of each part."""
+        """Returns the exit code, value and origin of each flag, and state and text of each part."""
         limit = ["prlimit", f"--nofile={most_files}"] if most_files else []
         done = subprocess.run([*limit, program or os.environ["CCDT_SERVER"], "--check", *flags], capture_output=True, text=True,
                               timeout=PATIENCE, check=False, env={**os.environ, **environment})
@@ -42,7 +42,7 @@ class Check(unittest.TestCase):
         self.assertEqual(code, 1 if wrong else 0)
         return wrong
 
-    def test_tells_what_it_would_run_with(self):
+    def test_reports_the_settings(self):
         code, values, parts = self.check("--workers=3", f"--data-dir={self.folder / 'jobs'}", PORT="0",
                                          CCDT_MEMORY="4GiB")
         self.assertEqual(code, 0)
@@ -59,7 +59,7 @@ class Check(unittest.TestCase):
         self.assertIn(str(self.folder / "jobs"), parts["jobs"][1])
         self.assertEqual(list(self.folder.iterdir()), [], "nothing is made")
 
-    def test_tells_all_that_is_wrong_at_once(self):
+    def test_reports_all_faults_at_once(self):
         (self.folder / "file").touch()
         alone = self.folder / "ccdt-server"
         shutil.copy(os.environ["CCDT_SERVER"], alone)
@@ -76,7 +76,7 @@ class Check(unittest.TestCase):
         self.assertIn("Not a directory", wrong["jobs"])
         self.assertIn("in use", wrong["address"])
 
-    def test_tells_what_is_wrong_by_itself(self):
+    def test_reports_each_fault_by_itself(self):
         (self.folder / "file").touch()
         for part, flag in (("keys", f"--api-key-file={self.folder / 'file'}"),
                            ("signing", f"--signing-key-file={self.folder / 'file'}"),
@@ -86,7 +86,7 @@ class Check(unittest.TestCase):
                 self.assertEqual(list(self.wrong(flag)), [part])
         self.assertEqual(self.wrong(), {})
 
-    def test_tells_how_many_connections_may_be_open(self):
+    def test_reports_how_many_connections_fit(self):
         for most, state, words in ((60, "WRONG", "(ulimit -n) is 60: at least"), (200, "weak", "(ulimit -n) is 200"),
                                    (4096, "good", "connections")):
             code, _, parts = self.check("--port=0", "--workers=2", most_files=most)
@@ -94,7 +94,7 @@ class Check(unittest.TestCase):
             self.assertEqual(parts["files"][0], state)
             self.assertIn(words, parts["files"][1])
 
-    def test_tells_whether_redis_is_there_and_fit(self):
+    def test_reports_whether_redis_is_reachable_and_suitable(self):
         with Redis() as redis:
             _, _, parts = self.check("--port=0", f"--redis={redis.url}")
             self.assertEqual(parts["jobs"], ("good", f"stored in Redis at 127.0.0.1:{redis.port}"))
@@ -105,7 +105,7 @@ class Check(unittest.TestCase):
         self.assertIn("refused", parts["jobs"][1])
         self.assertNotIn("secret", str(values))
 
-    def test_tells_where_answers_and_rates_are_shared(self):
+    def test_reports_where_answers_and_rates_are_stored(self):
         _, _, parts = self.check("--port=0", "--cache=0")
         self.assertEqual((parts["answers"], parts["rates"]), (("good", "not kept"), ("good", "not limited")))
         _, _, parts = self.check("--port=0", "--rate-limit=1")
@@ -124,7 +124,7 @@ class Check(unittest.TestCase):
             self.assertEqual(parts[part][0], "weak")
             self.assertIn("refused", parts[part][1])
 
-    def test_leaves_a_server_alone(self):
+    def test_does_not_disturb_a_running_server(self):
         flag = f"--data-dir={self.folder}"
         with Server(flag) as server:
             before = sorted(self.folder.iterdir())
@@ -134,7 +134,7 @@ class Check(unittest.TestCase):
             self.assertEqual(ask(server, "/health/ready").status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_wrong_usage_is_told_as_ever(self):
+    def test_wrong_usage_exits_with_2(self):
         done = subprocess.run([os.environ["CCDT_SERVER"], "--check", "--workers=0"], capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         self.assertEqual((done.returncode, done.stdout), (2, ""))
@@ -149,7 +149,7 @@ class Health(unittest.TestCase):
         self.assertEqual(done.returncode, 1 if done.stderr else 0)
         return done.stderr
 
-    def test_is_that_of_a_server(self):
+    def test_reports_a_running_server(self):
         for bind in ("127.0.0.1", "0.0.0.0", "::"):
             with self.subTest(bind=bind), Server(f"--bind={bind}", "--max-connections-per-address=1") as server:
                 self.assertEqual(self.health(f"--bind={bind}", f"--port={server.port}"), "")
@@ -157,7 +157,7 @@ class Health(unittest.TestCase):
                 self.assertEqual(server.stop(), 0)
                 self.assertIn("Connection refused", self.health(f"--port={server.port}"))
 
-    def test_goes_over_unix_sockets(self):
+    def test_works_over_unix_sockets(self):
         with tempfile.TemporaryDirectory() as folder:
             bind = f"--bind=unix:{folder}/socket"
             self.assertIn("No such file", self.health(bind))
@@ -165,7 +165,7 @@ class Health(unittest.TestCase):
                 self.assertEqual(self.health(bind), "")
                 self.assertEqual(server.stop(), 0)
 
-    def test_is_not_that_of_anybody_else(self):
+    def test_detects_other_programs_on_the_port(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:
             def answer():
                 for words in (b"SSH-2.0-OpenSSH_9.2\r\n", b"HTTP/1.1 503 Service Unavailable\r\n\r\n", b""):

@@ -1,4 +1,4 @@
-"""Halftones in colour: what they look like, what they are made as, what is refused."""
+"""Halftones in colour: their appearance, their formats, and errors of their options."""
 
 import csv
 import io
@@ -26,18 +26,18 @@ INKS = {"cyan": "#00ffff", "magenta": "#ff00ff", "yellow": "#ffff00", "black": "
 
 
 def light(file):
-    """Linear light of each channel."""
+    """Returns the linear light of each channel."""
     return LIGHT[pixels(file, "RGB")]
 
 
 def blocks(picture, side):
-    """Means over squares."""
+    """Returns means over square blocks."""
     height, width = (length // side * side for length in picture.shape[:2])
     return picture[:height, :width].reshape(height // side, side, width // side, side, 3).mean(axis=(1, 3))
 
 
 def rendered(svg, width):
-    """As librsvg sees it."""
+    """Draws an SVG by librsvg, as PNG."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
@@ -46,7 +46,7 @@ def rendered(svg, width):
 
 
 class Colours(ServerCase):
-    def test_local_means_are_those_of_the_picture(self):
+    def test_local_means_match_the_picture(self):
         for query in ("color=cmyk", "color=cmyk&antialias=true", "color=rgb", "color=rgb&antialias=true",
                       "palette=%230ff,%23f0f,%23ff0,%23000,%23f00,%2300f"):
             with self.subTest(query=query):
@@ -61,20 +61,20 @@ class Colours(ServerCase):
         grey = self.halftone(GREY, "?sites=600&format=json").json()
         self.assertAlmostEqual(inks[3]["variation"], grey["variation"], delta=0.02)
 
-    def test_sites_are_as_many_as_asked_for(self):
+    def test_number_of_sites_is_as_requested(self):
         for sites in (1, 3, 1000, 30_001):
             answer = self.halftone(CHELSEA, f"?sites={sites}&color=cmyk&iterations=1&format=json").json()
             self.assertEqual(sum(len(ink["points"]) for ink in answer["inks"]), sites)
             self.assertEqual(answer["sites"], sites)
 
-    def test_dots_lie_where_their_colour_is(self):
+    def test_dots_lie_where_the_picture_has_their_colour(self):
         picture = numpy.zeros((60, 90, 3))
         picture[:, :30], picture[:, 30:60], picture[:, 60:] = (255, 0, 0), (0, 255, 0), (0, 0, 255)
         inks = self.halftone(file_of(picture), "?sites=900&color=rgb&format=json").json()["inks"]
         for index, ink in enumerate(inks):
             x = numpy.array(ink["points"])[:, 0]
             self.assertTrue((30 * index < x).all() and (x < 30 * (index + 1)).all(), ink["name"])
-            self.assertAlmostEqual(ink["sites"], 300, delta=15)  # the last dots of solid blue are hardly seen
+            self.assertAlmostEqual(ink["sites"], 300, delta=15)  # the last dots of solid blue are hardly visible
 
     def test_transparent_parts_have_no_dots(self):
         picture = numpy.full((40, 60, 4), (200, 30, 90, 255), dtype=numpy.uint8)
@@ -82,7 +82,7 @@ class Colours(ServerCase):
         inks = self.halftone(file_of(picture), "?sites=400&color=cmyk&format=json").json()["inks"]
         self.assertLess(max(x for ink in inks for x, _ in ink["points"]), 30)
 
-    def test_paper_is_seen_between_dots(self):
+    def test_paper_is_visible_between_dots(self):
         answer = self.halftone(CHELSEA, "?sites=500&scale=4&palette=%23800,%23008&background=%23ffe")
         self.assertIn((255, 255, 238), {tuple(colour) for colour in pixels(answer.body, "RGB").reshape(-1, 3).tolist()})
         clear = self.halftone(CHELSEA, "?sites=500&scale=4&color=cmyk&background=transparent")
@@ -90,7 +90,7 @@ class Colours(ServerCase):
 
 
 class Likeness(ServerCase):
-    """What a far eye sees, over two pitches, as differences by CIEDE2000."""
+    """Compares what is seen from afar, by CIEDE2000, after a blur by two spacings of dots."""
 
     def differences(self, data, sites, query):
         wanted = light(data)
@@ -100,7 +100,7 @@ class Likeness(ServerCase):
         wanted, seen = lab(seen_light(wanted, sigma)), lab(seen_light(blocks(dots, scale), sigma))
         return wanted, seen, ciede2000(wanted, seen)
 
-    def test_photographs(self):
+    def test_photographs_match(self):
         six = "palette=%230ff,%23f0f,%23ff0,%23000,%23f00,%2300f"
         for data, query, mean, most in ((ASTRONAUT, "color=cmyk&dots=ink", 1.8, 4.2),
                                         (CHELSEA, "color=cmyk&dots=ink", 2.1, 4.7),
@@ -114,7 +114,7 @@ class Likeness(ServerCase):
                 if dark.mean() > 0.01:
                     self.assertLess(abs((seen - wanted)[dark][:, 0].mean()), 2)
 
-    def test_greys_have_no_cast(self):
+    def test_greys_have_no_colour_cast(self):
         for share in (0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95):
             level = int(numpy.argmin(abs(1 - LIGHT - share)))
             wanted, seen, _ = self.differences(file_of(flat(level, 120, 120)), 1500, "color=cmyk")
@@ -122,13 +122,13 @@ class Likeness(ServerCase):
             self.assertLess(numpy.abs(error[1:]).max(), 0.1, share)
             self.assertLess(abs(error[0]), 1.5, share)
 
-    def test_dark_colours_stay_colours(self):
+    def test_dark_colours_are_reproduced(self):
         for colour in ((80, 40, 20), (20, 30, 60), (60, 20, 30)):
             wanted, seen, _ = self.differences(file_of(numpy.full((160, 160, 3), colour)), 4000, "color=cmyk")
             difference = ciede2000(wanted.mean((0, 1)), seen[20:-20, 20:-20].mean((0, 1)))
             self.assertLess(difference, 2.5, colour)
 
-    def test_black_is_black_ink(self):
+    def test_black_uses_black_ink_only(self):
         inks = self.halftone(file_of(flat(0, 60, 60)), "?sites=900&color=cmyk&format=json").json()["inks"]
         self.assertEqual([ink["sites"] for ink in inks], [0, 0, 0, 900])
 
@@ -139,7 +139,7 @@ class Formats(ServerCase):
     def made(self, format_, query=""):
         return self.halftone(CHELSEA, f"{self.QUERY}&format={format_}{query}")
 
-    def test_png(self):
+    def test_png_has_a_palette(self):
         binary = self.made("png")
         image = Image.open(io.BytesIO(binary.body))
         self.assertEqual((image.mode, len(image.getpalette()) // 3 >= 8), ("P", True))
@@ -162,7 +162,7 @@ class Formats(ServerCase):
                 numpy.testing.assert_array_equal(found[seen], expected[seen])
 
     def test_tiff_of_cmyk_has_a_plate_for_each_ink(self):
-        """As any reader takes it: what the plates print is what PNG shows."""
+        """The plates, composed as any reader does, are what PNG shows."""
         answer = self.made("tiff", "&width_mm=100")
         self.assertEqual(answer.type, "image/tiff")
         image = Image.open(io.BytesIO(answer.body))
@@ -193,13 +193,13 @@ class Formats(ServerCase):
                     self.assertEqual(numpy.unique(shown[alone], axis=0).tolist(), [list(bytes.fromhex(colour[1:]))])
                 self.assertTrue((shown[plates.max(-1) == 0] == 255).all())
 
-    def test_plates_of_soft_dots(self):
+    def test_plates_preserve_tone_if_antialiased(self):
         hard, soft = (numpy.asarray(Image.open(io.BytesIO(self.made("tiff", query).body)), dtype=float)
                       for query in ("", "&antialias=true"))
         self.assertGreater(len(numpy.unique(soft)), 100)
         numpy.testing.assert_allclose(soft.mean((0, 1)), hard.mean((0, 1)), rtol=0.03, atol=0.5)
 
-    def test_tiff_of_lights_looks_like_png(self):
+    def test_rgb_tiff_looks_like_png(self):
         for query in ("", "&antialias=true"):
             files = [self.halftone(CHELSEA, f"?sites=3000&color=rgb&scale=2&format={form}{query}").body
                      for form in ("png", "tiff")]
@@ -225,11 +225,11 @@ class Formats(ServerCase):
             png = light(self.halftone(CHELSEA, query).body)
             svg = light(rendered(self.halftone(CHELSEA, query + "&format=svg").body, png.shape[1]))
             self.assertEqual(svg.shape, png.shape)
-            # They round the rims otherwise, and mix there as sRGB has it.
+            # librsvg rounds antialiased edges differently, and blends them in sRGB.
             self.assertLess(numpy.abs(svg - png).mean(), 0.05)
             self.assertLess(numpy.abs(blocks(svg, 100) - blocks(png, 100)).max(), 0.06)
 
-    def test_tables_name_the_ink(self):
+    def test_csv_and_npy_give_the_ink_of_each_dot(self):
         inks = self.made("json").json()["inks"]
         rows = list(csv.reader(io.StringIO(self.made("csv").body.decode("ascii"), newline="")))
         self.assertEqual(rows[0], ["x", "y", "ink"])
@@ -239,7 +239,7 @@ class Formats(ServerCase):
         numbered = [(*point, number) for number, ink in enumerate(inks) for point in ink["points"]]
         numpy.testing.assert_array_equal(array, numpy.array(numbered))
 
-    def test_json_tells_each_ink(self):
+    def test_json_lists_each_ink(self):
         answer = self.made("json").json()
         self.assertNotIn("points", answer)
         self.assertEqual({ink["name"]: ink["color"] for ink in answer["inks"]}, INKS)
@@ -248,7 +248,7 @@ class Formats(ServerCase):
             self.assertEqual(len(ink["trace"]), ink["iterations"] + 1)
             self.assertEqual(len(ink["points"]), ink["sites"])
 
-    def test_palettes_are_named_by_their_colours(self):
+    def test_inks_of_palettes_are_named_by_colour(self):
         for palette in ("#0AF, #112233", ["#0af", "#112233"]):
             answer = post_json(self.server, "/halftone",
                                {"image": data_uri(CHELSEA), "sites": 200, "palette": palette, "format": "json"})
@@ -257,13 +257,13 @@ class Formats(ServerCase):
 
 
 class Options(ServerCase):
-    def test_that_are_wrong_are_named(self):
+    def test_invalid_ones_are_named_in_errors(self):
         for query, field, words in (
                 ("color=pink", "color", "'gray' or 'cmyk' or 'rgb'"),
                 ("palette=", "palette", "1 to 6 colours"),
                 ("palette=%23000,%23111,%23222,%23333,%23444,%23555,%23666", "palette", "1 to 6 colours"),
                 ("palette=%23000,red", "palette", "colour 2 must be a colour as #rgb or #rrggbb"),
-                ("palette=%23fff,%23ffffff", "palette", "colour 2 is there already"),
+                ("palette=%23fff,%23ffffff", "palette", "colour 2 repeats an earlier one"),
                 ("palette=%23000&color=cmyk", "palette", "give one of the two"),
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
                 ("color=cmyk&invert=true", "invert", "color=gray"),
@@ -275,21 +275,21 @@ class Options(ServerCase):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)
                 self.assertEqual(problem["errors"][0]["pointer"], field)
 
-    def test_without_ink_there_is_nothing_to_draw(self):
+    def test_pictures_like_their_paper_are_rejected(self):
         white = file_of(numpy.full((9, 9, 3), 255))
         black = file_of(numpy.zeros((9, 9, 3)))
         self.assert_problem(self.ask("/halftone?color=cmyk", data=white), 422, "like its paper")
         self.assert_problem(self.ask("/halftone?color=rgb", data=black), 422, "like its paper")
         self.assertEqual(self.ask("/halftone?color=rgb&sites=9", data=white).status, 200)
 
-    def test_make_other_tags(self):
+    def test_change_the_etag(self):
         tags = {self.halftone(GREY, "?sites=50" + query).headers["etag"]
                 for query in ("", "&color=gray", "&color=cmyk", "&palette=%23000", "&palette=%23000,%23f00")}
         self.assertEqual(len(tags), 5)
 
 
 class Runs(unittest.TestCase):
-    def test_are_the_same_everywhere(self):
+    def test_are_reproducible_with_any_number_of_workers(self):
         queries = ("?sites=3000&color=cmyk", "?sites=3000&palette=%23c00,%2306c&antialias=true")
         with Server("--workers=1") as one, Server("--workers=4") as four:
             calls = [Call(four.url("/halftone" + query), data=CHELSEA) for query in queries for _ in range(3)]
@@ -299,7 +299,7 @@ class Runs(unittest.TestCase):
                 self.assertEqual(expected.status, 200, expected)
                 self.assertEqual(set(bodies[3 * index:3 * index + 3]), {expected.body})
 
-    def test_of_jobs_only_go_forward(self):
+    def test_report_monotonic_progress(self):
         with Server("--workers=2") as server:
             accepted = ask(server, "/halftone?sites=9000&color=cmyk", *LATER, data=ASTRONAUT)
             self.assertEqual(accepted.status, 202, accepted)

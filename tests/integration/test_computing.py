@@ -1,4 +1,4 @@
-"""Computations that crash, hang or are killed: each costs its own request only."""
+"""Computations that crash, hang or are killed: each affects only its own request."""
 
 import json
 import os
@@ -22,7 +22,7 @@ def sample(sites=100, **members):
 
 
 def parent_and_state(process):
-    """Of a process; none if there is no such."""
+    """Returns parent and state of a process; none if it does not exist."""
     try:
         fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
     except (OSError, IndexError):
@@ -31,7 +31,7 @@ def parent_and_state(process):
 
 
 def children(process):
-    """Ids and states."""
+    """Returns ids and states of the children of a process."""
     found = {}
     for folder in pathlib.Path("/proc").iterdir():
         told = parent_and_state(folder.name) if folder.name.isdigit() else None
@@ -53,7 +53,7 @@ def figure(server, name):
 
 
 def resume(process):
-    """A process that may be gone."""
+    """Resumes a process, which may be gone."""
     try:
         os.kill(process, signal.SIGCONT)
     except ProcessLookupError:
@@ -64,7 +64,7 @@ class Crashes(ServerCase):
     flags = ("--workers=2", "--timeout=120")
     program = CRASHING
 
-    def test_cost_their_own_request_only(self):
+    def test_fail_only_their_own_request(self):
         crashes = figure(self.server, "ccdt_computation_crashes_total")
         honest = sample(20_000)
         expected = post_json(self.server, "/sample", honest).body
@@ -86,7 +86,7 @@ class Hangs(ServerCase):
     flags = ("--workers=1", "--timeout=1")
     program = CRASHING
 
-    def test_are_no_way_out_of_a_deadline(self):
+    def test_end_at_the_deadline(self):
         self.assert_problem(post_json(self.server, "/sample", sample(seed=HANG)), 504)
         wait_until(lambda: figure(self.server, "ccdt_workers_busy") == 0)
         self.assertEqual(figure(self.server, "ccdt_computation_crashes_total"), 0)
@@ -94,8 +94,8 @@ class Hangs(ServerCase):
         self.assertEqual(post_json(self.server, "/sample", sample()).status, 200)
 
 
-class HangsOfWhatNobodyWants(unittest.TestCase):
-    def test_end_soon_and_are_no_crashes(self):
+class HangsOfAbandonedRequests(unittest.TestCase):
+    def test_end_soon_and_are_not_counted_as_crashes(self):
         prefer = ("--header", "Prefer: respond-async")
         with Server("--workers=1", "--timeout=120", program=CRASHING) as server:
             job = post_json(server, "/sample", sample(seed=HANG), *prefer).headers["location"]
@@ -111,7 +111,7 @@ class HangsOfWhatNobodyWants(unittest.TestCase):
 
 
 class CrashesOfJobs(unittest.TestCase):
-    def test_fail_alone_and_stay_failed(self):
+    def test_fail_only_their_own_job_and_stay_failed(self):
         with tempfile.TemporaryDirectory() as folder:
             flags = ("--workers=1", f"--data-dir={folder}")
             with Server(*flags, program=CRASHING) as server:
@@ -132,20 +132,20 @@ class CrashesOfJobs(unittest.TestCase):
 
 
 class Threads(unittest.TestCase):
-    """Large requests have as many threads as idle workers leave them."""
+    """Large requests get as many threads as idle workers leave."""
 
     flags = ("--workers=4", "--threads-per-request=4", "--timeout=120")
     picture = file_of([[(x * y) % 256 for x in range(1500)] for y in range(1100)])
 
     def threads_of(self, server):
-        """How many a large request had, and its processor time."""
+        """Returns the number of threads of a large request, and its processor time."""
         answer = ask(server, "/halftone?sites=5000&quality=draft", data=self.picture)
         self.assertEqual(answer.status, 200, answer)
         threads = re.search(r'cpu;dur=([\d.]+), threads;desc="(\d+)"$', answer.headers["server-timing"])
         self.assertGreater(float(threads[1]), 0)
         return int(threads[2])
 
-    def test_are_lent_and_come_back(self):
+    def test_are_lent_and_returned(self):
         with Server(*self.flags) as server:
             self.assertEqual(self.threads_of(server), 4)
             for busy, left in ((1, 2), (2, 1)):
@@ -162,15 +162,15 @@ class Threads(unittest.TestCase):
             self.assertGreater(figure(server, "ccdt_computation_cpu_seconds_total"), 0)
             self.assertEqual(server.stop(), 0)
 
-    def test_are_not_lent_where_that_is_asked_for(self):
+    def test_are_not_lent_if_so_configured(self):
         with Server("--workers=4", "--threads-per-request=1") as server:
             self.assertEqual(self.threads_of(server), 1)
 
-    def test_are_not_more_than_a_worker_has(self):
+    def test_are_limited_by_the_number_of_workers(self):
         with Server("--workers=1", "--threads-per-request=4") as server:
             self.assertEqual(self.threads_of(server), 1)
 
-    def test_end_with_what_they_work_on(self):
+    def test_end_with_their_computation(self):
         with Server(*self.flags) as server:
             self.threads_of(server)
             for process in children(fork_server(server)):
@@ -178,7 +178,7 @@ class Threads(unittest.TestCase):
 
 
 class Kills(unittest.TestCase):
-    def test_of_processes_that_compute_lose_nothing(self):
+    def test_of_computing_processes_lose_no_request(self):
         with Server("--workers=2", "--timeout=120") as server:
             bodies = [sample(30_000, seed=seed) for seed in range(6)]
             expected = [post_json(server, "/sample", body).body for body in bodies]
@@ -193,7 +193,7 @@ class Kills(unittest.TestCase):
             self.assertGreaterEqual(figure(server, "ccdt_computation_crashes_total"), 3)
             self.assertEqual(server.stop(), 0)
 
-    def test_of_what_makes_them_are_told_counted_and_made_good(self):
+    def test_of_the_fork_server_are_logged_counted_and_repaired(self):
         with Server("--workers=1", "--timeout=120") as server:
             expected = post_json(server, "/sample", sample()).body
             for kill in range(1, 4):
@@ -210,7 +210,7 @@ class Kills(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
             self.assertIn("the worker was killed by signal 9 (Killed), and is started again", server.log())
 
-    def test_of_the_server_leave_nothing_behind(self):
+    def test_of_the_server_leave_no_processes(self):
         with Server("--workers=1") as server:
             post_json(server, "/sample", sample())
             maker = fork_server(server)
@@ -225,7 +225,7 @@ class Kills(unittest.TestCase):
 
 
 class Silence(unittest.TestCase):
-    """Programs that are there but do not answer."""
+    """Programs that run but do not answer."""
 
     def test_ends_readiness_while_it_lasts(self):
         with Server("--workers=2") as server:
@@ -246,7 +246,7 @@ class Silence(unittest.TestCase):
                 server.wait_for_log(f"the {name} answers again")
             self.assertEqual(server.stop(), 0)
 
-    def test_is_not_that_of_busy_workers(self):
+    def test_is_not_reported_for_busy_workers(self):
         with Server("--workers=1") as server:
             endless = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}
             call = Call(server.url("/sample"), data=json.dumps(endless))

@@ -1,4 +1,4 @@
-"""What travels over one connection: keep-alive, pipelining, bodies nobody read, malformed requests."""
+"""Traffic on one connection: keep-alive, pipelining, unread bodies, malformed requests."""
 
 import http.client
 import unittest
@@ -39,7 +39,7 @@ class KeepAlive(ServerCase):
             raw.send(b"GET /health HTTP/1.0\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200])
 
-    def test_http_1_0_may_ask_to_stay(self):
+    def test_http_1_0_may_request_keep_alive(self):
         with Raw(self.server) as raw:
             for _ in range(3):
                 raw.send(b"GET /health HTTP/1.0\r\nConnection: keep-alive\r\n\r\n")
@@ -48,7 +48,7 @@ class KeepAlive(ServerCase):
             raw.send(b"GET /health HTTP/1.0\r\n\r\n")
             self.assertIn(b"\r\nConnection: close\r\n", raw.rest())
 
-    def test_head_and_errors_do_not_shift_what_follows(self):
+    def test_head_and_errors_keep_the_framing(self):
         with Raw(self.server) as raw:
             raw.send(b"HEAD /health HTTP/1.1\r\nHost: localhost\r\n\r\nDELETE /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
                      b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n"
@@ -61,7 +61,7 @@ class KeepAlive(ServerCase):
 class UnreadBodies(ServerCase):
     flags = ("--max-body=1000",)
 
-    def test_are_never_taken_for_a_request(self):
+    def test_are_never_parsed_as_requests(self):
         smuggled = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
         for head in (b"POST /no HTTP/1.1\r\nContent-Length: 5000\r\n", b"GET /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
                      b"POST /halftone HTTP/1.1\r\nContent-Length: 5000\r\n",
@@ -91,13 +91,13 @@ class Malformed(ServerCase):
             with self.subTest(request=request):
                 self.check(request)
 
-    def test_lines_that_do_not_end_in_crlf_are_refused_before_the_head_is_over(self):
+    def test_lines_without_crlf_are_refused_before_the_end_of_the_head(self):
         for head in (b"GET /health HTTP/1.1\n", b"GET /health HTTP/1.1\r\nHost: localhost\n", b"GET /health HTTP/1.1\r\nA: b\rC",
                      b"GET /health HTTP/1.1\r\nA: \0"):
             with self.subTest(head=head):
                 self.check(head)
 
-    def test_targets_are_paths_or_urls(self):
+    def test_targets_must_be_paths_or_urls(self):
         for target in (b"foo?x://y/metrics", b"x://metrics/health/live", b"http:///health", b"http://:80/health", b"health",
                        b"*"):
             with self.subTest(target=target):
@@ -120,12 +120,12 @@ class Malformed(ServerCase):
             with self.subTest(chunks=chunks):
                 self.check(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks)
 
-    def test_one_host_is_needed(self):
+    def test_exactly_one_host_is_required(self):
         for hosts in (b"", b"Host: a\r\nHost: a\r\n", b"Host: a b\r\n", b"Host: a/b\r\n", b"Host: u@a\r\n"):
             with self.subTest(hosts=hosts):
                 self.check(b"GET /health HTTP/1.1\r\n" + hosts + b"\r\n")
 
-    def test_only_100_continue_may_be_expected(self):
+    def test_expectations_other_than_100_continue_are_refused(self):
         self.check(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nExpect: tea\r\nContent-Length: 1\r\n\r\n", 417)
 
     def test_long_targets_are_refused(self):

@@ -1,4 +1,4 @@
-"""/openapi.json against the server that serves it, in both directions."""
+"""Compares /openapi.json with the server that serves it, in both directions."""
 
 import json
 import pathlib
@@ -30,12 +30,12 @@ LATER = ("--header", "Prefer: respond-async")
 
 
 def concrete(path):
-    """A path that the document has, with nothing there by the name that it has."""
+    """Returns a path of the document with its parameters replaced by names of nothing that exists."""
     return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture")
 
 
 def resolve(node):
-    """A node with what it refers to, which its own members go before."""
+    """Returns a node merged with what it refers to; its own members take precedence."""
     while "$ref" in node:
         place = DOCUMENT
         for name in node["$ref"].removeprefix("#/").split("/"):
@@ -84,13 +84,13 @@ def response_of(operation, status):
 
 
 def comparable(body):
-    """But for the one member that tells how long it took."""
+    """Removes the one member that differs between runs, the time taken."""
     return re.sub(rb'"elapsed_ms":[^,}]*', b"", body)
 
 
 class ContractCase(ServerCase):
     def check(self, operation, answer):
-        """That the document says so: status, type, schema, headers."""
+        """Asserts that status, media type, schema and headers of an answer are as documented."""
         described = response_of(operation, answer.status)
         content = described.get("content", {})
         kind = answer.type.split(";")[0]
@@ -128,11 +128,11 @@ class Document(ContractCase):
         self.assertEqual((again.status, again.body), (304, b""))
         self.assertEqual(self.ask("/openapi.json", "--head").headers["etag"], answer.headers["etag"])
 
-    def test_is_of_this_version(self):
+    def test_has_the_version_of_the_server(self):
         told = subprocess.run([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
         self.assertEqual(told.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
 
-    def test_has_schemas_that_are_sound(self):
+    def test_has_valid_schemas(self):
         for name, described in DOCUMENT["components"]["schemas"].items():
             with self.subTest(name=name):
                 Draft202012Validator.check_schema(described)
@@ -152,7 +152,7 @@ class Document(ContractCase):
                     tried += 1
         self.assertGreater(tried, 8)
 
-    def test_knows_all_kinds_of_bodies(self):
+    def test_lists_all_media_types_of_requests(self):
         kinds = DOCUMENT["paths"]["/halftone"]["post"]["requestBody"]["content"]
         self.assertEqual(set(kinds), {"application/octet-stream", "multipart/form-data", "application/json"})
         with tempfile.TemporaryDirectory() as folder:
@@ -166,7 +166,7 @@ class Document(ContractCase):
 
 
 class Routes(ContractCase):
-    def test_are_those_of_the_server(self):
+    def test_match_the_server(self):
         source = (SERVER / "routes" / "routes.cpp").read_text()
         found = re.findall(r'\{"(/[^"]*)", "([A-Z]+)", ConnectionClass::\w+, Access::\w+, &Routes::\w+,\s+'
                            r'(?:nullptr|find_operation\("/halftone"\))\}', source)
@@ -176,7 +176,7 @@ class Routes(ContractCase):
         found += [(path, "POST") for path in computed]
         self.assertEqual(sorted(found), sorted((path, method.upper()) for path, method, _ in operations()))
 
-    def test_take_the_methods(self):
+    def test_accept_the_documented_methods(self):
         for path, item in DOCUMENT["paths"].items():
             with self.subTest(path=path):
                 methods = {method.upper() for method in item if method != "parameters"} | {"OPTIONS"}
@@ -190,23 +190,23 @@ class Routes(ContractCase):
                     for operation in (operation for other, _, operation in operations() if other == path):
                         self.check(operation, answer)
 
-    def test_get_what_is_told(self):
+    def test_answer_get_as_documented(self):
         for path in ("/", "/capabilities", "/openapi.json", "/health", "/health/live", "/health/ready", "/metrics"):
             with self.subTest(path=path):
                 answer = self.ask(path)
                 self.assertEqual(answer.status, 200)
                 self.check(DOCUMENT["paths"][path]["get"], answer)
 
-    def test_elsewhere_is_nothing(self):
+    def test_unknown_paths_are_not_found(self):
         for path in ("/halftones", "/jobs", "/jobs/", "/openapi.yaml", "/health/dead"):
             self.assert_problem(self.ask(path), 404)
 
-    def test_of_jobs(self):
+    def test_jobs_answer_as_documented(self):
         paths = DOCUMENT["paths"]
         for path in COMPUTING:
             with self.subTest(path=path):
                 job = self.pose(path, BODIES[path], *LATER, status=202).headers["location"]
-                self.check(paths["/jobs/{id}/events"]["get"], self.ask(job + "/events"))  # until it has ended
+                self.check(paths["/jobs/{id}/events"]["get"], self.ask(job + "/events"))  # until the job has ended
                 self.assertEqual(self.check(paths["/jobs/{id}"]["get"], self.ask(job)).json()["status"], "succeeded")
                 result = self.check(paths["/jobs/{id}/result"]["get"], self.ask(job + "/result"))
                 self.check(paths[path]["post"], result)
@@ -221,7 +221,7 @@ def map_of(people):
 
 
 class Options(ContractCase):
-    # Where the option makes a difference.
+    # A request in which the option makes a difference.
     BASES = {("/halftone", "style"): {"format": "svg"}, ("/halftone", "antialias"): {"format": "png"},
              ("/halftone", "dot"): {"format": "png"}, ("/halftone", "foreground"): {"format": "png"},
              ("/halftone", "background"): {"format": "png"}, ("/halftone", "width"): {"format": "png", "height": 1},
@@ -257,7 +257,7 @@ class Options(ContractCase):
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))
         return self.pose(path, body, status=status)
 
-    def test_are_those_of_the_server(self):
+    def test_match_the_server(self):
         for path, name in SCHEMAS.items():
             detail = self.refuse(path, "nonsense", 1)
             known = detail.split(" are ")[1].split(", ")
@@ -269,12 +269,12 @@ class Options(ContractCase):
             self.assertEqual(sorted(detail.split(" are ")[1].split(", ")),
                              sorted(f"/{option}/{member}" for member in members))
 
-    def test_in_queries_are_the_same(self):
+    def test_match_the_server_in_queries(self):
         answer = self.ask("/halftone?nonsense=1", data=PICTURE)
         known = answer.json()["detail"].split(" are ")[1].split(", ")
         self.assertEqual(sorted(known), sorted(properties("HalftoneOptions")))
 
-    def test_have_their_ranges(self):
+    def test_have_the_documented_ranges(self):
         tried = 0
         for path, option, described in options():
             for part in described.get("anyOf", [described]):
@@ -292,14 +292,14 @@ class Options(ContractCase):
                     tried += 1
         self.assertGreater(tried, 25)
 
-    def test_without_a_bound_have_none(self):
+    def test_without_documented_bounds_have_none(self):
         for path, option, described in options():
             for part in described.get("anyOf", [described]):
                 if part.get("type") == "number" and "maximum" not in part:
                     with self.subTest(path=path, option=option):
-                        self.take(path, option, 1e300, 422 if option == "buffer" else 200)  # as far no place is
+                        self.take(path, option, 1e300, 422 if option == "buffer" else 200)  # no place is as far inside
 
-    def test_have_their_words(self):
+    def test_have_the_documented_enumerations(self):
         tried = 0
         for path, option, described in options():
             words = described.get("enum", [])
@@ -308,24 +308,24 @@ class Options(ContractCase):
                     self.take(path, option, word)
             if words:
                 detail = self.refuse(path, option, "nonsense").split("nonsense")[1]
-                told = detail.split(" makes ")[1].split(", ") if " makes " in detail else re.findall(r"'(\w+)'", detail)
+                told = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
                 self.assertEqual(sorted(told), sorted(words), option)
                 tried += 1
         self.assertGreater(tried, 10)
 
-    def test_have_their_types(self):
+    def test_have_the_documented_types(self):
         wrong = {"integer": 1.5, "number": "1", "boolean": "true", "string": 1, "array": {}}
         for path, option, described in options():
             if described.get("type") in wrong:
                 with self.subTest(path=path, option=option):
                     self.refuse(path, option, wrong[described["type"]])
 
-    def test_have_their_defaults(self):
+    def test_have_the_documented_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
-        alike = {"on_deadline", "invalid"}  # for what is in time, and valid
+        alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()
         for path, option, described in options():
             if "default" in described:
@@ -343,7 +343,7 @@ class Options(ContractCase):
                 tried.add(option)
         self.assertEqual(tried - alike, set(others))
 
-    def test_name_colours(self):
+    def test_accept_documented_colours(self):
         for colour in ("#abc", "#aBcDeF"):
             self.take("/halftone", "foreground", colour)
             self.take("/halftone", "background", colour)
@@ -352,7 +352,7 @@ class Options(ContractCase):
         self.assertEqual(pixels(self.pose("/halftone", {**self.base("/halftone"), "format": "png",
                                                        "background": "transparent"}).body, "RGBA")[..., 3].min(), 0)
 
-    def test_name_palettes(self):
+    def test_accept_documented_palettes(self):
         six = [f"#00{digit}" for digit in range(6)]
         for palette in ("#abc", "#abc, #aBcDeF ,#000", ["#abc"], ["#abc", "#aBcDeF"], ",".join(six), six):
             self.take("/halftone", "palette", palette)
@@ -360,7 +360,7 @@ class Options(ContractCase):
                         ",".join(six + ["#abc"])):
             self.refuse("/halftone", "palette", palette)
 
-    def test_name_levels(self):
+    def test_accept_documented_levels(self):
         for levels in ("0,1", "0.1,0.9,1.2", " 0.1 , 0.9,1e-1", [0, 1], [0.1, 0.9, 10]):
             self.take("/halftone", "levels", levels)
         for levels in ("", "0.1", "0,1,1,1", "0;1", "a,b", [], [0.1], [0, 1, 1, 1], ["0", "1"], [-0.1, 1], [0, 1.1],
@@ -369,7 +369,7 @@ class Options(ContractCase):
 
 
 class Formats(ContractCase):
-    def test_are_made_and_told(self):
+    def test_match_the_document(self):
         for path, name in SCHEMAS.items():
             content = DOCUMENT["paths"][path]["post"]["responses"]["200"]["content"]
             words = properties(name)["format"]["enum"]
@@ -383,11 +383,11 @@ class Formats(ContractCase):
 
 
 class Statuses(ContractCase):
-    """Those of the document, provoked; those of the source, looked up."""
+    """Provokes the documented statuses, and looks for undocumented ones in the source."""
 
     flags = ("--max-sites=100",)
 
-    # Provoked by the tests named; too rare for here.
+    # Rare statuses, which the tests named here provoke.
     ELSEWHERE = {("/health/ready", "503"): "test_lifecycle", ("/halftone", "507"): "job_store_test.cpp",
                  ("/sample", "507"): "job_store_test.cpp", ("/analyze", "507"): "job_store_test.cpp",
                  ("/jobs/{id}/result", "503"): "test_jobs", ("/jobs/{id}", "503"): "test_replicas"}
@@ -441,7 +441,7 @@ class Statuses(ContractCase):
         self.see("/jobs/{id}/result", "get", ask(server, job + "/result"), status)
         return job
 
-    def test_are_all_told_and_no_others(self):
+    def test_match_the_document(self):
         for path in COMPUTING:
             self.see_computing(path)
         for path, method, operation in operations():
@@ -477,7 +477,7 @@ class Statuses(ContractCase):
         self.see_pictures()
         told = {(path, status) for path, _, operation in operations() for status in operation["responses"]
                 if not status.endswith("XX")}
-        # What is alike for all that compute is provoked at one of them.
+        # What is common to all that compute is provoked at one of them.
         alike = {(path, status) for path in (*COMPUTING, "/halftone/{name}") for status in ("503", "504")}
         self.assertEqual(told - self.seen - set(self.ELSEWHERE) - alike, set())
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())
@@ -511,7 +511,7 @@ class Statuses(ContractCase):
                 self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 503)
                 ask(server, job, "--request", "DELETE")
 
-    def test_of_the_source_are_told(self):
+    def test_in_the_source_are_documented(self):
         source = "".join(file.read_text() for file in SERVER.rglob("*.cpp"))
         errors = set(re.findall(r"(?:\b(?:problem|busy)\(|\bProblem\{|\? )([45]\d\d)\b", source))
         errors |= set(re.findall(r"return ([45]\d\d);", (SERVER / "http" / "problem.cpp").read_text()))
@@ -523,7 +523,7 @@ class Statuses(ContractCase):
         self.assertEqual(errors - told, set())
         self.assertEqual({status for status in told if re.fullmatch(r"[45]\d\d", status)} - errors, set())
 
-    def test_of_the_readme_are_told(self):
+    def test_in_the_readme_are_documented(self):
         rows = re.findall(r"^\| (\d{3}(?:, \d{3})*) \| ", (ROOT / "api" / "README.md").read_text(), re.MULTILINE)
         listed = {status for row in rows for status in re.findall(r"\b[2345]\d\d\b", row)}
         self.assertGreater(len(listed), 15)

@@ -1,4 +1,4 @@
-"""Pictures that are decoded in confined processes of their own."""
+"""Decoding of pictures in confined processes."""
 
 import os
 import pathlib
@@ -17,13 +17,13 @@ PROC = pathlib.Path("/proc")
 
 
 class Process:
-    """What /proc tells of a process."""
+    """A process, as /proc describes it."""
 
     def __init__(self, number):
         self.id = number
 
     def stat(self):
-        """Its state and its parent; none if it is gone."""
+        """Returns state and parent; none if it is gone."""
         try:
             state, parent = (PROC / str(self.id) / "stat").read_text().rsplit(")", 1)[1].split()[:2]
         except (FileNotFoundError, ProcessLookupError):
@@ -31,7 +31,7 @@ class Process:
         return state, int(parent)
 
     def name(self):
-        """None if it is gone."""
+        """Returns the name; none if it is gone."""
         try:
             return (PROC / str(self.id) / "comm").read_text().strip()
         except OSError:
@@ -42,7 +42,7 @@ class Process:
         return stat is not None and stat[0] not in "ZX"
 
     def links(self):
-        """What its descriptors are open on."""
+        """Returns the targets of its open descriptors."""
         folder = PROC / str(self.id) / "fd"
         links = []
         for name in os.listdir(folder):
@@ -53,14 +53,14 @@ class Process:
         return links
 
     def output(self):
-        """What its output goes to; none if it is gone or does not tell."""
+        """Returns the target of its output; none if it is gone or cannot be read."""
         try:
             return os.readlink(PROC / str(self.id) / "fd" / "1")
         except OSError:
             return None
 
     def children(self):
-        """Zombies are among them."""
+        """Returns its children, including zombies."""
         numbers = [int(entry.name) for entry in PROC.iterdir() if entry.name.isdigit()]
         found = [(Process(number), Process(number).stat()) for number in numbers]
         return [process for process, stat in found if stat is not None and stat[1] == self.id]
@@ -70,21 +70,21 @@ class Process:
 
 
 class Family:
-    """The server's process, the keeper, the helper and the children that decode, once these are ready."""
+    """The server's process, the keeper, the helper and the decoding children, once these are ready."""
 
     def __init__(self, server):
         server.wait_for_log("pictures are decoded by user")
         self.server = Process(server.process.pid)
 
     def keepers(self):
-        """Zombies are among them."""
+        """Returns the keepers, including zombies."""
         return [process for process in self.server.children() if process.name() == "decoder-keeper"]
 
     def keeper(self):
         return wait_until(self.keepers)[0]
 
     def helper(self):
-        """Once it has a child that waits for a picture."""
+        """Returns the helper, once it has a child that waits for a picture."""
         def find():
             helpers = [process for process in self.keeper().children() if process.name() == "decoder-helper"]
             return helpers and helpers[0].children() and helpers[0]
@@ -92,7 +92,7 @@ class Family:
         return wait_until(find)
 
     def spare(self):
-        """The child that waits for a picture, once it is alone. One at work has a socket for its output."""
+        """Returns the child that waits for a picture, once it is alone. A child at work has a socket as its output."""
         def find():
             children = self.helper().children()
             return len(children) == 1 and children[0].output() == "/dev/null" and children[0]
@@ -113,7 +113,7 @@ def is_ready(server):
 
 
 class Failures(ServerCase):
-    def test_leave_nothing_behind(self):
+    def test_leak_neither_processes_nor_descriptors(self):
         family = Family(self.server)
         self.halftone(CAMERA, "?sites=50")
         family.spare()
@@ -124,15 +124,15 @@ class Failures(ServerCase):
             self.assertEqual(self.ask("/halftone?sites=50", data=file_of(flat(9))).status, 200)
         self.assertEqual(family.helper().id, helper.id)
         family.spare()
-        self.assertLessEqual(len(helper.links()), before + 2)  # those in passing
+        self.assertLessEqual(len(helper.links()), before + 2)  # those of children that start or end
         self.assertEqual(len(family.keepers()), 1)
         files = {link for link in family.server.links() if "memfd" in link}
         self.assertEqual(files, {"/memfd:number (deleted)"}, "neither pictures nor replies")
 
-    def test_of_a_decoder_cost_its_own_picture(self):
+    def test_of_a_decoder_fail_only_its_own_picture(self):
         family = Family(self.server)
         spare = family.spare()
-        # A moment's work even for a fast machine.
+        # Takes a moment even on a fast machine.
         call = Call(self.server.url("/halftone?sites=50"), data=file_of(flat(99, 7900, 7900)))
         wait_until(lambda: len(family.helper().children()) == 2)
         spare.kill()
@@ -141,14 +141,14 @@ class Failures(ServerCase):
 
 
 class Start(unittest.TestCase):
-    def test_of_a_decoder_is_not_waited_for(self):
+    def test_serves_before_the_decoder_is_ready(self):
         with Server() as server:
             self.assertEqual(ask(server, "/halftone?sites=5&scale=1", data=CAMERA).status, 200)
             server.wait_for_log("pictures are decoded by user")
             self.assertEqual(restarts(server), 0)
             self.assertEqual(server.stop(), 0)
 
-    def test_fails_with_that_of_its_programs(self):
+    def test_fails_if_one_of_its_programs_cannot_start(self):
         ours = pathlib.Path(os.environ["CCDT_SERVER"]).parent
         for broken, told in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
                              ("ccdt-worker", "cannot start the worker: it exited with 3")):
@@ -160,7 +160,7 @@ class Start(unittest.TestCase):
                 program.write_text("#!/bin/sh\nexit 3\n")
                 program.chmod(0o755)
                 (pathlib.Path(folder) / "ccdt-server").unlink()
-                shutil.copy(ours / "ccdt-server", folder)  # which looks for the others where its own file is
+                shutil.copy(ours / "ccdt-server", folder)  # which looks for the others beside its own file
                 done = subprocess.run([f"{folder}/ccdt-server", "--port=0"], capture_output=True, text=True,
                                       timeout=PATIENCE, check=False)
                 self.assertEqual(done.returncode, 1)
@@ -173,7 +173,7 @@ class Restarts(unittest.TestCase):
             answer = ask(server, "/halftone?sites=50", data=CAMERA)
             statuses.append(answer.status if answer.status != 200 or answer.body == expected else "another picture")
 
-    def test_cost_no_picture(self):
+    def test_lose_no_picture(self):
         with Server("--workers=2", "--queue=20") as server:
             family = Family(server)
             expected = ask(server, "/halftone?sites=50", data=CAMERA).body
@@ -184,7 +184,7 @@ class Restarts(unittest.TestCase):
                 client.start()
             try:
                 for round_ in range(10):
-                    # Either of the two takes the other one, and what they work on, along.
+                    # The death of either of the two ends the other one and their work.
                     victim = family.helper() if round_ % 2 == 0 else family.keeper()
                     gone = [family.helper(), *family.helper().children()]
                     victim.kill()
@@ -200,9 +200,9 @@ class Restarts(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
             self.assertEqual(server.log().count("was killed by signal 9 (Killed), and is started again"), 10)
 
-    def test_are_waited_for_and_told(self):
+    def test_are_waited_for_and_logged(self):
         with Server() as server:
-            # Stopped, it takes no orders and does not end.
+            # While stopped, it accepts no orders and does not end.
             helper, keeper = Family(server).helper(), Family(server).keeper()
             helper.kill(signal.SIGSTOP)
             call = Call(server.url("/halftone?sites=50"), data=CAMERA)
@@ -216,7 +216,7 @@ class Restarts(unittest.TestCase):
 
 
 class AddressSpace(unittest.TestCase):
-    def test_that_is_limited_is_told(self):
+    def test_that_is_limited_is_logged(self):
         with tempfile.TemporaryDirectory() as folder:
             limited = pathlib.Path(folder, "limited")
             limited.write_text(f'#!/bin/sh\nulimit -v 100000000\nexec "{os.environ["CCDT_SERVER"]}" "$@"\n')
@@ -226,7 +226,7 @@ class AddressSpace(unittest.TestCase):
 
 
 class Confinement(ServerCase):
-    def test_keeps_nothing_of_the_server_open(self):
+    def test_closes_all_files_of_the_server(self):
         family = Family(self.server)
         harmless = ("/dev/null", "pipe:", "socket:", "anon_inode:[signalfd]", "/proc")
 
@@ -234,11 +234,11 @@ class Confinement(ServerCase):
             links = process.links()
             return all(link.startswith(harmless) for link in links) and str(links).count("socket:") <= 2
 
-        # One that was forked a moment ago has yet to close what it got.
+        # A child that was forked a moment ago has yet to close the files that it inherited.
         for process in family.everyone():
             wait_until(lambda process=process: is_closed(process))
 
-    def test_is_as_told(self):
+    def test_is_as_logged(self):
         told = self.server.wait_for_log("pictures are decoded by user ")
         user = re.search(r"by user (\d+)", told)[1]
         there = re.search(r"in force: (.*?)(?:; not in force|$)", told)[1]
@@ -252,7 +252,7 @@ class Confinement(ServerCase):
             if "no capabilities" in there:
                 self.assertEqual({int(status[name], 16) for name in ("CapInh", "CapPrm", "CapEff", "CapAmb")}, {0})
             if os.geteuid() != 0:
-                continue  # to look at namespaces
+                continue  # to read namespaces
             for kind, layer in (("net", "network"), ("mnt", "mount"), ("pid", "pid"), ("ipc", "ipc"), ("uts", "uts")):
                 namespaces = {os.readlink(PROC / str(one.id) / "ns" / kind) for one in (process, family.server)}
                 self.assertEqual(len(namespaces) == 2, f"{layer} namespace" in there, kind)
@@ -265,7 +265,7 @@ class Confinement(ServerCase):
 
 
 class Chroot(unittest.TestCase):
-    # Runs a program in a chroot that is not a mount point and shows what the machine's root directory holds.
+    # Runs a program in a chroot that is not a mount point and shows the contents of the machine's root directory.
     ENTER = """#!/bin/sh -e
 exec unshare --mount sh -ec '
     mount -t tmpfs none "$0"
@@ -282,7 +282,7 @@ exec unshare --mount sh -ec '
     exec chroot . "$@"' "$(dirname "$0")" "$CCDT_SERVER" "$@"
 """
 
-    def test_lacks_an_empty_root_directory_and_tells_so(self):
+    def test_lacks_an_empty_root_directory_and_logs_that(self):
         if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
             self.skipTest("no mount namespace can be made here")
         with tempfile.TemporaryDirectory() as folder:
@@ -303,12 +303,12 @@ class Ending(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
             wait_until(lambda: not any(process.is_running() for process in everyone))
 
-    def test_leaves_no_process_however_it_comes(self):
+    def test_leaves_no_process_even_if_killed(self):
         with Server() as server:
             family = Family(server)
             everyone = family.everyone()
             worker = everyone[-1]
-            worker.kill(signal.SIGSTOP)  # so that it is still at work when there is another spare
+            worker.kill(signal.SIGSTOP)  # so that it is still at work when the next one waits
             call = Call(server.url("/halftone"), data=file_of(flat(99, 7900, 7900)))
             wait_until(lambda: len(family.helper().children()) == 2)
             everyone += family.helper().children()
@@ -318,7 +318,7 @@ class Ending(unittest.TestCase):
             self.assertEqual(server.wait(), -signal.SIGKILL)
             wait_until(lambda: not any(process.is_running() for process in everyone))
 
-    def test_is_the_servers_to_decide(self):
+    def test_ignores_signals_to_child_processes(self):
         with Server() as server:
             for process in Family(server).everyone()[:2]:
                 for number in (signal.SIGINT, signal.SIGTERM):
@@ -326,7 +326,7 @@ class Ending(unittest.TestCase):
             self.assertEqual(ask(server, "/halftone?sites=50", data=CAMERA).status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_a_deadline_ends_the_decoding(self):
+    def test_of_decoding_follows_a_deadline(self):
         with Server("--timeout=0.05") as server:
             family = Family(server)
             self.assertIn(ask(server, "/halftone", data=file_of(flat(99, 7900, 7900))).status, (503, 504))

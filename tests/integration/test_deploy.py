@@ -1,4 +1,4 @@
-"""Compose files and what they start: sound, with the server's own settings, and serving."""
+"""Compose files and their services: valid, with settings of the server, and serving."""
 
 import contextlib
 import http.client
@@ -24,7 +24,7 @@ BALANCER = (DOCKER / "haproxy" / "haproxy.cfg").read_text()
 
 DOMAIN = {"type": "rectangle", "width": 1, "height": 1}
 SHORT = json.dumps({"sites": 100, "domain": DOMAIN})
-# Several at once: a second or so.
+# Takes about a second if several are sent at once.
 SLOW = json.dumps({"sites": 60_000, "quality": "best", "domain": DOMAIN})
 
 FILES = {name: yaml.safe_load((DOCKER / name).read_text()) for name in ("compose.yaml", "compose.scale.yaml")}
@@ -32,13 +32,13 @@ SCALE = FILES["compose.scale.yaml"]["services"]
 
 
 def variables():
-    """Those that the server knows."""
+    """Returns the variables that the server reads."""
     told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
     return set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
 
 
 class Compose(unittest.TestCase):
-    def test_files_please_their_schema(self):
+    def test_files_match_their_schema(self):
         if not SCHEMA.exists():
             self.skipTest("tests/deploy/install has not run")
         schema = json.loads(SCHEMA.read_text())
@@ -48,29 +48,29 @@ class Compose(unittest.TestCase):
         with self.assertRaises(jsonschema.ValidationError):
             jsonschema.validate({"services": {"ccdt-server": {"imge": "ccdt-server"}}}, schema)
 
-    def test_set_what_the_server_knows(self):
+    def test_set_only_variables_of_the_server(self):
         known = variables()
         self.assertIn("CCDT_WORKERS", known)
         for content in FILES.values():
             self.assertEqual(set(content["services"]["ccdt-server"]["environment"]) - known, set())
 
-    def test_leave_nobody_rights(self):
+    def test_services_are_unprivileged(self):
         for content in FILES.values():
             for name, service in content["services"].items():
                 with self.subTest(name=name):
                     self.assertEqual((service["read_only"], service["cap_drop"]), (True, ["ALL"]))
                     self.assertEqual(service["security_opt"], ["no-new-privileges:true"])
 
-    def test_files_that_are_mounted_are_there(self):
+    def test_mounted_files_exist(self):
         for service in SCALE.values():
             for volume in service.get("volumes", []):
                 if volume.startswith("."):
                     self.assertTrue((DOCKER / volume.split(":")[0]).exists(), volume)
 
-    def test_servers_are_as_many_as_their_balancer_knows(self):
+    def test_balancer_has_as_many_servers_as_there_are(self):
         self.assertIn(f"server-template server {SCALE['ccdt-server']['deploy']['replicas']} ccdt-server:8080", BALANCER)
 
-    def test_jobs_are_not_lost_by_their_engine(self):
+    def test_redis_is_configured_to_lose_no_jobs(self):
         command = " ".join(SCALE["redis"]["command"])
         for setting in ("--appendonly yes", "--appendfsync always", "--maxmemory-policy noeviction"):
             self.assertIn(setting, command)
@@ -78,7 +78,7 @@ class Compose(unittest.TestCase):
 
 
 class Balancer:
-    """haproxy with the settings of the compose file, before these servers."""
+    """haproxy with the settings of the compose file, in front of these servers."""
 
     def __init__(self, folder, servers):
         with socket.create_server(("127.0.0.1", 0)) as free:
@@ -95,7 +95,7 @@ class Balancer:
         return f"http://127.0.0.1:{self.port}{path}"
 
     def wait(self):
-        """Until it answers."""
+        """Waits until it answers."""
         patience = ("--retry-connrefused", "--retry", "60", "--retry-delay", "1")
         if Call(self.url("/health"), *patience).answer().status != 200:
             raise AssertionError("haproxy knows of no server")
@@ -116,14 +116,14 @@ def environment():
 
 @unittest.skipUnless(HAPROXY.exists(), "docker/install --unpack tools has not run")
 class Haproxy(unittest.TestCase):
-    def test_pleases_itself(self):
+    def test_configuration_is_valid(self):
         done = subprocess.run([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
                               capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         warnings = [line for line in done.stderr.splitlines() if "WARNING" in line and "could not resolve" not in line]
         self.assertEqual(warnings, [])
 
-    def test_tells_servers_whose_requests_they_are(self):
+    def test_forwards_client_addresses(self):
         with tempfile.TemporaryDirectory() as folder, Server("--trusted-proxy=127.0.0.1", "--rate-limit=0.001",
                                                              "--rate-burst=2") as server:
             with Balancer(folder, [server]) as balancer:
@@ -136,7 +136,7 @@ class Haproxy(unittest.TestCase):
             self.assertEqual(server.log().count(" 127.0.0.9 GET /nothing "), 4)
             self.assertNotIn("1.2.3.4", server.log())
 
-    def test_shows_figures_to_nobody(self):
+    def test_hides_metrics(self):
         with tempfile.TemporaryDirectory() as folder, Server() as server, Balancer(folder, [server]) as balancer:
             for path in ("/metrics", "/metrics?a=b", "/%6Detrics", "/%6d%65trics?x", "//metrics"):
                 self.assertEqual(ask(balancer, path).status, 404, path)
@@ -144,7 +144,7 @@ class Haproxy(unittest.TestCase):
                 self.assertEqual(ask(balancer, "/", "--request-target", target, "--header", "Host: localhost").status, 404,
                                  target)
 
-    def test_serves_with_all_that_is_composed(self):
+    def test_serves_with_all_services(self):
         settings = SCALE["redis"]["command"][1:]
         replicas = SCALE["ccdt-server"]["deploy"]["replicas"]
         with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as stack:
@@ -174,7 +174,7 @@ class Haproxy(unittest.TestCase):
         answer.read()
         return answer.status
 
-    def test_loses_nothing_when_a_server_drains(self):
+    def test_loses_no_request_when_a_server_drains(self):
         with tempfile.TemporaryDirectory() as folder, Server() as one, Server() as other:
             with Balancer(folder, [one, other]) as balancer:
                 kept = [http.client.HTTPConnection("127.0.0.1", balancer.port, timeout=PATIENCE) for _ in range(8)]

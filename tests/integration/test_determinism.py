@@ -14,7 +14,7 @@ SAMPLE = {"sites": 2000, "seed": 11, "mesh": True, "geometry": polygon("South-Af
 
 
 def without_time(body):
-    """The one member that tells how long it took."""
+    """Removes the only member that depends on time."""
     return re.sub(rb'"elapsed_ms":[^,}]*', b"", body)
 
 
@@ -33,7 +33,7 @@ def everything(server):
 
 
 def large(server):
-    """Answers for which there is work for several threads."""
+    """Returns answers with enough work for several threads."""
     answers = [ask(server, "/halftone?" + options, data=WAVES) for options in (
         "sites=20000", "sites=20000&dots=ink", "sites=30000&dots=both&format=csv",
         "sites=60000&scale=0.5&antialias=true", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",
@@ -56,12 +56,12 @@ class Determinism(unittest.TestCase):
             expected = large(one)
             self.assertEqual(large(three), expected)
             self.assertEqual(large(four), expected)
-            # With others beside them they have fewer threads, and not always as many.
+            # Beside other requests they have fewer threads, in varying numbers.
             calls = [Call(four.url("/halftone?sites=3000"), data=CAMERA) for _ in range(6)]
             self.assertEqual(large(four), expected)
             self.assertEqual({call.answer().status for call in calls}, {200})
 
-    def test_same_bytes_again_and_under_load(self):
+    def test_same_bytes_when_repeated_and_under_load(self):
         with Server("--workers=4") as server:
             alone = everything(server)
             self.assertEqual(everything(server), alone)

@@ -1,6 +1,6 @@
-"""POST /sample with counts of features: maps of dots, above all that of the counties of npm's us-atlas.
+"""POST /sample with counts of features: dot maps, above all of the counties in npm's us-atlas.
 
-Their counts are made up, and differ by up to 10,000 times on neighbouring ground.
+Their counts are made up; densities of neighbours differ by up to 10,000 times.
 """
 
 import base64
@@ -30,7 +30,7 @@ def collection(given):
 
 
 def counties():
-    """With counts that no area tells: log-normal, from some hundred to some million."""
+    """Returns counties with counts that are independent of area: log-normal, from about 100 to about a million."""
     given = features("us-atlas/counties-10m.json", "counties")
     random = numpy.random.default_rng(1)
     for feature, count in zip(given, numpy.exp(random.normal(10.3, 1.45, len(given))), strict=True):
@@ -51,7 +51,7 @@ def hexagonal_spacing(density):
 
 
 def nearest(points, feature, density, pairs):
-    """Of each point the nearest distance along wanted edges, over the mean of both hexagonal ones, in order."""
+    """Returns the nearest distance of each point along chosen edges, over the mean of both hexagonal ones, sorted."""
     triangles = scipy.spatial.Delaunay(points).simplices
     edges = numpy.unique(numpy.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     a, b = edges.T
@@ -89,7 +89,7 @@ class Counties(ServerCase):
         self.assertEqual([each["id"] for each in self.answer["features"]], [each["id"] for each in self.features])
         self.assertEqual(len(numpy.unique(self.points, axis=0)), sum(wanted))
 
-    def test_have_their_points_inside(self):
+    def test_contain_their_points(self):
         ends = numpy.searchsorted(self.feature, numpy.arange(len(self.features) + 1))
         for i, area in enumerate(self.areas):
             own = self.points[ends[i]:ends[i + 1]]
@@ -123,7 +123,7 @@ class Formats(ServerCase):
         self.assertEqual(answer.status, 200, answer)
         return answer
 
-    def test_hold_the_same(self):
+    def test_have_the_same_content(self):
         told = self.draw().json()
         rows = [[*point, feature, number]
                 for point, feature, number in zip(told["points"], told["feature"], told["class"], strict=True)]
@@ -140,7 +140,7 @@ class Formats(ServerCase):
                          told["points"])
         self.assertIn("X-Warnings".lower(), self.draw(format="svg").headers)
 
-    def test_have_colours_of_classes(self):
+    def test_use_the_colours_of_classes(self):
         colours = {tuple(int(each["color"][i:i + 2], 16) for i in (1, 3, 5)) for each in self.draw().json()["classes"]}
         picture = self.draw(format="png").picture("RGB")
         found = {tuple(colour) for colour in numpy.asarray(picture).reshape(-1, 3).tolist()}
@@ -148,7 +148,7 @@ class Formats(ServerCase):
 
 
 class Exclusions(ServerCase):
-    def test_leave_counts_as_they_are(self):
+    def test_keep_the_counts(self):
         given = [{"type": "Feature", "properties": {"n": 400 + 300 * i},
                   "geometry": shapely.geometry.mapping(shapely.geometry.box(i % 2, i // 2, i % 2 + 1, i // 2 + 1))}
                  for i in range(4)]
@@ -172,13 +172,13 @@ class Exclusions(ServerCase):
                 self.assertTrue(shapely.vectorized.contains(left, *points.T).all())
                 near, _ = scipy.spatial.cKDTree(points).query(wells)
                 self.assertGreater(near.min(), 0.5 * hexagonal_spacing(1300 / left.area * 4))
-                # No strip is left between the features, which the lake has been taken from each by itself.
+                # The lake is subtracted from each feature by itself, but no strip is left between them.
                 for across in points.T:
                     self.assertGreater((numpy.abs(across - 1) < 0.01).sum(), 10)
 
 
 def cut(area, share, upright):
-    """The part of an area on one side of a line that holds so much of it, and the rest."""
+    """Returns the part of an area on one side of a line that contains a given share of it, and the rest."""
     west, south, east, north = area.bounds
     low, high = (west, east) if upright else (south, north)
 
@@ -201,8 +201,8 @@ def pieces_of(area, shares, upright):
 class Undivided(ServerCase):
     SITES = 8192
 
-    def test_pieces_have_no_more_long_waves(self):
-        """Than a country in one, if it is cut in pieces that want a whole number of points each."""
+    def test_pieces_have_no_more_long_waves_than_the_whole(self):
+        """Cuts a country into pieces that want a whole number of points each."""
         country = json.loads((POLYGONS / "South-Africa-50m.geojson").read_text())
         country = country.get("geometry", country)
         whole = max(getattr(shapely.geometry.shape(country), "geoms", [shapely.geometry.shape(country)]),
@@ -228,8 +228,8 @@ class Undivided(ServerCase):
         return numpy.array(post_json(self.server, "/sample", body).json()["points"])
 
     def noise(self, points, whole, radius):
-        """Mean squared error of the number of points, weighed by Gaussians far from the border, over that of
-        independent points."""
+        """Returns the mean squared error of the number of points, weighted by Gaussians far from the border, over
+        that of independent points."""
         inner = whole.buffer(-3.5 * radius)
         west, south, east, north = inner.bounds
         places = numpy.random.default_rng(5).uniform((west, south), (east, north), (3000, 2))
@@ -242,7 +242,7 @@ class Undivided(ServerCase):
 
 
 class Jobs(ServerCase):
-    def test_tell_progress_and_can_be_cancelled(self):
+    def test_report_progress_and_can_be_cancelled(self):
         body = json.dumps({"geometry": Formats.MAP, "sites": {"property": "a", "per": 0.0002}, "iterations": 1000,
                            "passes": 100})
         job = ask(self.server, "/sample", "--header", "Prefer: respond-async", data=body).headers["location"]

@@ -1,4 +1,4 @@
-"""Every refusal: its status, its body, and that the server goes on."""
+"""Every refusal: its status, its body, and that the server continues."""
 
 import json
 import unittest
@@ -11,13 +11,13 @@ RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 
 
 class Paths(ServerCase):
-    def test_404_for_anything_else(self):
+    def test_404_for_unknown_paths(self):
         for path in ("/nothing", "/halftone/", "/Halftone", "/health/x", "/%00", "/" + "x" * 8000):
             with self.subTest(path=path[:20]):
                 self.assert_problem(self.ask(path), 404)
                 self.assert_problem(self.ask(path, data=b"x"), 404)
 
-    def test_405_names_what_is_allowed(self):
+    def test_405_lists_the_allowed_methods(self):
         for method in ("GET", "HEAD", "PUT", "DELETE", "PATCH", "TRACE", "BREW"):
             for path in ("/halftone", "/sample"):
                 with self.subTest(method=method, path=path):
@@ -67,7 +67,7 @@ class EveryAnswer(ServerCase):
             self.assertEqual(answer.headers["access-control-allow-origin"], "*")
         self.assertEqual(len({answer.headers["x-request-id"] for answer in answers}), len(answers))
 
-    def test_keeps_the_clients_id_if_it_is_well_formed(self):
+    def test_keeps_a_well_formed_request_id(self):
         self.assertEqual(self.ask("/health", "--header", "X-Request-ID: my.id-7_x").headers["x-request-id"], "my.id-7_x")
         for bad in ("a b", "a%0d%0aEvil: 1", "x" * 65, "<script>"):
             answer = self.ask("/health", "--header", "X-Request-ID: " + bad)
@@ -81,7 +81,7 @@ class EveryAnswer(ServerCase):
         self.assertIn("POST", answer.headers["access-control-allow-methods"])
         self.assertIn("Content-Type", answer.headers["access-control-allow-headers"])
 
-    def test_is_whole_and_plain_whatever_range_or_encoding_is_asked_for(self):
+    def test_ignores_ranges_and_unavailable_encodings(self):
         plain = self.ask("/halftone?sites=10", data=GREY)
         for header in ("Range: bytes=0-9", "Range: bytes=0-1,3-4", "Range: nonsense", "Accept-Encoding: br, gzip"):
             answer = self.ask("/halftone?sites=10", "--header", header, data=GREY)
@@ -107,7 +107,7 @@ class HalftoneOptions(ServerCase):
                 problem = self.refuse(query)
                 self.assertEqual(problem["errors"][0]["pointer"], query.split("=")[0])
 
-    def test_all_that_is_wrong_is_told_at_once(self):
+    def test_all_errors_are_reported_at_once(self):
         def pointers(problem):
             return [error["pointer"] for error in problem["errors"]]
 
@@ -161,7 +161,7 @@ class HalftoneOptions(ServerCase):
                 self.assertIn(answer.status, (400, 415), answer)
                 self.assert_problem(answer, answer.status)
 
-    def test_json_options_of_the_wrong_kind(self):
+    def test_json_options_of_the_wrong_type(self):
         for option in ({"sites": "10"}, {"sites": 1.5}, {"sites": -1}, {"sites": 1e30}, {"invert": 1},
                        {"tone": None}, {"unknown": 1}):
             with self.subTest(option=option):
@@ -171,7 +171,7 @@ class HalftoneOptions(ServerCase):
 
 
 class Pictures(ServerCase):
-    def test_415_for_what_is_no_picture_that_is_read(self):
+    def test_415_for_unsupported_formats(self):
         for body in (b"8BPS" + b"\0" * 50, b"BM" + b"\0" * 50, b"plain text", b"[]", b"\0"):
             with self.subTest(body=body[:8]):
                 self.assert_problem(self.ask("/halftone", data=body), 415)
@@ -206,7 +206,7 @@ class SampleRequests(ServerCase):
     def refuse(self, body, status, *words):
         return self.assert_problem(post_json(self.server, "/sample", body), status, *words)
 
-    def test_members_that_are_missing_or_wrong(self):
+    def test_missing_or_invalid_members(self):
         good = {"sites": 10, "polygon": SQUARE}
         for change in ({"sites": None}, {"sites": 0}, {"sites": "10"}, {"sites": 2.5}, {"seed": -1},
                        {"iterations": 1001}, {"passes": 0}, {"tolerance": 0}, {"mesh": "yes"}, {"unknown": 1},
@@ -219,7 +219,7 @@ class SampleRequests(ServerCase):
         self.refuse({"sites": 10}, 400, "polygon")
         self.refuse({"polygon": SQUARE}, 400, "sites")
 
-    def test_what_is_not_made_is_refused_by_name(self):
+    def test_unavailable_formats_and_domains_are_refused_by_name(self):
         good = {"sites": 10, "polygon": SQUARE}
         for name in ("bmp", "webp", "CSV"):
             self.refuse({**good, "format": name}, 400, name)
@@ -227,7 +227,7 @@ class SampleRequests(ServerCase):
         answer = post_json(self.server, "/sample", good, "--header", "Accept: text/html")
         self.assert_problem(answer, 406, "application/json", "text/csv", "application/geo+json", "application/x-npy")
 
-    def test_422_for_polygons_that_are_none(self):
+    def test_422_for_invalid_polygons(self):
         bow_tie = [[0, 0], [1, 1], [1, 0], [0, 1]]
         outside = [[2, 2], [3, 2], [3, 3]]
         self.refuse({"sites": 10, "polygon": bow_tie, "invalid": "reject"}, 422, "crosses itself at (0.5, 0.5)")
@@ -250,7 +250,7 @@ class SampleRequests(ServerCase):
         self.assert_problem(post_json(self.server, "/sample?sites=10", {"polygon": SQUARE}), 400)
         self.assert_problem(post_json(self.server, "/analyze?max_frequency=2", {"points": SQUARE}), 400)
 
-    def test_pointers_of_a_document_are_its_own(self):
+    def test_errors_of_documents_have_options_or_pointers(self):
         square = {"type": "Polygon", "coordinates": [SQUARE]}
         point = {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [0, 0]}}
         for query, document, status, pointer in (
@@ -297,7 +297,7 @@ class Limits(ServerCase):
 
 
 class Log(unittest.TestCase):
-    def test_has_one_json_object_a_line(self):
+    def test_has_one_json_object_per_line(self):
         with Server("--log-format=json") as server:
             ask(server, "/halftone?sites=10", "--header", "X-Request-ID: mine", data=GREY)
             ask(server, '/no"thing?\\x%0a=%22')

@@ -1,4 +1,4 @@
-"""The examples of all READMEs, as they stand there, against a server of their own: those that ask for its address."""
+"""The examples of all READMEs that name a server's address, run unchanged against a server of their own."""
 
 import os
 import pathlib
@@ -14,7 +14,7 @@ ROOMS = ("", "api", "core", "server", "tests")
 PAGES = [ROOT / room / "README.md" for room in ROOMS if (ROOT / room / "README.md").exists()]
 ADDRESS = "localhost:8080"
 
-# The one that shows an error.
+# The example that shows an error.
 CROSSING = "[[0,0],[1,1],[1,0],[0,1]]"
 
 
@@ -24,12 +24,12 @@ def blocks(page, language):
 
 
 def anchor(title):
-    """Of a heading, as Markdown's readers make it."""
+    """Returns the anchor of a heading, as Markdown renderers make it."""
     return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
 
 
 class Links(unittest.TestCase):
-    def test_lead_somewhere(self):
+    def test_have_existing_targets(self):
         for page in PAGES:
             for link in re.findall(r"\]\(([^)]+)\)", page.read_text()):
                 with self.subTest(page=page, link=link):
@@ -49,7 +49,7 @@ class Examples(unittest.TestCase):
         folder = pathlib.Path(cls.folder.name)
         for name in ("server", "tests"):
             (folder / name).symlink_to(ROOT / name)
-        (folder / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # told by its first bytes
+        (folder / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
         (folder / ".curlrc").write_text("fail-with-body\nsilent\n")
 
     @classmethod
@@ -66,23 +66,23 @@ class Examples(unittest.TestCase):
         return done.returncode, done.stdout, done.stderr
 
     def examples(self, language, least):
-        """At least so many, each with the page that it is on."""
+        """Returns the examples of a language, at least `least`, each with the page that it is on."""
         found = [(page, block) for page in PAGES for block in blocks(page, language)]
         self.assertGreaterEqual(len(found), least)
         return found
 
-    def test_for_python(self):
+    def test_run_in_python(self):
         for page, block in self.examples("python", 1):
             with self.subTest(page=page):
                 self.assertEqual(self.run_it(sys.executable, "-c", code=block), (0, b"1000 points\n", b""))
 
-    def test_for_javascript(self):
+    def test_run_in_javascript(self):
         for page, block in self.examples("js", 1):
             with self.subTest(page=page):
                 code, told, errors = self.run_it(NODE, "--input-type=module", "--eval", code=block)
                 self.assertEqual((code, told), (0, b"1000 points\n"), errors)
 
-    def test_for_the_shell(self):
+    def test_run_in_the_shell(self):
         for page, block in self.examples("sh", 10):
             with self.subTest(page=page, block=block):
                 code, told, errors = self.run_it("bash", "-euo", "pipefail", "-c", code=block)

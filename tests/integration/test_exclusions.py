@@ -1,4 +1,4 @@
-"""POST /sample with areas where no point may lie: shapely tells what these are, and how far points are from them."""
+"""POST /sample with excluded areas. shapely computes these areas and the distances of points from them."""
 
 import base64
 import io
@@ -42,7 +42,7 @@ def edges_of(ring):
 
 
 def cut(edges, longest):
-    """Edges [n, 2, 2], cut into pieces that are no longer than so many degrees."""
+    """Cuts edges [n, 2, 2] into pieces that are at most so many degrees long."""
     pieces = []
     for a, b in edges:
         shares = numpy.linspace(0, 1, 1 + max(1, math.ceil(numpy.hypot(*(b - a)) / longest)))
@@ -66,33 +66,33 @@ class Avoided(ServerCase):
         outside = ~shapely.vectorized.contains(area, *points.T)
         self.assertFalse(outside.any(), points[outside])
 
-    def test_no_point_lies_in_what_is_avoided(self):
+    def test_areas_contain_no_points(self):
         area = shapely.geometry.shape(ITALY).difference(shapely.geometry.shape(LAKES))
         feature = {"type": "Feature", "geometry": LAKES, "properties": None}
         for avoid in (LAKES, feature, {"type": "FeatureCollection", "features": [feature]}):
             for coordinates in ("plane", "lonlat"):
                 self.assert_within(area, self.points(geometry=ITALY, avoid=avoid, coordinates=coordinates))
 
-    def test_all_methods_keep_out(self):
+    def test_areas_apply_to_all_methods(self):
         area = shapely.geometry.Polygon(SQUARE).difference(shapely.geometry.box(1, 1, 2, 5))
         for method in ("ccdt", "cvt", "odt", "ccvt", "random"):
             self.assert_within(area, self.points(200, polygon=SQUARE, method=method,
                                                  avoid=[[[1, 1], [2, 1], [2, 5], [1, 5]]]))
 
-    def test_rectangles_have_areas_to_avoid(self):
+    def test_areas_apply_to_rectangles(self):
         points = self.points(domain={"type": "rectangle", "width": 4, "height": 4},
                              avoid=[[[1, 1], [2, 1], [2, 2], [1, 2]], [[3, 3], [9, 3], [9, 9], [3, 9]]])
         area = shapely.geometry.Polygon(SQUARE).difference(
             shapely.ops.unary_union([shapely.geometry.box(1, 1, 2, 2), shapely.geometry.box(3, 3, 9, 9)]))
         self.assert_within(area, points)
 
-    def test_a_density_is_over_the_whole_box(self):
+    def test_density_covers_the_whole_bounding_box(self):
         density = {"width": 2, "height": 1, "values": [1, 3]}
         points = self.points(polygon=SQUARE, density=density, avoid=[[[-1, -1], [1, -1], [1, 5], [-1, 5]]])
         self.assertGreater(points[:, 0].min(), 1)
         self.assertAlmostEqual((points[:, 0] > 2).mean(), 6 / 7, delta=0.01)
 
-    def test_what_is_avoided_is_repaired_and_told(self):
+    def test_areas_are_repaired_with_a_report(self):
         body = {"sites": 100, "polygon": SQUARE, "avoid": [BOWTIE]}
         answer = self.sample(**body)
         self.assertEqual([repair["pointer"] for repair in answer["repaired"]], ["/avoid/0/2"])
@@ -103,7 +103,7 @@ class Avoided(ServerCase):
         self.assert_problem(rejected, 422, "cross")
         self.assertEqual(rejected.json()["errors"][0]["pointer"], "/avoid/0/2")
 
-    def test_areas_come_to_the_turn_of_the_globe_that_the_polygon_is_in(self):
+    def test_areas_apply_in_every_turn_of_the_globe(self):
         fiji = [[170, -20], [-170, -20], [-170, 20], [170, 20]]
         for ring in ([[175, -5], [-175, -5], [-175, 5], [175, 5]], [[-185, -5], [-175, -5], [-175, 5], [-185, 5]]):
             points = self.points(polygon=fiji, avoid=[ring], coordinates="lonlat")
@@ -111,12 +111,12 @@ class Avoided(ServerCase):
             self.assertFalse(((away < 5) & (numpy.abs(points[:, 1]) < 5)).any())
             self.assertTrue((away < 10).all() and ((away < 5).sum() > 600))
 
-    def test_the_pole_is_avoided(self):
+    def test_areas_may_contain_a_pole(self):
         north = {"type": "Polygon", "coordinates": [[[-180, 60], [180, 60], [180, 90], [-180, 90]]]}
         around = [[[-180, 80], [-60, 80], [60, 80]]]
         self.assertLess(self.points(geometry=north, avoid=around, coordinates="lonlat")[:, 1].max(), 80)
 
-    def test_points_keep_off_the_border_and_off_what_is_avoided(self):
+    def test_buffer_applies_to_border_and_areas(self):
         area = shapely.geometry.shape(ITALY).difference(shapely.geometry.shape(LAKES))
         for buffer in (1e-6, 0.05, 0.2):
             points = self.points(geometry=ITALY, avoid=LAKES, buffer=buffer)
@@ -125,7 +125,7 @@ class Avoided(ServerCase):
             self.assertGreaterEqual(distances.min(), buffer)
             self.assertLess(distances.min(), 1.02 * buffer + 0.5 * math.sqrt(area.area / len(points)))
 
-    def test_points_keep_off_holes_and_sides(self):
+    def test_buffer_applies_to_holes_and_rectangles(self):
         hole = [[2, 2], [2.5, 2], [2.5, 2.5], [2, 2.5]]
         area = shapely.geometry.Polygon(SQUARE, [hole])
         for body in ({"polygon": SQUARE, "holes": [hole]},
@@ -139,30 +139,31 @@ class Avoided(ServerCase):
             self.assertAlmostEqual(shapely.vectorized.contains(inner.buffer(-2 * pitch), *points.T).mean(),
                                    inner.buffer(-2 * pitch).area / inner.area, delta=0.01)
 
-    def test_points_keep_off_the_border_by_metres_on_the_ground(self):
+    def test_buffer_is_in_metres_on_the_ground(self):
         wide = {"type": "Polygon", "coordinates": [[[-20, 50], [40, 50], [40, 72], [-20, 72]]]}
         for geometry, metres in ((ITALY, 500), (ITALY, 20_000), (wide, 100), (wide, 200_000)):
             answer = self.sample(sites=2000, geometry=geometry, buffer=metres, coordinates="lonlat")
             least = self.least_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
             self.assertGreaterEqual(least, 0.999 * metres)
-            # Rows of sites that follow a border stand half of their distance, sqrt(3) / 4 pitches, from it.
+            # Rows of sites along a border are half a row, sqrt(3) / 4 pitches, from it.
             self.assertLess(least, 1.04 * metres + 0.44 * answer["pitch_m"])
 
-    def test_the_globe_without_an_island_keeps_off_that_alone(self):
+    def test_buffer_on_the_globe_applies_to_the_island_only(self):
         globe = [[-180, -90], [180, -90], [180, 90], [-180, 90]]
         island = [[110, -35], [150, -35], [150, -15], [110, -15]]
         answer = self.sample(sites=2000, polygon=globe, avoid=[island], buffer=300_000, coordinates="lonlat", mesh=True)
         points = numpy.array(answer["points"])
         least = self.least_metres(points, shapely.geometry.Polygon(island), 300_000)
         self.assertGreaterEqual(least, 0.999 * 300_000)
-        # Where the globe is cut, there is no strip without points.
+        # There is no strip without points where the globe is cut.
         spaces = in_space(points)
         nearest = [numpy.sort(numpy.linalg.norm(spaces - place, axis=1))[6] for place in spaces]
         self.assertLess(numpy.median(nearest), 1.4 * answer["pitch_m"])
         self.assertLess(max(nearest), 2.2 * answer["pitch_m"])
 
     def least_metres(self, points, shape, metres):
-        """Of points that seem to be the nearest to the border, geodesics to the pieces of it that do."""
+        """Returns the least geodesic distance of points to the border, by the points and pieces of it that seem
+        nearest."""
         pieces = cut(numpy.concatenate([edges_of(ring) for part in getattr(shape, "geoms", [shape])
                                         for ring in (part.exterior, *part.interiors)]), 0.05)
         middles = in_space((pieces[:, 0] + pieces[:, 1]) / 2)
@@ -175,7 +176,7 @@ class Avoided(ServerCase):
             found.append(GEOD.inv(*border.T, *numpy.broadcast_to(points[number], border.shape).T)[2].min())
         return min(found)
 
-    def test_wrong_ones_are_told(self):
+    def test_invalid_areas_are_refused(self):
         def refused(status, pointer, *words, **body):
             answer = post_json(self.server, "/sample", {"sites": 10, **body})
             self.assert_problem(answer, status, *words)
@@ -189,7 +190,7 @@ class Avoided(ServerCase):
         refused(422, "/avoid/0", "extent", polygon=SQUARE, avoid=[[[-far, -far], [far, -far], [0, far]]])
         refused(422, "/avoid/0/2", "latitude", polygon=SQUARE, coordinates="lonlat", avoid=[[[1, 1], [2, 1], [2, 91]]])
 
-    def test_buffers_that_leave_nothing_are_told(self):
+    def test_buffers_that_leave_nothing_are_refused(self):
         def refused(status, *words, **body):
             answer = post_json(self.server, "/sample", {"sites": 10, **body})
             self.assert_problem(answer, status, *words)
@@ -205,14 +206,14 @@ class Avoided(ServerCase):
         self.assertEqual(self.sample(sites=50, polygon=SQUARE, buffer=0)["points"], plain)
         self.points(50, polygon=SQUARE, buffer=1e-308)
 
-    def test_documents_have_a_buffer_too(self):
+    def test_buffer_applies_to_documents(self):
         document = json.dumps(ITALY)
         answer = self.ask("/sample?sites=10&buffer=99", data=document)
         self.assert_problem(answer, 422, "no place")
         self.assertEqual(answer.json()["errors"][0]["pointer"], "buffer")
         self.assertEqual(self.ask("/sample?sites=10&buffer=0.2", data=document).status, 200)
 
-    def test_no_point_lies_where_a_mask_is_dark(self):
+    def test_masks_exclude_dark_pixels(self):
         photograph = PIL.Image.open(ROOT / "tests/data/images/camera.png").resize((60, 40))
         grey = numpy.asarray(photograph.filter(PIL.ImageFilter.GaussianBlur(1)))
         dark = numpy.where(grey <= 10, grey / 3294.6, ((grey / 255 + 0.055) / 1.055) ** 2.4) < 0.5
@@ -227,7 +228,7 @@ class Avoided(ServerCase):
             rows = numpy.floor((north - points[:, 1]) / (north - south) * 40).astype(int)
             self.assertFalse(dark[rows, columns].any())
 
-    def test_a_mask_has_a_border_that_a_buffer_counts_from(self):
+    def test_buffer_applies_to_masks(self):
         grey = numpy.full((4, 4), 255, numpy.uint8)
         grey[1, 2] = 0  # the square from (2, 2) to (3, 3)
         points = self.points(polygon=SQUARE, mask=masked(grey), buffer=0.25, density={"width": 1, "height": 1, "values": [1]})
@@ -238,7 +239,7 @@ class Avoided(ServerCase):
         plain = self.sample(sites=50, polygon=SQUARE)["points"]
         self.assertEqual(self.sample(sites=50, polygon=SQUARE, mask=masked(grey))["points"], plain)
 
-    def test_masks_that_are_wrong(self):
+    def test_invalid_masks_are_refused(self):
         noise = numpy.random.default_rng(1).integers(0, 256, (400, 400), numpy.uint8)
         black, grey = numpy.zeros((2, 2), numpy.uint8), numpy.full((2, 2), 255, numpy.uint8)
         for status, field, words, body in (
@@ -253,7 +254,7 @@ class Avoided(ServerCase):
             self.assertEqual(answer.json()["errors"][0]["pointer"], field)
             self.assertIn(words, answer.json()["detail"])
 
-    def test_nothing_may_be_avoided(self):
+    def test_empty_areas_change_nothing(self):
         plain = self.sample(sites=50, polygon=SQUARE)["points"]
         for avoid in ([], {"type": "FeatureCollection", "features": []}, [[[7, 7], [8, 7], [8, 8]]]):
             self.assertEqual(self.sample(sites=50, polygon=SQUARE, avoid=avoid)["points"], plain, json.dumps(avoid))

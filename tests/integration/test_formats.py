@@ -1,4 +1,4 @@
-"""What answers can be made as, read back by the programs that they are made for."""
+"""Reads answers of every format back with the programs that they are made for."""
 
 import csv
 import io
@@ -42,14 +42,14 @@ class FormatCase(ServerCase):
 
 
 class Points(FormatCase):
-    """Every format holds the same doubles."""
+    """All formats hold the same doubles."""
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.expected = numpy.array(post_json(cls.server, "/sample", ITALY).json()["points"])
 
-    def test_csv(self):
+    def test_csv_holds_the_points(self):
         answer = self.made("csv", **ITALY)
         self.assertEqual(answer.type, "text/csv; header=present")
         header, points = by_csv(answer.body)
@@ -59,18 +59,18 @@ class Points(FormatCase):
         loaded = numpy.loadtxt(io.BytesIO(answer.body), delimiter=",", skiprows=1)
         numpy.testing.assert_array_equal(loaded, self.expected)
 
-    def test_npy(self):
+    def test_npy_holds_the_points(self):
         answer = self.made("npy", **ITALY)
         self.assertEqual(answer.type, "application/x-npy")
         points = by_numpy(answer.body)
         self.assertEqual((points.dtype, points.flags.c_contiguous), (numpy.dtype("<f8"), True))
         numpy.testing.assert_array_equal(points, self.expected)
-        # The same file to the byte, but for how many blanks are added.
+        # Both files are equal but for the number of padding spaces.
         written = io.BytesIO()
         numpy.save(written, points)
         self.assertEqual(written.getvalue().replace(b" ", b"")[10:], answer.body.replace(b" ", b"")[10:])
 
-    def test_geojson(self):
+    def test_geojson_holds_the_points(self):
         answer = self.made("geojson", **ITALY)
         self.assertEqual(answer.type, "application/geo+json")
         feature = answer.json()
@@ -82,19 +82,19 @@ class Points(FormatCase):
         self.assertEqual((properties["sites"], properties["seed"], properties["method"]), (500, 4, "ccdt"))
         self.assertEqual(self.made("geojson", **ITALY).body, answer.body)
 
-    def test_one_point(self):
+    def test_single_points_are_read_back(self):
         one = {"sites": 1, "domain": {"type": "rectangle", "width": 1, "height": 1}}
         self.assertEqual(by_csv(self.made("csv", **one).body)[1].shape, (1, 2))
         self.assertEqual(by_numpy(self.made("npy", **one).body).shape, (1, 2))
         self.assertEqual(len(self.made("geojson", **one).json()["geometry"]["coordinates"]), 1)
 
-    def test_many_points(self):
+    def test_many_points_are_read_back(self):
         many = {"sites": 200_000, "method": "random", "domain": {"type": "torus", "width": 1, "height": 1}}
         expected = numpy.array(post_json(self.server, "/sample", many).json()["points"])
         numpy.testing.assert_array_equal(by_numpy(self.made("npy", **many).body), expected)
         numpy.testing.assert_array_equal(by_csv(self.made("csv", **many).body)[1], expected)
 
-    def test_halftone(self):
+    def test_dots_of_halftones_are_read_back(self):
         expected = numpy.array(self.dots("?sites=700&format=json").json()["points"])
         table = self.dots("?sites=700&format=csv")
         self.assertEqual(table.type, "text/csv; header=present")
@@ -105,7 +105,7 @@ class Points(FormatCase):
 
 
 def rendered(svg, shape):
-    """Share of each pixel that is inked, as librsvg sees it."""
+    """Returns the share of each pixel that librsvg covers with ink."""
     with tempfile.TemporaryDirectory() as folder:
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
@@ -116,7 +116,7 @@ def rendered(svg, shape):
 
 
 def drawn(png):
-    """The same of our own drawings, which mix in linear light."""
+    """Returns the same for drawings of the server, whose edges are antialiased in linear light."""
     return 1 - numpy.vectorize(linear)(numpy.arange(256))[pixels(png, "L")]
 
 
@@ -128,7 +128,7 @@ def check_png(file):
 
 
 def centres(svg):
-    """Of the dots, in the order in which they are drawn."""
+    """Returns the centres of the dots, in the order in which they are drawn."""
     root = ElementTree.fromstring(svg)
     circles = [(float(c.get("cx")), float(c.get("cy"))) for c in root.iter(SVG + "circle")]
     paths = " ".join(path.get("d") for path in root.iter(SVG + "path"))
@@ -141,13 +141,13 @@ def length(points):
 
 
 class Drawings(FormatCase):
-    """Pictures of points, in pixels and in millimetres."""
+    """Compares drawings of points, in pixels and in millimetres."""
 
     def same_picture(self, svg, png):
         ours = drawn(png)
         theirs = rendered(svg, ours.shape)
         self.assertEqual(ours.shape, theirs.shape)
-        # Our soft rims add a twelfth of a square pixel times pi to each dot.
+        # Antialiasing by the server adds a twelfth of a square pixel times pi to each dot.
         self.assertLess(abs(ours.mean() - theirs.mean()), 0.04 * ours.mean())
         self.assertLess(numpy.abs(ours - theirs).mean(), 0.1 * ours.mean())
 
@@ -167,7 +167,7 @@ class Drawings(FormatCase):
     def nearest(found, expected):
         return numpy.linalg.norm(found[:, None] - expected[None], axis=2).argmin(axis=1)
 
-    def test_pens_travel_little(self):
+    def test_paths_of_pens_are_short(self):
         domain = {"type": "rectangle", "width": 2, "height": 1}
         points = numpy.array(self.sample(sites=4000, domain=domain)["points"])
         svg = self.made("svg", sites=4000, domain=domain, width_mm=200).body
@@ -202,7 +202,7 @@ class Drawings(FormatCase):
                 self.assertEqual(svg.type, "image/svg+xml")
                 self.same_picture(svg.body, self.dots(query + "&antialias=true").body)
 
-    def test_halftone_svg_has_its_colours(self):
+    def test_halftone_svg_has_the_given_colours(self):
         query = "?sites=10&format=svg&foreground=%23f80&background=%23012&dots="
         ink, both = (ElementTree.fromstring(self.dots(query + dots).body) for dots in ("ink", "both"))
         for root in (ink, both):
@@ -211,7 +211,7 @@ class Drawings(FormatCase):
         fills = {layer.get("id"): {part.get("fill") for part in layer} for layer in both.findall(SVG + "g")}
         self.assertEqual(fills, {"ink": {"#ff8800"}, "ground": {"#ff8800"}, "paper": {"#001122"}})
 
-    def test_png_has_its_size(self):
+    def test_png_has_the_requested_size(self):
         body = {"sites": 100, "domain": {"type": "rectangle", "width": 3, "height": 1}, "width": 600}
         image = Image.open(io.BytesIO(self.made("png", width_mm=150, **body).body))
         self.assertEqual((image.size, image.mode), ((600, 200), "L"))
@@ -220,12 +220,12 @@ class Drawings(FormatCase):
         halftone = Image.open(io.BytesIO(self.dots("?sites=50&scale=1&width_mm=100").body))
         self.assertAlmostEqual(halftone.info["dpi"][0], 512 / 100 * 25.4, delta=0.02)
 
-    def test_torus_tiles(self):
+    def test_drawings_of_a_torus_wrap_around(self):
         body = {"sites": 64, "width": 640, "domain": {"type": "torus", "width": 1, "height": 1}, "dot": 0.02}
         inked = drawn(self.made("png", **body).body)
         self.assertAlmostEqual(inked.mean(), 64 * numpy.pi * 0.02 ** 2, delta=1e-3)
 
-    def test_what_is_wrong_is_named(self):
+    def test_invalid_options_are_named_in_errors(self):
         square = {"sites": 5, "domain": {"type": "rectangle", "width": 1, "height": 100}}
         for options, status, word in (({"format": "png", "width": 60_000}, 413, "max-pixels"),
                                       ({"width": 0}, 400, "/width"), ({"width_mm": 0}, 400, "/width_mm"),
@@ -234,7 +234,7 @@ class Drawings(FormatCase):
 
 
 def told_by_tiffinfo(file):
-    """What the file says of itself; that it can be read to its end, too."""
+    """Returns what tiffinfo prints, and its warnings while it reads the file to the end."""
     with tempfile.NamedTemporaryFile(suffix=".tiff") as stored:
         stored.write(file)
         stored.flush()
@@ -243,9 +243,9 @@ def told_by_tiffinfo(file):
 
 
 class Pictures(FormatCase):
-    """A halftone is the same to the pixel in every format that holds pixels."""
+    """All raster formats hold the same pixels of a halftone."""
 
-    def test_same_pixels(self):
+    def test_webp_and_tiff_have_the_pixels_of_png(self):
         for query in ("?sites=800&scale=2", "?sites=800&scale=2&antialias=true", "?sites=300&invert=true&scale=1",
                       "?sites=800&scale=2&dots=ink", "?sites=800&scale=2&dots=ink&antialias=true",
                       "?sites=300&scale=1&foreground=%23306&background=%23fed",
@@ -257,7 +257,7 @@ class Pictures(FormatCase):
                     self.assertEqual(answer.type, "image/" + name)
                     numpy.testing.assert_array_equal(answer.picture("RGBA"), expected)
 
-    def test_drawings_of_the_plane_have_y_up(self):
+    def test_y_axis_points_up_in_drawings_of_points(self):
         body = {"sites": 300, "polygon": [[0, 0], [4, 0], [2, 4]], "format": "png"}
         dark = (post_json(self.server, "/sample", body).picture("L") < 128).sum(1)
         top, bottom = dark[:len(dark) // 2].sum(), dark[len(dark) // 2:].sum()
@@ -268,14 +268,14 @@ class Pictures(FormatCase):
         self.assertEqual(webp[12:16], b"VP8L")
         self.assertLess(len(webp), len(self.dots("?sites=5000&scale=3").body))
 
-    def test_tiff_of_black_and_white(self):
+    def test_tiff_of_black_and_white_has_one_bit_per_pixel(self):
         told, complaints = told_by_tiffinfo(self.dots("?sites=5000&scale=2&format=tiff&width_mm=65.024").body)
         self.assertEqual(complaints, "")
         for line in ("Image Width: 1024 Image Length: 1024", "Resolution: 400, 400 pixels/inch", "Bits/Sample: 1",
                      "Compression Scheme: CCITT Group 4", "Photometric Interpretation: min-is-white"):
             self.assertIn(line, told)
 
-    def test_tiff_of_greys_and_colours(self):
+    def test_tiff_of_greys_and_colours_declares_its_samples(self):
         for query, lines in (("&antialias=true", ("min-is-black", "Bits/Sample: 8")),
                              ("&foreground=%23306", ("RGB color", "Samples/Pixel: 3")),
                              ("&background=transparent", ("RGB color", "Samples/Pixel: 4", "unassoc-alpha"))):
@@ -286,7 +286,7 @@ class Pictures(FormatCase):
                     self.assertIn(line, told)
                 self.assertNotIn("pixels/inch", told)
 
-    def test_webp_holds_no_long_sides(self):
+    def test_webp_limits_sides_of_drawings(self):
         strip = file_of(flat(40, 2048, 8))
         answer = self.ask("/halftone?sites=10&scale=9&format=webp", data=strip)
         self.assert_problem(answer, 413, "16383", "scale")
@@ -303,25 +303,25 @@ class Masks(FormatCase):
         masks = {form: post_json(cls.server, "/sample", {"format": form, "domain": torus}) for form in ("mask", "mask16")}
         cls.greys = {form: numpy.array(Image.open(io.BytesIO(mask.body))).astype(int) for form, mask in masks.items()}
 
-    def test_have_all_greys_equally_often(self):
+    def test_have_a_flat_histogram(self):
         counts = numpy.bincount(self.greys["mask"].ravel(), minlength=256)
         self.assertTrue((counts == self.SIDE ** 2 // 256).all())
         self.assertEqual(len(numpy.unique(self.greys["mask16"])), self.SIDE ** 2)
         self.assertTrue((self.greys["mask16"] // 256 == self.greys["mask"]).all())
 
-    def test_have_next_to_no_low_frequencies(self):
+    def test_have_almost_no_low_frequencies(self):
         frequency = numpy.hypot(*numpy.meshgrid(*2 * [numpy.fft.fftfreq(self.SIDE)]))
         for share in (1 / 16, 1 / 4, 1 / 2, 3 / 4, 15 / 16):
             below = self.greys["mask"] < 256 * share
             power = numpy.abs(numpy.fft.fft2(below - share)) ** 2 / (self.SIDE ** 2 * share * (1 - share))
             low = (frequency > 0) & (frequency < 0.25 * min(share, 1 - share) ** 0.5)
-            self.assertLess(power[low].mean(), 0.1, share)  # chosen at random: 1
+            self.assertLess(power[low].mean(), 0.1, share)  # 1 if pixels are chosen at random
 
 
 class Accepted(FormatCase):
-    """Accept chooses where `format` does not."""
+    """The header Accept chooses the format if the option `format` is absent."""
 
-    def test_of_points(self):
+    def test_chooses_format_of_points(self):
         body = {"sites": 5, "domain": {"type": "rectangle", "width": 1, "height": 1}}
         for accept, type_ in (("text/csv", "text/csv; header=present"),
                               ("application/json;q=0.5, application/geo+json", "application/geo+json"),
@@ -333,7 +333,7 @@ class Accepted(FormatCase):
                 self.assertEqual((answer.status, answer.type), (200, type_))
                 self.assertIn("Accept", answer.headers["vary"].split(", "))
 
-    def test_of_a_halftone(self):
+    def test_chooses_format_of_halftones(self):
         for accept, type_ in (("image/*", "image/png"), ("image/webp, */*;q=0.1", "image/webp"),
                               ("image/png;q=0.5, image/tiff", "image/tiff"), ("text/csv;q=0.2, application/x-npy;q=0.3", "application/x-npy"),
                               ("*/*", "image/png")):
@@ -342,7 +342,7 @@ class Accepted(FormatCase):
                 self.assertEqual(answer.type, type_)
                 self.assertIn("Accept", answer.headers["vary"].split(", "))
 
-    def test_format_wins(self):
+    def test_option_format_takes_precedence(self):
         body = {"sites": 5, "domain": {"type": "rectangle", "width": 1, "height": 1}, "format": "csv"}
         answer = post_json(self.server, "/sample", body, "--header", "Accept: text/html")
         self.assertEqual(answer.type, "text/csv; header=present")

@@ -1,6 +1,6 @@
-"""POST /sample with coordinates=lonlat: as many points to a square kilometre everywhere, in round neighbourhoods.
+"""POST /sample with coordinates=lonlat: as many points per square kilometre everywhere, in round neighbourhoods.
 
-PROJ tells, by pyproj, what areas and distances are on the ground.
+PROJ computes areas and distances on the ground, by pyproj.
 """
 
 import math
@@ -31,14 +31,14 @@ def box(west, south, east, north):
 
 
 def height(latitude):
-    """Square metres between the equator and a latitude, over one radian of longitude."""
+    """Returns the square metres between the equator and a latitude, over one radian of longitude."""
     e = math.sqrt(GEOD.es)
     s = numpy.sin(numpy.radians(latitude))
     return GEOD.a ** 2 * (1 - e * e) / 2 * (s / (1 - (e * s) ** 2) + numpy.arctanh(e * s) / e)
 
 
 def area_south_of(shape, latitude):
-    """Square metres of a valid shape in degrees, whose edges are straight there."""
+    """Returns the square metres of a valid shape in degrees, with straight edges there, south of a latitude."""
     area = 0
     nodes, weights = legendre.leggauss(12)
     cut = shape.intersection(shapely.geometry.box(-181, -91, 181, latitude))
@@ -55,7 +55,7 @@ def area_south_of(shape, latitude):
 
 
 def edges_of_bands(shape, bands):
-    """Latitudes between bands of equal area."""
+    """Returns the latitudes between bands of equal area."""
     whole, edges = area_south_of(shape, 90), []
     for band in range(1, bands):
         low, high = shape.bounds[1], shape.bounds[3]
@@ -75,7 +75,7 @@ def in_the_plane(a, b):
 
 
 def nearest(answer, distance):
-    """The distance of each point to the nearest other one, which is one that a triangle joins it with."""
+    """Returns the distance of each point to the nearest other one, which is joined with it by a triangle."""
     points, triangles = numpy.array(answer["points"]), numpy.array(answer["triangles"])
     ends = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     a, b = ends[(ends < len(points)).all(axis=1)].T
@@ -83,17 +83,17 @@ def nearest(answer, distance):
     least = numpy.full(len(points), numpy.inf)
     numpy.minimum.at(least, a, distances)
     numpy.minimum.at(least, b, distances)
-    return least[numpy.isfinite(least)]  # one alone on its island has no other
+    return least[numpy.isfinite(least)]  # a point alone on its island has no other
 
 
 def spacing(distances, pitch):
-    """The mean and the first percentile, over the distance in a hexagonal grid."""
+    """Returns the mean and the first percentile, over the distance in a hexagonal grid."""
     over = distances / (pitch * math.sqrt(2 / math.sqrt(3)))
     return over.mean(), numpy.percentile(over, 1)
 
 
 def plane(shape):
-    """The shape in an equal-area plane, metres."""
+    """Returns the shape in an equal-area plane, in metres."""
     west, south, east, north = shape.bounds
     to_plane = pyproj.Proj(proj="laea", lat_0=(south + north) / 2, lon_0=(west + east) / 2, ellps="WGS84")
     moved = shapely.ops.transform(lambda x, y: to_plane(numpy.asarray(x), numpy.asarray(y)), shape)
@@ -129,7 +129,7 @@ class Globe(ServerCase):
                 for found, wanted in zip(self.spacing(answer), expected, strict=True):
                     self.assertAlmostEqual(found / wanted, 1, delta=0.02)
 
-    def test_what_is_cut_at_180_degrees_is_joined(self):
+    def test_parts_cut_at_the_antimeridian_are_joined(self):
         cut = {"type": "MultiPolygon", "coordinates": [box(170, -20, 180, 20)["coordinates"],
                                                        box(-180, -20, -170, 20)["coordinates"]]}
         uncut = {"type": "Polygon", "coordinates": [[[170, -20], [-170, -20], [-170, 20], [170, 20]]]}
@@ -153,10 +153,10 @@ class Globe(ServerCase):
             south, north = (corner[1] for corner in geometry["coordinates"][0][1:3])
             share = (height(points[:, 1]) - height(south)) / (height(north) - height(south))
             counts = numpy.histogram(share, 10, (0, 1))[0]
-            # Sites stand in rows along a border, and a band there holds whole ones.
+            # Sites form rows along a border, and a band there contains whole rows.
             self.assertLess(numpy.abs(counts / 400 - 1).max(), 0.07)
 
-    def test_maps_that_were_sewn_together(self):
+    def test_countries_joined_across_the_antimeridian_or_a_pole(self):
         given = {each["properties"]["name"]: each["geometry"]
                  for each in features("world-atlas/countries-50m.json", "countries")}
         # Millions of square kilometres.
@@ -166,12 +166,13 @@ class Globe(ServerCase):
             self.assertGreater(self.spacing(answer)[0], 0.87)
             if name == "Russia":
                 east = points[points[:, 0] < 0]
-                # No farther from the cape at -169.7 than sites are apart, which is 1.5 degrees there.
+                # No farther from the cape at -169.7 degrees than the distance between sites, which is 1.5 degrees
+                # there.
                 self.assertAlmostEqual(east[:, 0].max(), -169.7, delta=1.5)
                 self.assertGreater(len(east), 20)
 
     def test_neighbourhoods_are_round(self):
-        """Where degrees of longitude are a third of those of latitude, a pattern has as much power in all directions."""
+        """Where degrees of longitude are a third of those of latitude, a pattern has equal power in all directions."""
         _, points = self.ask_for(box(0, 60, 60, 80), 40_000)
         to_plane = pyproj.Proj(proj="stere", lat_0=70.5, lon_0=30, ellps="WGS84")
         side = 600_000
@@ -186,7 +187,7 @@ class Globe(ServerCase):
         east, north = power[numpy.cos(2 * angles) > 0.5].mean(), power[numpy.cos(2 * angles) < -0.5].mean()
         self.assertAlmostEqual(east / north, 1, delta=0.2)
 
-    def test_a_density_is_stretched_over_the_degrees(self):
+    def test_density_is_stretched_over_degrees(self):
         _, points = self.ask_for(box(0, 0, 40, 60), 4000, density={"width": 2, "height": 1, "values": [1, 3]})
         self.assertAlmostEqual((points[:, 0] > 20).mean(), 0.75, delta=0.01)
         share = height(points[:, 1]) / height(60)

@@ -172,7 +172,7 @@ def table():
 class Goldens(unittest.TestCase):
     maxDiff = None
 
-    def test_answers_are_those_they_were(self):
+    def test_answers_are_unchanged(self):
         known = dict(reversed(line.split(" ", 1)) for line in TABLE.read_text().splitlines())
         self.assertEqual(table(), known)
 

@@ -1,4 +1,4 @@
-"""POST /halftone: every way in, every option, and what comes out."""
+"""POST /halftone: every form of the request, every option, and the answers."""
 
 import base64
 import json
@@ -15,8 +15,8 @@ CAMERA = (PICTURES / "camera.png").read_bytes()
 CHELSEA = (PICTURES / "chelsea.png").read_bytes()
 
 
-class WaysIn(ServerCase):
-    """All ways in lead to the same bytes."""
+class RequestForms(ServerCase):
+    """All forms of a request get the same bytes."""
 
     @classmethod
     def setUpClass(cls):
@@ -68,7 +68,7 @@ class WaysIn(ServerCase):
     def test_json_with_a_data_uri(self):
         self.same(post_json(self.server, "/halftone", {"image": data_uri(CAMERA), "sites": 500, "seed": 3}))
 
-    def test_json_whose_type_says_nothing(self):
+    def test_json_without_its_content_type(self):
         body = json.dumps({"image": data_uri(CAMERA), "sites": 500, "seed": 3})
         for type_ in ("", " application/octet-stream", " application/x-www-form-urlencoded", " text/plain"):
             with self.subTest(type=type_):
@@ -91,7 +91,7 @@ class Formats(ServerCase):
                     answer = self.halftone(file_of(picture, kind), "?sites=50&scale=2")
                     self.assertEqual(answer.picture().shape, (96, 128))
 
-    def test_png_is_well_formed_with_one_bit_a_pixel(self):
+    def test_png_is_well_formed_with_one_bit_per_pixel(self):
         answer = self.halftone(CAMERA, "?sites=2000&scale=2")
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(answer.body)
@@ -114,16 +114,16 @@ class Formats(ServerCase):
                 self.assertEqual(points.shape, (700, 2))
                 self.assertTrue((points > 0).all() and (points < (451, 300)).all())
                 self.assertEqual(len(result["trace"]), result["iterations"] + 1)
-                # That of the polished points: the trace ends before.
+                # That of the polished points; the trace ends before the polish.
                 self.assertNotEqual(result["trace"][-1]["variation"], result["variation"])
                 draft = self.halftone(CHELSEA, "?sites=700&format=json&quality=draft").json()
                 self.assertEqual(draft["trace"][-1]["variation"], draft["variation"])
 
-    def test_format_wins_over_accept(self):
+    def test_format_takes_precedence_over_accept(self):
         answer = self.ask("/halftone?sites=10&format=png", "--header", "Accept: application/json", data=CAMERA)
         self.assertEqual(answer.type, "image/png")
 
-    def test_points_gather_where_the_picture_is_dark(self):
+    def test_points_are_denser_where_the_picture_is_dark(self):
         picture = flat(250, 100, 100)
         picture[:50] = 40
         points = numpy.array(self.halftone(file_of(picture), "?sites=1000&format=json").json()["points"])
@@ -190,12 +190,12 @@ class Options(ServerCase):
         self.assertEqual(result["iterations"], 0)
         self.assertEqual(len(result["trace"]), 1)
 
-    def test_number_of_sites_is_chosen_by_the_ink(self):
+    def test_number_of_sites_follows_from_the_ink(self):
         dark, light = (len(self.halftone(file_of(flat(level, 200, 200)), "?format=json").json()["points"])
                        for level in (40, 220))
         self.assertGreater(dark, light)
 
-    def test_number_of_sites_is_chosen_by_the_minority_of_both(self):
+    def test_number_of_sites_follows_from_the_minority_of_ink_and_paper(self):
         shares = {level: min(linear(level), 1 - linear(level)) * 400 * 400 for level in (40, 140, 220)}
         for level, minority in shares.items():
             dots = self.halftone(file_of(flat(level, 400, 400)), "?format=json&dots=both&quality=draft").json()

@@ -1,4 +1,5 @@
-"""Hostile and clumsy clients, each as measured against the plain library: what they get, how soon, and what they cost."""
+"""Hostile and clumsy clients, each as measured against the plain library: their answers, how soon these come, and the
+cost."""
 
 import gzip
 import json
@@ -50,7 +51,7 @@ class SlowClients(HostileCase):
         self.assert_cheap(memory)
 
     def drip(self, clients):
-        """A byte to each client in turn, with a ping in between, until all were told to stop."""
+        """Sends a byte to each client in turn, with a ping in between, until all have been refused."""
         longest = 0
         waiting = list(clients)
         while waiting:
@@ -77,7 +78,7 @@ class SlowClients(HostileCase):
         with crowd(self.server, 10, head) as clients:
             self.drip(clients)
 
-    def test_chunks_of_little_but_framing_are_refused(self):
+    def test_chunks_of_mostly_framing_are_refused(self):
         with Raw(self.server) as raw:
             raw.send(HALFTONE + b"Transfer-Encoding: chunked\r\n\r\n1;")
             while not raw.has_news() and raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"):
@@ -88,11 +89,11 @@ class SlowClients(HostileCase):
 class Bodies(HostileCase):
     flags = ("--max-body=1MiB",)
 
-    def test_a_body_over_the_limit_is_refused_before_it_comes(self):
+    def test_a_body_over_the_limit_is_refused_before_it_arrives(self):
         for length in (3 << 20, 100 << 30, (1 << 64) - 1):
             self.assert_refused_at_once(HALFTONE + b"Content-Length: %d\r\n\r\n" % length, 413)
 
-    def test_chunks_are_counted(self):
+    def test_chunks_count_against_the_limit(self):
         with Memory(self.server) as memory, Raw(self.server) as raw:
             raw.send(HALFTONE + b"Transfer-Encoding: chunked\r\n\r\n")
             sent = 0
@@ -116,7 +117,7 @@ class Bodies(HostileCase):
                         b"Content-Length: 3\r\nTransfer-Encoding: chunked"):
             self.assert_refused_at_once(HALFTONE + headers + b"\r\n\r\n", 400)
 
-    def test_a_missing_length_is_asked_for(self):
+    def test_a_missing_length_is_refused(self):
         self.assert_refused_at_once(HALFTONE + b"\r\n", 411)
 
     def test_a_large_body_without_a_type_is_read(self):
@@ -140,7 +141,7 @@ class Heads(HostileCase):
     def test_headers_without_end_are_refused(self):
         self.send_until_refused(b"GET /health HTTP/1.1\r\nHost: localhost\r\n", b"X: y\r\n" * 10_000)
 
-    def test_large_heads_from_everywhere_are_cheap(self):
+    def test_large_heads_of_many_clients_are_cheap(self):
         head = b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 32_000
         with Memory(self.server) as memory, crowd(self.server, 200, head) as clients:
             self.assertLess(ping(self.server), AT_ONCE)
@@ -159,7 +160,7 @@ class Heads(HostileCase):
         self.assertEqual(answer.json()["points"], whole.json()["points"])
         self.assert_cheap(memory)
 
-    def test_long_paths_and_parameters_need_no_stack(self):
+    def test_long_paths_and_parameters_do_not_overflow_the_stack(self):
         self.assert_problem(self.ask("/" + "a/" * 4000), 404)
         self.assert_problem(self.ask("/" + "a" * 9000), 414)
         kind = "Content-Type: multipart/form-data; boundary=" + "b" * 20_000
@@ -167,14 +168,14 @@ class Heads(HostileCase):
         answer = self.ask("/health", "--header", "Range: bytes=" + "0-1," * 5000)
         self.assertEqual(answer.status, 200)
 
-    def test_line_ends_in_values_stay_escaped(self):
+    def test_request_ids_with_line_ends_are_replaced(self):
         answer = self.ask("/health", "--header", "X-Request-ID: a%0d%0aEvil: 1")
         self.assertRegex(answer.headers["x-request-id"], r"^[0-9a-f]+-[0-9a-f]+$")
         self.assertNotIn("evil", answer.headers)
 
 
 class Connections(HostileCase):
-    def test_an_unread_body_is_no_request(self):
+    def test_an_unread_body_is_not_parsed_as_a_request(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             busy = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
             while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
@@ -191,7 +192,7 @@ class Connections(HostileCase):
             raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n" * 30 + b"GET /no HTTP/1.0\r\n\r\n")
             self.assertEqual(statuses(raw.rest()), [200] * 30 + [404])
 
-    def test_small_answers_come_at_once(self):
+    def test_small_answers_are_not_delayed(self):
         with Raw(self.server) as raw:
             durations = []
             for _ in range(101):
@@ -201,13 +202,13 @@ class Connections(HostileCase):
                 durations.append(time.monotonic() - start)
         self.assertLess(sorted(durations)[50], 0.02)
 
-    def test_a_connection_is_kept_for_more_than_a_few_requests(self):
+    def test_a_connection_serves_a_hundred_requests(self):
         with Raw(self.server) as raw:
             for _ in range(100):
                 raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n")
                 self.assertEqual(raw.answer()[0], 200)
 
-    def test_connections_wait_while_the_server_is_busy(self):
+    def test_connections_queue_while_the_server_is_busy(self):
         self.server.signal(signal.SIGSTOP)
         start = time.monotonic()
         with crowd(self.server, 300, b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n") as clients:
@@ -222,13 +223,13 @@ class Connections(HostileCase):
         self.assertEqual(second.returncode, 1)
         self.assertIn(b"in use", second.stderr)
 
-    def test_wrong_methods_are_told_the_right_ones(self):
+    def test_wrong_methods_get_the_allowed_ones(self):
         answer = self.ask("/halftone", "--request", "PUT", data=GREY)
         self.assert_problem(answer, 405)
         self.assertEqual(answer.headers["allow"], "POST, OPTIONS")
         self.assertEqual(self.ask("/halftone", "--request", "OPTIONS").status, 204)
 
-    def test_a_client_that_leaves_is_noticed(self):
+    def test_a_leaving_client_frees_its_worker(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             call = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
             while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
@@ -238,7 +239,7 @@ class Connections(HostileCase):
             while ask(server, "/halftone?nonsense=1", data=LONG).status == 429:
                 pass
 
-    def test_a_client_that_leaves_while_its_body_is_read_takes_nothing_along(self):
+    def test_a_client_that_leaves_during_its_body_affects_no_other(self):
         body = b'{"sites":10,"polygon":[' + b"[0,0]," * 1_000_000 + b"0]}"
         head = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nAccept: application/json;q=0.9, text/plain;q=0.5\r\n"
         with Server("--workers=2", "--timeout=300") as server:
@@ -248,11 +249,11 @@ class Connections(HostileCase):
             while server.process.poll() is None and len(re.findall(" (?:499|400) ", server.log())) < 5:
                 pass
             self.assertIn(" 499 ", server.log(), "nobody left while a worker was reading")
-            # Behind the bodies that are still being read.
+            # Queued behind the bodies that are still being read.
             self.assertEqual(post_json(server, "/sample", {"sites": 10, "domain": RECTANGLE}).status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_stopping_waits_for_no_idle_connection(self):
+    def test_stopping_does_not_wait_for_idle_connections(self):
         with Server() as server, crowd(server, 20), Raw(server) as kept:
             kept.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n")
             self.assertEqual(kept.answer()[0], 200)
@@ -263,7 +264,7 @@ class Connections(HostileCase):
 
 class Failures(HostileCase):
     @unittest.skipIf(SANITIZED, "sanitizers end the program when memory is short")
-    def test_what_is_thrown_is_not_told_and_ends_nothing(self):
+    def test_exceptions_are_neither_shown_nor_fatal(self):
         with Server("--workers=1") as server:
             pid = server.process.pid
             ask(server, "/halftone?sites=10&scale=1", data=GREY)
@@ -271,7 +272,7 @@ class Failures(HostileCase):
             size = int(pages) * resource.getpagesize()
             limit = resource.prlimit(pid, resource.RLIMIT_AS)
             resource.prlimit(pid, resource.RLIMIT_AS, (size + (16 << 20), limit[1]))
-            # An answer of any size goes to the client in pieces; a question has to be understood as a whole.
+            # Answers of any size are streamed, but a request must be parsed as a whole.
             values = {"width": 2000, "height": 2000, "values": [1] * 4_000_000}
             answer = post_json(server, "/sample", {"sites": 10, "domain": RECTANGLE, "density": values})
             resource.prlimit(pid, resource.RLIMIT_AS, limit)

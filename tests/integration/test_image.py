@@ -1,4 +1,5 @@
-"""The image: what is in it, and that it serves with as few rights as told. Skipped where no container can be run."""
+"""The container image: its contents, and that it serves with the few rights that are documented. Skipped if no
+container can be run."""
 
 import io
 import json
@@ -25,7 +26,7 @@ IMAGE = "ccdt-server:test"
 LARGEST = 400_000_000
 EPOCH = "1767225600"
 
-# With the network of the machine, as what else podman needs for one of its own may be missing.
+# Uses the network of the machine, since podman may lack what it needs for a network of its own.
 RUN = ("--rm", "--network=host", "--no-healthcheck", "--ulimit=nofile=4096:4096", "--ulimit=nproc=4096:4096",
        "--read-only", "--cap-drop=ALL", "--security-opt=no-new-privileges")
 
@@ -39,7 +40,7 @@ def podman(*arguments, check=True):
 
 
 def why_not():
-    """Why there is no image to test; empty: there can be one."""
+    """Returns the reason why no image can be tested; empty if one can be."""
     if shutil.which("podman") is None:
         return "podman is missing"
     if SANITIZED:
@@ -52,7 +53,7 @@ def why_not():
 
 
 def build():
-    """The image, of the programs under test: the stage that compiles is replaced by a folder that has them."""
+    """Builds the image from the programs under test: a folder that has them replaces the stage that compiles."""
     with tempfile.TemporaryDirectory() as folder:
         programs = pathlib.Path(folder) / "programs"
         programs.mkdir()
@@ -87,7 +88,7 @@ class Image(unittest.TestCase):
     def read(self, path):
         return self.files.extractfile(path).read()
 
-    def test_is_no_larger_than_told(self):
+    def test_is_no_larger_than_documented(self):
         self.assertLess(self.settings["Size"], LARGEST)
 
     def test_has_its_settings(self):
@@ -107,12 +108,12 @@ class Image(unittest.TestCase):
         self.assertTrue(all(re.search(r"\.so(\.|$)", name) for name in executable if "/lib" in name))
         self.assertFalse([entry.name for entry in self.files if entry.mode & 0o6000], "set-user-id")
 
-    def test_has_nothing_of_now_in_it(self):
+    def test_contains_no_build_time(self):
         made_by_podman = ("etc/hosts", "etc/hostname", "etc/resolv.conf", "dev", "proc", "sys", "run", "etc")
         times = {entry.mtime for entry in self.files if not entry.name.startswith(made_by_podman) and entry.name}
         self.assertEqual(times, {int(EPOCH)})
 
-    def test_accounts_for_its_packages(self):
+    def test_lists_its_packages(self):
         bill = json.loads(self.read("usr/share/ccdt/sbom.cdx.json"))
         self.assertEqual((bill["bomFormat"], bill["specVersion"]), ("CycloneDX", "1.5"))
         listed = {component["name"]: component["version"] for component in bill["components"]}
@@ -130,10 +131,10 @@ class Image(unittest.TestCase):
         for tool in ("bash", "dash", "curl", "apt", "coreutils"):
             self.assertNotIn(tool, listed)
 
-    def test_knows_whom_to_trust(self):
+    def test_has_ca_certificates(self):
         self.assertIn(b"BEGIN CERTIFICATE", self.read("usr/lib/ssl/cert.pem"))
 
-    def test_answers_as_the_programs_do(self):
+    def test_answers_like_the_programs_outside(self):
         picture = (PICTURES / "camera.png").read_bytes()
         with Server() as outside, Server(program=self.program) as inside:
             def answers(server):
@@ -152,18 +153,18 @@ class Image(unittest.TestCase):
             self.assertIn("system call filter", inside.log())
             self.assertEqual(inside.stop(), 0)
 
-    def test_finds_all_that_it_needs(self):
+    def test_passes_its_own_check(self):
         checked = podman("run", *RUN, IMAGE, "--check")
         self.assertNotIn(b"WRONG", checked.stdout)
         self.assertIn(b"BIND", checked.stdout)
 
-    def test_keeps_jobs_in_a_volume(self):
+    def test_stores_jobs_in_a_volume(self):
         checked = podman("run", *RUN, "--volume=/data", IMAGE, "--check", "--data-dir=/data").stdout.decode()
         self.assertRegex(checked, r"jobs +good +stored in /data")
 
 
 class Collected(unittest.TestCase):
-    """What docker/collect makes of a machine."""
+    """The result of docker/collect."""
 
     def setUp(self):
         if os.geteuid() != 0:
@@ -178,7 +179,7 @@ class Collected(unittest.TestCase):
         return root, subprocess.run([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
                                     check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
 
-    def test_is_the_same_again(self):
+    def test_is_reproducible(self):
         archives = []
         for name in ("once", "again"):
             root, done = self.collect(name, FOLDER / "ccdt-decoder")
@@ -188,7 +189,7 @@ class Collected(unittest.TestCase):
         self.assertEqual(archives[0], archives[1])
         self.assertGreater(len(archives[0]), 1_000_000)
 
-    def test_lacks_no_library(self):
+    def test_fails_if_a_library_is_missing(self):
         program = self.folder / "program"
         library = self.folder / "libnowhere.so"
         compiler = ["cc", "-shared", "-x", "c", "/dev/null", "-o", library]

@@ -1,4 +1,4 @@
-"""Jobs: requests whose clients do not wait."""
+"""Jobs: requests that run while their clients do not wait."""
 
 import json
 import os
@@ -17,14 +17,14 @@ TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 LATER = ("--header", "Prefer: respond-async")
 SMALL = {"sites": 200, "domain": TORUS}
-# Some seconds; longer than it takes to ask the server something.
+# Takes some seconds, longer than a request to the server.
 LONG = {"sites": 20_000, "iterations": 50, "domain": TORUS}
-# Longer than any test; ended by cancelling it.
+# Takes longer than any test; ends when it is cancelled.
 ENDLESS = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}
 
 
 def submit(server, body, *arguments, path="/sample"):
-    """The job's path."""
+    """Returns the path of the submitted job."""
     data = body if isinstance(body, bytes) else json.dumps(body)
     answer = ask(server, path, *LATER, *arguments, data=data)
     assert answer.status == 202, answer
@@ -50,7 +50,7 @@ def wait_for_end(server, job):
 
 
 def events(body):
-    """Names and documents of a stream's events; other lines are comments."""
+    """Returns names and documents of the events in a stream; other lines are comments."""
     found = []
     for block in body.decode().split("\n\n"):
         lines = dict(line.split(": ", 1) for line in block.splitlines() if not line.startswith(":"))
@@ -60,7 +60,7 @@ def events(body):
 
 
 def wait_for_event(stream):
-    """Until a curl that follows a job was told something."""
+    """Waits until a curl that follows a job has received an event."""
     end = time.monotonic() + PATIENCE
     while not stream.body.is_file() or b"event: " not in stream.body.read_bytes():
         if time.monotonic() > end:
@@ -68,7 +68,7 @@ def wait_for_event(stream):
 
 
 def begin_stream(server, job):
-    """A connection over which a first event has come, and what has."""
+    """Returns a connection on which a first event has arrived, and the received data."""
     client = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
     client.sendall(f"GET {job}/events HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
     received = b""
@@ -92,12 +92,12 @@ class Jobs(ServerCase):
     flags = ("--workers=2",)
 
     def submit_endless(self):
-        """A job that does not outlive its test: others would wait behind it."""
+        """Submits a job that is cancelled after its test, since others would wait behind it."""
         job = submit(self.server, ENDLESS)
         self.addCleanup(ask, self.server, job, "--request", "DELETE")
         return job
 
-    def test_are_accepted_and_tell_where_they_stand(self):
+    def test_are_accepted_and_report_their_state(self):
         answer = ask(self.server, "/sample", *LATER, data=json.dumps(SMALL))
         self.assertEqual((answer.status, answer.type), (202, "application/json"))
         self.assertEqual(answer.headers["preference-applied"], "respond-async")
@@ -114,7 +114,7 @@ class Jobs(ServerCase):
         self.assertLessEqual(found["started"], found["finished"])
         self.assertGreater(found["variation"], 0)
 
-    def test_answer_what_would_have_been_answered_at_once(self):
+    def test_return_the_synchronous_answer(self):
         picture = (PICTURES / "chelsea.png").read_bytes()
         points = json.dumps({"points": [[0, 0], [0.5, 0.5], [0.2, 0.7]]})
         for path, data, arguments in (
@@ -128,7 +128,7 @@ class Jobs(ServerCase):
                 ("/analyze", points, ("--header", "Accept: image/svg+xml"))):
             with self.subTest(path=path, arguments=arguments):
                 now = ask(self.server, path, *arguments, data=data)
-                if now.status == 400:  # refused at once, as a job as well
+                if now.status == 400:  # refused at once, also as a job
                     later = ask(self.server, path, *LATER, *arguments, data=data)
                     self.assertEqual((later.status, later.json()["detail"]), (400, now.json()["detail"]))
                     continue
@@ -142,7 +142,7 @@ class Jobs(ServerCase):
                 else:
                     self.assertEqual(later.body, now.body)
 
-    def test_take_forms(self):
+    def test_accept_forms(self):
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(file_of(flat(100)))
             file.flush()
@@ -153,12 +153,12 @@ class Jobs(ServerCase):
         wait_for_end(self.server, accepted.headers["location"])
         self.assertEqual(ask(self.server, accepted.headers["location"] + "/result").body, now.body)
 
-    def test_a_request_that_is_wrong_is_refused_at_once(self):
+    def test_invalid_requests_are_refused_at_once(self):
         for path, data, code in (("/sample", '{"sites":0}', 400), ("/sample", "nonsense", 400),
                                  ("/halftone", b"nonsense", 415), ("/sample", '{"sites":99999999}', 413)):
             self.assert_problem(ask(self.server, path, *LATER, data=data), code)
 
-    def test_a_failure_is_told_as_it_would_have_been(self):
+    def test_failures_equal_the_synchronous_errors(self):
         crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "invalid": "reject"})
         now = self.assert_problem(ask(self.server, "/sample", data=crossing), 422)
         job = submit(self.server, crossing.encode())
@@ -169,14 +169,14 @@ class Jobs(ServerCase):
             self.assertEqual((problem["status"], problem["detail"], problem["errors"]),
                              (422, now["detail"], now["errors"]))
 
-    def test_a_result_tells_what_was_repaired(self):
+    def test_results_report_repairs(self):
         crossing = json.dumps({"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "format": "csv"}).encode()
         job = submit(self.server, crossing)
         self.assertEqual(wait_for_end(self.server, job)["status"], "succeeded")
         now, later = ask(self.server, "/sample", data=crossing), ask(self.server, job + "/result")
         self.assertEqual((now.body, now.headers["x-repaired"]), (later.body, later.headers["x-repaired"]))
 
-    def test_a_result_tells_the_size_of_its_dots(self):
+    def test_results_report_the_size_of_dots(self):
         picture = (PICTURES / "camera.png").read_bytes()
         for query in ("sites=900", "sites=900&dot=2", "sites=900&tone=density"):
             path = "/halftone?" + query
@@ -188,7 +188,7 @@ class Jobs(ServerCase):
             for header in ("x-radius", "x-tone"):
                 self.assertEqual(later.headers.get(header), now.headers.get(header), query)
             self.assertEqual("x-radius" in later.headers, "density" not in query)
-    def test_a_document_is_a_job_with_its_options_and_warnings(self):
+    def test_documents_keep_their_options_and_warnings(self):
         document = {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 60], [0, 60]]]}
         path, body = "/sample?sites=9&format=csv", json.dumps(document).encode()
         job = submit(self.server, body, path=path)
@@ -196,7 +196,7 @@ class Jobs(ServerCase):
         now, later = ask(self.server, path, data=body), ask(self.server, job + "/result")
         self.assertEqual((now.body, now.headers["x-warnings"]), (later.body, later.headers["x-warnings"]))
 
-    def test_events_tell_each_step_and_the_end(self):
+    def test_events_report_each_step_and_the_end(self):
         before = [self.submit_endless(), self.submit_endless()]
         job = submit(self.server, {**SMALL, "iterations": 9})
         stream = Call(self.server.url(job + "/events"), "--no-buffer")
@@ -227,7 +227,7 @@ class Jobs(ServerCase):
         head = ask(self.server, job + "/events", "--head")
         self.assertEqual((head.status, head.type), (200, "text/event-stream"))
 
-    def test_a_stream_whose_client_leaves_is_let_go(self):
+    def test_streams_end_when_their_client_leaves(self):
         job = self.submit_endless()
         client, _ = begin_stream(self.server, job)
         client.close()
@@ -251,7 +251,7 @@ class Jobs(ServerCase):
         self.assertEqual(events(stream.answer().body)[-1][0], "cancelled")
         self.assertEqual(wait_for_end(self.server, submit(self.server, SMALL))["status"], "succeeded")
 
-    def test_are_forgotten_if_asked(self):
+    def test_are_deleted_on_request(self):
         job = submit(self.server, SMALL)
         wait_for_end(self.server, job)
         self.assertEqual(ask(self.server, job, "--request", "DELETE").status, 204)
@@ -277,7 +277,7 @@ class Jobs(ServerCase):
                      "/jobs/" + "x" * 5000):
             self.assertEqual(ask(self.server, path).status, 404, path)
 
-    def test_results_are_compressed_if_asked(self):
+    def test_results_are_compressed_on_request(self):
         job = submit(self.server, SMALL)
         wait_for_end(self.server, job)
         plain = ask(self.server, job + "/result")
@@ -285,7 +285,7 @@ class Jobs(ServerCase):
         self.assertEqual(squeezed.headers["content-encoding"], "gzip")
         self.assertEqual(squeezed.body, plain.body)
 
-    def test_results_are_sent_once(self):
+    def test_results_have_entity_tags(self):
         jobs = [submit(self.server, SMALL) for _ in range(2)]
         for job in jobs:
             wait_for_end(self.server, job)
@@ -300,7 +300,7 @@ class Jobs(ServerCase):
 
 
 class Limits(unittest.TestCase):
-    def test_too_many_that_wait_are_refused(self):
+    def test_too_many_waiting_jobs_are_refused(self):
         with Server("--workers=1", "--job-queue=1") as server:
             running = submit(server, ENDLESS)
             wait_for(server, running, "running")
@@ -310,13 +310,13 @@ class Limits(unittest.TestCase):
             self.assertIn("job-queue", refused.json()["detail"])
             self.assertGreaterEqual(int(refused.headers["retry-after"]), 1)
 
-    def test_those_who_wait_have_a_worker_left(self):
+    def test_one_worker_is_left_for_waiting_clients(self):
         with Server("--workers=2") as server:
             for _ in range(3):
                 submit(server, ENDLESS)
             self.assertEqual(ask(server, "/sample", data=json.dumps({**LONG, "iterations": 1})).status, 200)
 
-    def test_the_time_of_a_job_is_its_own(self):
+    def test_jobs_have_their_own_timeout(self):
         with Server("--timeout=0.001", "--job-timeout=1") as server:
             self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
             late = submit(server, ENDLESS)
@@ -337,11 +337,11 @@ class Limits(unittest.TestCase):
             self.assertEqual(answer.status, 404)
             self.assertIn("expired", answer.json()["detail"])
 
-    def test_the_oldest_results_make_room(self):
+    def test_the_oldest_results_are_dropped(self):
         with Server("--job-bytes=300KiB") as server:
             jobs = []
             for _ in range(4):
-                jobs.append(submit(server, {**SMALL, "sites": 2000}))  # some 80 kB
+                jobs.append(submit(server, {**SMALL, "sites": 2000}))  # about 80 kB
                 wait_for_end(server, jobs[-1])
             first = ask(server, jobs[0] + "/result")
             self.assertEqual(first.status, 410)
@@ -378,7 +378,7 @@ class Lasting(unittest.TestCase):
         self.folder = pathlib.Path(folder.name) / "jobs"
         self.flags = ("--workers=2", f"--data-dir={self.folder}")
 
-    def test_what_a_killed_server_had_accepted_is_done_by_the_next(self):
+    def test_jobs_of_a_killed_server_continue_on_the_next(self):
         with Server(*self.flags) as server:
             done = submit(server, SMALL)
             wait_for_end(server, done)
@@ -397,7 +397,7 @@ class Lasting(unittest.TestCase):
             again = ask(server, waiting + "/result").json()
             self.assertEqual(again["points"], json.loads(result)["points"], "same question, same points")
 
-    def test_a_server_that_shuts_down_leaves_the_rest_to_the_next(self):
+    def test_jobs_of_a_stopped_server_continue_on_the_next(self):
         with Server(*self.flags) as server:
             job = submit(server, {**LONG, "iterations": 100})
             wait_for(server, job, "running")
@@ -410,7 +410,7 @@ class Lasting(unittest.TestCase):
         with Server(*self.flags) as server:
             self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
-    def test_the_files_are_nobody_else_s(self):
+    def test_files_are_private_and_exclusive(self):
         with Server(*self.flags) as server:
             submit(server, SMALL)
             self.assertEqual(self.folder.stat().st_mode & 0o777, 0o700)
@@ -421,7 +421,7 @@ class Lasting(unittest.TestCase):
             self.assertEqual(second.returncode, 1)
             self.assertIn("another server uses it", second.stderr)
 
-    def test_a_file_that_is_none_of_ours_is_refused(self):
+    def test_foreign_files_are_refused(self):
         self.folder.mkdir()
         (self.folder / "jobs.sqlite").write_bytes(b"x" * 5000)
         told = self.run_program()
@@ -435,9 +435,9 @@ class Lasting(unittest.TestCase):
 
 
 class Passing(unittest.TestCase):
-    """Without a folder."""
+    """Jobs without a folder."""
 
-    def test_a_server_that_shuts_down_tells_those_who_follow(self):
+    def test_event_streams_of_a_stopped_server_end_with_failure(self):
         with Server("--workers=1") as server:
             job = submit(server, ENDLESS)
             stream = begin_stream(server, job)

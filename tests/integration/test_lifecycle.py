@@ -1,4 +1,4 @@
-"""Load, deadlines, clients that leave, starting and stopping."""
+"""Load, deadlines, clients that leave, start and shutdown."""
 
 import contextlib
 import http.client
@@ -18,12 +18,12 @@ from raw import SANITIZED, Raw
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 
-# Seconds from the last answer that was taken to the end.
+# Seconds from the last answer that was received to the end of the process.
 SOON = 5
 
-# Longer than any test; ended by cancelling it.
+# Takes longer than any test, and is ended by cancelling it.
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
-# Some seconds at most: longer than it takes to ask the server something, shorter than its timeout.
+# Takes some seconds at most: longer than a question to the server, shorter than its timeout.
 SHORT = json.dumps({"sites": 20_000, "iterations": 50, "domain": RECTANGLE})
 
 
@@ -32,7 +32,7 @@ def start(server, body, count):
 
 
 def probe(server):
-    """Asks for something that is refused before it reaches a worker: 429 if the queue is full, else 400.
+    """Sends a request that is refused before it reaches a worker: 429 if the queue is full, else 400.
 
     Its body is too long for the queue of short requests.
     """
@@ -40,7 +40,7 @@ def probe(server):
 
 
 def descendants(process):
-    """Ids of a process' children, of their children, and so on."""
+    """Returns the ids of all descendants of a process."""
     found = []
     for task in pathlib.Path(f"/proc/{process}/task").iterdir():
         for child in (task / "children").read_text().split():
@@ -56,7 +56,7 @@ def wait_until(server, status):
 
 
 def wait_until_accepted(server, count):
-    """So many requests compute or wait to."""
+    """Waits until that many requests compute or are queued."""
     def accepted():
         told = ask(server, "/metrics").body.decode()
         return sum(map(float, re.findall(r"^ccdt_(?:workers_busy|queue_requests) (\S+)$", told, re.MULTILINE)))
@@ -66,7 +66,7 @@ def wait_until_accepted(server, count):
 
 
 class Load(unittest.TestCase):
-    def test_a_full_queue_refuses_and_health_answers_meanwhile(self):
+    def test_full_queue_rejects_requests_while_health_answers(self):
         with Server("--workers=2", "--queue=1", "--timeout=300") as server:
             calls = start(server, ENDLESS, 3)
             answer = wait_until(server, 429)
@@ -80,7 +80,7 @@ class Load(unittest.TestCase):
             for call in calls:
                 call.abandon()
 
-    def test_many_at_once_are_answered_or_refused(self):
+    def test_simultaneous_requests_are_answered_or_rejected(self):
         with Server("--workers=2", "--queue=4") as server:
             picture = file_of(flat(100))
             calls = [Call(server.url("/halftone?sites=5000"), data=picture) for _ in range(40)]
@@ -90,7 +90,7 @@ class Load(unittest.TestCase):
             self.assertGreaterEqual(len(good), 6)
             self.assertEqual(len(set(good)), 1)
 
-    def test_a_client_that_leaves_frees_its_worker(self):
+    def test_disconnecting_client_frees_its_worker(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             (call,) = start(server, ENDLESS, 1)
             wait_until(server, 429)
@@ -98,7 +98,7 @@ class Load(unittest.TestCase):
             wait_until(server, 400)
             server.wait_for_log(" 499 ")
 
-    def test_a_client_that_leaves_the_queue_makes_room(self):
+    def test_disconnecting_client_frees_its_place_in_the_queue(self):
         with Server("--workers=1", "--queue=1", "--timeout=300") as server:
             calls = start(server, ENDLESS, 2)
             wait_until(server, 429)
@@ -108,10 +108,11 @@ class Load(unittest.TestCase):
 
 
 class Deadline(unittest.TestCase):
-    def test_504_if_it_passes_during_the_work_and_503_before(self):
+    def test_status_is_504_if_it_expires_during_the_work_and_503_before(self):
         with Server("--workers=1", "--queue=1", "--timeout=0.1") as server:
             during = post_json(server, "/sample", json.loads(ENDLESS))
-            # A job has time of its own: one that holds the worker keeps a request waiting until its time is over.
+            # A job has a time limit of its own: one that occupies the worker keeps a request waiting until its
+            # deadline.
             job = ask(server, "/sample", *JSON, "--header", "Prefer: respond-async", data=ENDLESS).headers["location"]
             while ask(server, job).json()["status"] != "running":
                 pass
@@ -126,8 +127,8 @@ class Deadline(unittest.TestCase):
                 answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
             self.assertEqual(answer.status, 200)
 
-    def test_what_there_is_by_then_is_sent_if_asked_for(self):
-        # Quickly begun, and longer than any test.
+    def test_partial_result_is_sent_on_request(self):
+        # Starts quickly, and takes longer than any test.
         endless = {"sites": 5000, "iterations": 1000, "passes": 100, "domain": RECTANGLE}
         with Server("--workers=1", "--timeout=2") as server:
             partial = post_json(server, "/sample", {**endless, "on_deadline": "partial"})
@@ -150,7 +151,7 @@ class Deadline(unittest.TestCase):
 
 
 class Fairness(unittest.TestCase):
-    def test_one_client_s_requests_do_not_hold_up_another_s(self):
+    def test_one_client_does_not_block_another(self):
         with Server("--workers=1", "--queue=6", "--timeout=300") as server:
             calls = start(server, SHORT, 7)
             wait_until(server, 429)
@@ -163,7 +164,7 @@ class Fairness(unittest.TestCase):
 
 
 class Stopping(unittest.TestCase):
-    def test_everything_accepted_is_answered(self):
+    def test_accepted_requests_are_answered(self):
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=2", "--queue=2", "--timeout=300") as server:
                 calls = start(server, SHORT, 4)
@@ -175,7 +176,7 @@ class Stopping(unittest.TestCase):
                     self.assertEqual(len(answer.json()["points"]), 20_000)
                 self.assertEqual(server.wait(), 0)
 
-    def test_whoever_had_connected_is_served(self):
+    def test_pending_connections_are_served(self):
         with Server("--max-connections-per-address=0") as server, contextlib.ExitStack() as stack:
             server.wait_for_log("pictures are decoded")
             server.signal(signal.SIGSTOP)
@@ -187,7 +188,7 @@ class Stopping(unittest.TestCase):
             self.assertEqual([client.socket.recv(12) for client in clients], [b"HTTP/1.1 200"] * len(clients))
             self.assertEqual(server.wait(), 0)
 
-    def test_nothing_new_is_accepted_meanwhile(self):
+    def test_new_requests_are_rejected(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             open_connections = [http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
                                 for _ in range(3)]
@@ -221,7 +222,7 @@ class Stopping(unittest.TestCase):
             call.abandon()
             self.assertEqual(server.wait(), 0)
 
-    def test_idle_connections_do_not_hold_it_up(self):
+    def test_idle_connections_do_not_delay_it(self):
         with Server() as server:
             connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
             connection.request("GET", "/health")
@@ -232,7 +233,7 @@ class Stopping(unittest.TestCase):
             connection.close()
             silent.close()
 
-    def test_a_second_signal_ends_it_at_once(self):
+    def test_second_signal_ends_it_at_once(self):
         for number in (signal.SIGTERM, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=1", "--queue=0", "--timeout=300") as server:
                 calls = start(server, ENDLESS, 1)
@@ -243,7 +244,7 @@ class Stopping(unittest.TestCase):
                 self.assertEqual(server.wait(), 128 + number)
                 calls[0].abandon()
 
-    def test_it_ends_in_time_whatever_is_not_done(self):
+    def test_drain_timeout_ends_unfinished_requests(self):
         with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:
             calls = start(server, ENDLESS, 2)
             wait_until(server, 429)
@@ -253,7 +254,7 @@ class Stopping(unittest.TestCase):
                 self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
             self.assertEqual(server.wait(), 0)
 
-    def test_it_ends_soon_after_the_last_answer_whatever_slow_clients_do(self):
+    def test_slow_clients_do_not_delay_it(self):
         large = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
         post = b"POST /sample HTTP/1.1\r\nHost: localhost\r\n"
         asked = post + b"Content-Length: %d\r\n\r\n" % len(large)
@@ -263,7 +264,7 @@ class Stopping(unittest.TestCase):
             slow = [stack.enter_context(Raw(server)) for _ in range(4 * len(beginnings))]
             for i, client in enumerate(slow):
                 client.send(beginnings[i % len(beginnings)])
-            for _ in range(2):  # who take no more than the beginning of their answers
+            for _ in range(2):  # clients that read no more than the beginning of their answers
                 client = stack.enter_context(Raw(server))
                 client.send(asked + large)
                 self.assertEqual(client.socket.recv(12), b"HTTP/1.1 200")
@@ -276,7 +277,7 @@ class Stopping(unittest.TestCase):
             self.assertEqual(server.wait(), 0)
             self.assertLess(time.monotonic() - answered, SOON)
 
-    def test_it_ends_in_time_though_an_answer_is_not_taken(self):
+    def test_drain_timeout_ends_unread_answers(self):
         body = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
         with Server("--drain-timeout=3") as server, socket.create_connection(("127.0.0.1", server.port)) as client:
             client.sendall(b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: %d\r\n\r\n%s" % (len(body), body))
@@ -288,7 +289,7 @@ class Stopping(unittest.TestCase):
 class Signals(unittest.TestCase):
     """Signals that do not ask the server to end."""
 
-    # SIGHUP is not among them: the fork server and the decoder ignore it, the server reports it.
+    # SIGHUP is not among them: the fork server and the decoder ignore it, the server logs it.
     meaningless = (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO,
                    signal.SIGPIPE)
 
@@ -301,7 +302,7 @@ class Signals(unittest.TestCase):
             self.assertEqual(call.answer().status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_meaningless_ones_end_no_process(self):
+    def test_unused_signals_end_no_process(self):
         with Server() as server:
             server.wait_for_log("pictures are decoded")
             family = [server.process.pid, *descendants(server.process.pid)]
@@ -322,7 +323,7 @@ class Starting(unittest.TestCase):
         return subprocess.run([os.environ["CCDT_SERVER"], *flags], capture_output=True, text=True, timeout=PATIENCE,
                               env={**os.environ, **(environment or {})}, check=False)
 
-    def test_a_taken_port_is_told(self):
+    def test_port_in_use_is_reported(self):
         with Server() as server:
             second = self.run_program(f"--port={server.port}")
             self.assertEqual(second.returncode, 1)
@@ -330,7 +331,7 @@ class Starting(unittest.TestCase):
             self.assertIn("in use", second.stderr)
             self.assertEqual(ask(server, "/health").status, 200)
 
-    def test_its_port_is_free_again_at_once(self):
+    def test_port_can_be_reused_at_once(self):
         with Server() as server:
             port = server.port
             ask(server, "/health")
@@ -339,31 +340,31 @@ class Starting(unittest.TestCase):
             self.assertEqual(server.port, port)
             self.assertEqual(ask(server, "/health").status, 200)
 
-    def test_an_unknown_address_is_told(self):
+    def test_unknown_address_is_reported(self):
         second = self.run_program("--bind=192.0.2.1", "--port=0")
         self.assertEqual(second.returncode, 1)
         self.assertIn("cannot listen on 192.0.2.1", second.stderr)
 
-    def test_wrong_usage_is_told(self):
+    def test_wrong_usage_is_reported(self):
         for flags, word in ((("--nonsense",), "--nonsense"), (("--workers=0",), "--workers"), (("--port",), "--port")):
             result = self.run_program(*flags)
             self.assertEqual((result.returncode, result.stdout), (2, ""))
             self.assertIn(word, result.stderr)
         self.assertEqual(self.run_program(environment={"PORT": "x"}).returncode, 2)
 
-    def test_help_and_version(self):
+    def test_help_and_version_are_printed(self):
         told = self.run_program("--help")
         self.assertEqual((told.returncode, told.stderr), (0, ""))
         self.assertIn("--max-body", told.stdout)
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
 
-    def test_few_open_files_are_told(self):
+    def test_limit_of_open_files_is_reported_if_too_low(self):
         result = subprocess.run(["prlimit", "--nofile=64", os.environ["CCDT_SERVER"], "--port=0", "--workers=2"],
                                 capture_output=True, text=True, timeout=PATIENCE, check=False)
         self.assertEqual(result.returncode, 1)
         self.assertRegex(result.stderr, r"open files \(ulimit -n\) is 64: at least \d+ are needed")
 
-    def test_environment_counts(self):
+    def test_environment_sets_options(self):
         with Server(environment={"CCDT_MAX_SITES": "5"}) as server:
             answer = post_json(server, "/sample", {"sites": 6, "domain": RECTANGLE})
             self.assertEqual(answer.status, 413)
@@ -371,7 +372,7 @@ class Starting(unittest.TestCase):
 
 class Memory(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "sanitizers keep what is freed")
-    def test_what_a_busy_moment_took_is_given_back(self):
+    def test_memory_is_released_after_a_burst(self):
         def held(server):
             status = pathlib.Path(f"/proc/{server.process.pid}/status").read_text()
             return int(re.search(r"RssAnon:\s+(\d+) kB", status).group(1)) / 1024

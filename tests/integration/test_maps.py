@@ -1,6 +1,6 @@
-"""POST /sample with all polygons of three files of maps that many people use: npm's world-atlas and us-atlas.
+"""POST /sample with all polygons of three popular files of maps: npm's world-atlas and us-atlas.
 
-Geometries are TopoJSON's, quantized: many of their rings touch themselves or a neighbour, some are flat.
+Geometries are quantized TopoJSON: many of their rings touch themselves or a neighbour, some are flat.
 """
 
 import json
@@ -40,7 +40,7 @@ def features(file, name):
 
 
 def area_of(ring):
-    """What is inside by the even-odd rule."""
+    """Returns the area inside a ring, by the even-odd rule."""
     if len(set(map(tuple, ring))) < 3:
         return shapely.geometry.Polygon()
     made = shapely.validation.make_valid(shapely.geometry.Polygon(ring))
@@ -65,7 +65,7 @@ def is_valid(geometry):
 
 class Maps(ServerCase):
     def ask_all(self, bodies):
-        """Answers to many requests, from one curl."""
+        """Returns the answers to many requests, from one curl."""
         with tempfile.TemporaryDirectory() as folder:
             calls = []
             for number, body in enumerate(bodies):
@@ -103,7 +103,7 @@ class Maps(ServerCase):
                         self.assertEqual(status, 200, answer)
                         self.check(each["geometry"], answer)
 
-    def test_what_is_repaired_may_be_rejected(self):
+    def test_repairable_polygons_may_be_rejected(self):
         given = [each["geometry"] for each in features("world-atlas/countries-50m.json", "countries")]
         wrong = next(geometry for geometry in given if not is_valid(geometry))
         told = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong}).json()["repaired"][0]

@@ -1,4 +1,4 @@
-"""What a server takes of the machine, and what it does when that is spoken for."""
+"""Memory that a server takes, and its behaviour when all of it is reserved."""
 
 import io
 import json
@@ -22,7 +22,7 @@ JSON = ("--header", "Content-Type: application/json")
 
 
 def family(process):
-    """A process and those that it started, and they."""
+    """Yields a process and its descendants."""
     ids = [process]
     for folder in pathlib.Path("/proc").iterdir():
         if not folder.name.isdigit():
@@ -30,14 +30,14 @@ def family(process):
         try:
             parent = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
         except (OSError, IndexError):
-            continue  # gone meanwhile
+            continue  # gone in the meantime
         if parent == process:
             ids += family(int(folder.name))
     return ids
 
 
 def resident(process):
-    """Bytes, those that several of the family share counted once."""
+    """Returns the resident bytes of a family; shared ones count once."""
     total = 0
     for member in family(process):
         try:
@@ -49,7 +49,7 @@ def resident(process):
 
 
 class Watch:
-    """The most that a server takes meanwhile."""
+    """Records the largest memory of a server within a block."""
 
     def __init__(self, server):
         self.most = 0
@@ -71,7 +71,7 @@ class Watch:
 
 
 def noise(side, form="png", **options):
-    """A picture that hardly compresses."""
+    """Returns a picture that hardly compresses."""
     values = numpy.random.default_rng(side).integers(0, 256, (side, side), dtype=numpy.uint8)
     file = io.BytesIO()
     Image.fromarray(values).save(file, form, **options)
@@ -80,7 +80,7 @@ def noise(side, form="png", **options):
 
 class Budget(unittest.TestCase):
     @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
-    def test_is_kept_whatever_comes(self):
+    def test_is_never_exceeded(self):
         budget = 800
         pictures = [noise(1800), noise(1500, "jpeg", progressive=True), noise(1200, "webp", lossless=True)]
         requests = []
@@ -103,11 +103,11 @@ class Budget(unittest.TestCase):
             self.assertLessEqual(set(statuses), {200, 400, 429, 503})
             self.assertGreaterEqual(statuses.count(200), 6)
             self.assertLess(watch.most, budget * MEBIBYTE)
-            self.assertGreater(watch.most, idle + 48 * MEBIBYTE)  # or the test asked for too little
+            self.assertGreater(watch.most, idle + 48 * MEBIBYTE)  # otherwise the test requested too little
             self.assertEqual(server.stop(), 0)
 
     @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
-    def test_is_kept_by_forms_that_wait_too(self):
+    def test_is_not_exceeded_by_waiting_forms(self):
         budget = 640
         boundary = "-" * 69 + "x"
         form = ("--header", f"Content-Type: multipart/form-data; boundary={boundary}")
@@ -123,17 +123,17 @@ class Budget(unittest.TestCase):
             self.assertLessEqual(set(statuses), {200, 400, 429, 503})
             self.assertIn(200, statuses)
             self.assertLess(watch.most, budget * MEBIBYTE)
-            self.assertGreater(watch.most, idle + 20 * MEBIBYTE)  # or the test asked for too little
+            self.assertGreater(watch.most, idle + 20 * MEBIBYTE)  # otherwise the test requested too little
             self.assertEqual(server.stop(), 0)
 
-    def test_of_one_request_is_known_before_it_begins(self):
+    def test_refuses_requests_that_need_too_much(self):
         with Server("--memory=1GiB", "--workers=1", "--max-sites=5000000") as server:
             answer = post_json(server, "/sample", {"sites": 5_000_000, "domain": TORUS})
             self.assertEqual((answer.status, answer.type), (413, "application/problem+json"))
             self.assertIn("(memory)", answer.json()["detail"])
             self.assertEqual(post_json(server, "/sample", {"sites": 100, "domain": TORUS}).status, 200)
 
-    def test_of_a_picture_is_told_by_its_header(self):
+    def test_refuses_large_pictures_by_their_header(self):
         with Server("--memory=1GiB", "--workers=1") as server:
             self.assertEqual(ask(server, "/halftone?sites=100&scale=1", data=file_of(numpy.zeros((300, 300), "u1"))).status,
                              200)
@@ -142,15 +142,15 @@ class Budget(unittest.TestCase):
             self.assertEqual(answer.status, 413)
             self.assertIn("(memory)", answer.json()["detail"])
 
-    def test_must_leave_something_to_compute_with(self):
+    def test_must_leave_memory_for_computations(self):
         done = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", "--memory=100MiB"], capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, "leaves too little to compute with: at least [0-9]+ MiB are needed")
 
 
-class Turns(unittest.TestCase):
-    def test_short_requests_pass_long_ones(self):
+class Scheduling(unittest.TestCase):
+    def test_short_requests_run_before_long_ones(self):
         endless = json.dumps({"sites": 50_000, "iterations": 1000, "passes": 100, "domain": TORUS})
         with Server("--workers=2", "--queue=8", "--timeout=300") as server:
             calls = [Call(server.url("/sample"), *JSON, data=endless) for _ in range(8)]

@@ -1,4 +1,4 @@
-"""POST /sample: the methods besides the default one."""
+"""POST /sample: the methods other than the default."""
 
 import unittest
 
@@ -11,7 +11,7 @@ SQUARE = {"type": "rectangle", "width": 1, "height": 1}
 
 
 def nearest_around(points):
-    """Distance to the nearest other point, around the unit torus."""
+    """Returns the distance of each point to the nearest other one, around the unit torus."""
     ways = points[:, None] - points[None]
     ways -= numpy.round(ways)
     squared = (ways ** 2).sum(axis=2)
@@ -46,7 +46,7 @@ class Methods(ServerCase):
                 self.assertAlmostEqual((points[:, 0] > 0.5).mean(), 0.8, delta=0.05)
 
     def test_nearest_distances_around_a_torus(self):
-        """Mean and least, over the distance in the densest packing, as the literature has them; 500 sites."""
+        """Mean and minimum, over the distance in the densest packing, agree with the literature; 500 sites."""
         expected = {"cvt": (0.92, 0.78), "odt": (0.87, 0.60), "ccvt": (0.84, 0.70), "random": (0.465, 0.03)}
         for method, (mean, least) in expected.items():
             with self.subTest(method=method):
@@ -56,7 +56,7 @@ class Methods(ServerCase):
                 self.assertAlmostEqual(distances.mean(), mean, delta=0.04)
                 self.assertAlmostEqual(distances.min(), least, delta=0.08)
 
-    def test_same_points_again_and_others_for_another_seed(self):
+    def test_same_points_for_a_seed_and_others_for_another(self):
         for method in self.every:
             with self.subTest(method=method):
                 first, again, other = (self.points(method, sites=100, domain=TORUS, seed=seed) for seed in (3, 3, 4))
@@ -85,14 +85,14 @@ class Methods(ServerCase):
                 problem = self.assert_problem(post_json(self.server, "/sample", body), 413, method, str(most))
                 self.assertEqual(problem["errors"][0]["pointer"], "/sites")
 
-    def test_options_of_other_methods(self):
+    def test_options_of_other_methods_are_refused(self):
         for method, option, value in (("cvt", "passes", 5), ("ccvt", "quality", "best"), ("random", "iterations", 1)):
             with self.subTest(method=method):
                 body = {"sites": 10, "method": method, "domain": SQUARE, option: value}
                 problem = self.assert_problem(post_json(self.server, "/sample", body), 400, method, option)
                 self.assertEqual(problem["errors"][0]["pointer"], "/" + option)
 
-    def test_unknown_method(self):
+    def test_unknown_method_is_refused(self):
         body = {"sites": 10, "method": "lloyd", "domain": SQUARE}
         self.assert_problem(post_json(self.server, "/sample", body), 400, "lloyd", "/method", *self.every)
 
@@ -100,7 +100,7 @@ class Methods(ServerCase):
 class Impatient(ServerCase):
     flags = ("--timeout=1",)
 
-    def test_the_deadline_ends_the_work(self):
+    def test_deadline_ends_the_computation(self):
         for method in ("cvt", "ccvt"):
             with self.subTest(method=method):
                 body = {"sites": 20_000, "method": method, "iterations": 1000, "domain": SQUARE}

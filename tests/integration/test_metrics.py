@@ -1,4 +1,4 @@
-"""What monitoring sees: figures of the running server, and whether it is ready."""
+"""Monitoring: figures of the running server, and its readiness."""
 
 import json
 import os
@@ -13,7 +13,7 @@ ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": {"type": "
 
 
 def samples(told):
-    """By name and labels."""
+    """Returns the samples by name and labels."""
     return {(sample.name, *sorted(sample.labels.items())): sample.value
             for family in text_string_to_metric_families(told) for sample in family.samples}
 
@@ -31,7 +31,7 @@ def wait_for(server, name, value):
 
 
 class Metrics(ServerCase):
-    def test_follow_what_is_done(self):
+    def test_count_requests_and_work(self):
         before = samples(figures_at_rest(self.server))
         self.halftone(file_of(flat(100, 40, 30)), "?sites=50")
         self.sample(sites=70, domain={"type": "torus", "width": 1, "height": 1})
@@ -53,7 +53,7 @@ class Metrics(ServerCase):
         self.assertEqual(grown("ccdt_pixels_total"), 1200)
         wait_for(self.server, "ccdt_workers_busy", 0)
 
-    def test_keep_to_prometheus_rules(self):
+    def test_follow_the_conventions_of_prometheus(self):
         answer = self.ask("/metrics")
         self.assertTrue(answer.type.startswith("text/plain; version=0.0.4"))
         for family in text_string_to_metric_families(answer.body.decode()):
@@ -63,7 +63,7 @@ class Metrics(ServerCase):
             if family.type == "counter":
                 self.assertTrue(all(sample.name.endswith("_total") for sample in family.samples), family.name)
 
-    def test_please_promtool(self):
+    def test_pass_promtool(self):
         self.halftone(file_of(flat(100)), "?sites=50")
         checked = subprocess.run([os.environ["CCDT_PROMTOOL"], "check", "metrics"], input=self.ask("/metrics").body,
                                  capture_output=True, timeout=PATIENCE, check=False)
@@ -71,7 +71,7 @@ class Metrics(ServerCase):
 
 
 class Pressure(unittest.TestCase):
-    def test_what_waits_and_runs_is_seen(self):
+    def test_waiting_and_running_requests_are_counted(self):
         with Server("--workers=1", "--queue=4", "--timeout=300") as server:
             calls = [Call(server.url("/sample"), data=ENDLESS) for _ in range(3)]
             wait_for(server, "ccdt_queue_requests", 2)
@@ -85,7 +85,7 @@ class Pressure(unittest.TestCase):
             while figures(server)[gone] != 3:
                 pass
 
-    def test_not_ready_when_what_waits_takes_longer_than_the_timeout(self):
+    def test_not_ready_if_the_backlog_exceeds_the_timeout(self):
         with Server("--workers=1", "--queue=4", "--timeout=1") as server:
             self.assertEqual(ask(server, "/health/ready").status, 200)
             calls = [Call(server.url("/sample"), data=ENDLESS) for _ in range(5)]

@@ -1,4 +1,4 @@
-"""Alerts and dashboard: sound, and about nothing but what the server tells."""
+"""Alerts and dashboard: valid, and only about metrics of the server."""
 
 import json
 import os
@@ -40,7 +40,7 @@ def expressions():
 
 
 class Rules(unittest.TestCase):
-    def test_please_promtool(self):
+    def test_pass_promtool(self):
         settings = [("check", "config", DOCKER / "prometheus" / name) for name in ("prometheus.yaml", "scale.yaml")]
         for arguments in (("check", "rules", ALERTS), *settings):
             code, told = promtool(*arguments)
@@ -50,7 +50,7 @@ class Rules(unittest.TestCase):
         code, told = promtool("test", "rules", CASES)
         self.assertEqual(code, 0, told)
 
-    def test_are_all_tried_both_ways(self):
+    def test_are_all_tested_firing_and_silent(self):
         alerts = re.findall(r"- alert: (\w+)", ALERTS.read_text())
         tried = re.findall(r"alertname: (\w+)\n +exp_alerts:( \[\])?\n", CASES.read_text())
         self.assertGreater(len(alerts), 10)
@@ -59,7 +59,7 @@ class Rules(unittest.TestCase):
 
 
 class Dashboard(unittest.TestCase):
-    def test_explains_itself(self):
+    def test_has_titles_descriptions_and_units(self):
         for panel in DASHBOARD["panels"]:
             self.assertTrue(panel["title"], panel)
         for panel in panels():
@@ -68,7 +68,7 @@ class Dashboard(unittest.TestCase):
                 self.assertTrue(panel["fieldConfig"]["defaults"]["unit"])
                 self.assertTrue(panel["targets"])
 
-    def test_panels_have_places_of_their_own(self):
+    def test_panels_do_not_overlap(self):
         self.assertEqual(len({panel["id"] for panel in DASHBOARD["panels"]}), len(DASHBOARD["panels"]))
         taken = set()
         for panel in DASHBOARD["panels"]:
@@ -79,7 +79,7 @@ class Dashboard(unittest.TestCase):
             self.assertLessEqual(place["x"] + place["w"], 24)
             taken |= cells
 
-    def test_asks_in_promql(self):
+    def test_expressions_are_valid_promql(self):
         rules = [{"record": f"panel:{i}", "expr": expression.replace("$__rate_interval", "1m")}
                  for i, expression in enumerate(expressions())]
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
@@ -91,7 +91,7 @@ class Dashboard(unittest.TestCase):
 
 class Names(ServerCase):
     def told(self):
-        """Labels by the name of the sample."""
+        """Returns the labels by the name of the sample."""
         self.halftone(file_of(flat(100)), "?sites=50")
         labels = {"up": set()}
         for family in text_string_to_metric_families(self.ask("/metrics").body.decode()):
@@ -99,7 +99,7 @@ class Names(ServerCase):
                 labels.setdefault(sample.name, set()).update(sample.labels)
         return labels
 
-    def test_are_those_of_the_server(self):
+    def test_exist_in_the_metrics_of_the_server(self):
         told = self.told()
         used = ALERTS.read_text() + "\n".join(expressions())
         names = set(re.findall(r"\b(?:ccdt|process)_\w+", used))

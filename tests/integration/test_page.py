@@ -1,4 +1,4 @@
-"""GET /: the page, as it comes over the wire."""
+"""GET /: the page, over HTTP."""
 
 import gzip
 import pathlib
@@ -22,7 +22,7 @@ FILES = {path_of(file): file.read_bytes() for file in SITE.rglob("*") if file.is
 class Page(ServerCase):
     flags = ("--cors-origin=https://a.example",)
 
-    def test_has_all_files(self):
+    def test_serves_all_files(self):
         self.assertGreater(len(FILES), 10)
         for path, content in FILES.items():
             answer = self.ask(path)
@@ -30,7 +30,7 @@ class Page(ServerCase):
             self.assertEqual(answer.headers["x-content-type-options"], "nosniff")
             self.assertEqual(answer.headers["cache-control"], "no-cache")
 
-    def test_refers_to_nothing_that_is_not_there(self):
+    def test_refers_only_to_existing_files(self):
         for path, content in FILES.items():
             if path.endswith((".js", "/")):
                 for name in re.findall(rb'(?:src|href)="([^"]+)"', content):
@@ -38,7 +38,7 @@ class Page(ServerCase):
                 for name in re.findall(rb'from "\./([^"]+)"', content):
                     self.assertIn("/assets/" + name.decode(), FILES, path)
 
-    def test_names_no_other_host(self):
+    def test_refers_to_no_other_host(self):
         for path, content in FILES.items():
             if not path.endswith(".jpg"):
                 hosts = set(re.findall(rb"https?://[^\s\"'`)]+", content)) - {b"http://www.w3.org/2000/svg"}
@@ -51,7 +51,7 @@ class Page(ServerCase):
         self.assertLess(sum(packed.values()), 65_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)
-        for path in FILES.keys() - own.keys():  # a picture is as small as it gets, a map is sent packed
+        for path in FILES.keys() - own.keys():  # pictures cannot be compressed further, maps are sent compressed
             content = FILES[path] if path.endswith(".jpg") else gzip.compress(FILES[path])
             self.assertLess(len(content), 60_000, path)
 
@@ -65,20 +65,20 @@ class Page(ServerCase):
         self.assertNotIn("content-length", again.headers)
         self.assertNotIn("content-type", again.headers)
 
-    def test_takes_get_and_head(self):
+    def test_accepts_get_and_head(self):
         head = self.ask("/", "--head")
         self.assertEqual((head.status, head.headers["content-length"]), (200, str(len(FILES["/"]))))
         self.assertEqual(self.ask("/", data=b"x").status, 405)
         self.assert_problem(self.ask("/assets/nothing.js"), 404)
         self.assert_problem(self.ask("/index.html"), 404)
 
-    def test_other_origins_get_it_as_configured(self):
+    def test_allows_configured_origins(self):
         answer = self.ask("/", "--header", "Origin: https://a.example")
         self.assertEqual(answer.headers["access-control-allow-origin"], "https://a.example")
 
 
 class Keys(unittest.TestCase):
-    def test_the_page_needs_none(self):
+    def test_are_not_required_for_the_page(self):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "keys"
             file.write_text("alice:alice-0123456789abcdef\n")

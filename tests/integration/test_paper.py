@@ -21,7 +21,7 @@ sys.path.insert(0, str(PAPER))
 import drawing
 import tone
 
-# Bytes that a figure may have in the repository.
+# Maximum size of a figure in the repository, in bytes.
 LARGEST = 150_000
 
 
@@ -31,7 +31,7 @@ def run(*arguments, **environment):
 
 
 class Quick(unittest.TestCase):
-    """One run, into a folder with something in it, and what it wrote."""
+    """A run into a folder that is not empty, and its output."""
 
     @classmethod
     def setUpClass(cls):
@@ -66,11 +66,11 @@ class Quick(unittest.TestCase):
         for table in re.findall(r"(?:^\|.*\n)+", self.page, re.MULTILINE):
             self.assertEqual(len({line.count("|") for line in table.splitlines()}), 1, table)
 
-    def test_old_figures_go_and_other_files_stay(self):
+    def test_old_figures_are_removed_and_other_files_kept(self):
         self.assertFalse((self.output / "figures" / "figure-of-old.svg").exists())
         self.assertTrue((self.output / "figures" / "own.txt").exists())
 
-    def test_drawings_are_sound_and_small(self):
+    def test_drawings_are_valid_and_small(self):
         for path in self.figures("svg"):
             root = xml.etree.ElementTree.parse(path).getroot()
             self.assertGreater(len(root), 10, path)
@@ -90,7 +90,7 @@ class Quick(unittest.TestCase):
             self.assertLess(trace[0], polygon["random"])
             self.assertLess(polygon["polished"], 0.3)
 
-    def test_ramp_is_followed(self):
+    def test_sites_follow_the_ramp(self):
         found = self.results["figure_3"]
         numpy.testing.assert_allclose(found["exact"], numpy.array([1, 7, 19, 37]) / 64, atol=1e-12)
         error = {name: numpy.abs(numpy.array(shares) - found["exact"]).max()
@@ -113,7 +113,7 @@ class Quick(unittest.TestCase):
         self.assertEqual(max(methods, key=lambda name: methods[name]["oscillation"]), "CVT")
         self.assertEqual(min(methods, key=lambda name: methods[name]["low_frequency_power"]), "CCDT, polished")
 
-    def test_times_are_there_or_why_not(self):
+    def test_times_or_reasons_for_refusal_are_given(self):
         for name, runs in self.results["timings"].items():
             self.assertEqual(list(runs), ["64", "128", "51200"])
             for size, taken in runs.items():
@@ -124,7 +124,7 @@ class Quick(unittest.TestCase):
                 else:
                     self.assertGreater(taken["seconds"], 0)
 
-    def test_halftones_come_to_resemble_their_pictures(self):
+    def test_halftones_approach_their_pictures(self):
         stages = self.results["figure_5"]["stages"]
         self.assertEqual([stage["iterations"] for stage in stages], list(range(6)))
         self.assertLess(stages[5]["tone_error"], 0.5 * stages[0]["tone_error"])
@@ -136,7 +136,7 @@ class Quick(unittest.TestCase):
 
 
 class Failure(unittest.TestCase):
-    def test_is_loud_and_leaves_nothing(self):
+    def test_is_reported_and_leaves_no_output(self):
         with tempfile.TemporaryDirectory() as name:
             output = pathlib.Path(name) / "paper"
             for arguments, environment in ((("--quick",), {"CCDT_SERVER": "/nonexistent"}), (("--fast",), {})):
@@ -147,14 +147,14 @@ class Failure(unittest.TestCase):
 
 
 class Tone(unittest.TestCase):
-    def test_ink_is_one_less_luminance(self):
+    def test_ink_is_one_minus_luminance(self):
         levels = numpy.array([[0, 55, 188, 255]])
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(file_of(levels))
             file.flush()
             numpy.testing.assert_allclose(tone.ink(file.name), [[1 - linear(level) for level in levels[0]]], atol=1e-12)
 
-    def test_blur_dampens_waves_as_a_gaussian_does(self):
+    def test_blur_attenuates_waves_like_a_gaussian(self):
         rows, columns = 24, 40
         wave = numpy.outer(numpy.cos(numpy.pi * 3 * (numpy.arange(rows) + 0.5) / rows),
                            numpy.cos(numpy.pi * 2 * (numpy.arange(columns) + 0.5) / columns))
@@ -162,15 +162,15 @@ class Tone(unittest.TestCase):
         left = numpy.exp(-2 * numpy.pi ** 2 * 2.5 ** 2 * squared_frequency)
         numpy.testing.assert_allclose(tone.blur(1 + wave, 2.5), 1 + left * wave, atol=1e-12)
 
-    def test_error_of_dots_in_a_grid_is_none_and_of_a_crowd_is_large(self):
+    def test_error_is_zero_for_a_grid_and_large_for_a_cluster(self):
         flat = numpy.full((32, 48), 0.25)
         y, x = numpy.mgrid[1:32:2, 1:48:2]
         grid = numpy.stack([x.ravel(), y.ravel()], axis=1)
         self.assertLess(tone.error(grid, flat), 1e-6)
         self.assertGreater(tone.error(grid * (0.5, 1), flat), 0.2)
 
-    def test_error_is_the_wave_that_sites_are_off_by(self):
-        # Moving all sites by a sin(kx) changes their density by a k cos(kx), relatively; sites are 1 apart.
+    def test_error_equals_the_density_wave_of_displaced_sites(self):
+        # Moving all sites by a sin(kx) changes their relative density by a k cos(kx); sites are 1 apart.
         flat = numpy.full((64, 256), 1.0)
         y, x = (part.ravel() for part in numpy.mgrid[0.5:64, 0.5:256])
         k, off = 2 * numpy.pi / 16, 0.1
@@ -197,7 +197,7 @@ class Drawing(unittest.TestCase):
         self.assertEqual(drawing.Axis("", [0, 2, 4]).share(1), 0.25)
         self.assertAlmostEqual(drawing.Axis("", [1, 10, 100], log=True).share(10), 0.5)
 
-    def test_points_fit_their_box_and_keep_their_shape(self):
+    def test_points_fit_their_box_and_keep_their_aspect_ratio(self):
         fitted = drawing.Box(10, 20, 100, 50).fit([[0, 0], [4, 0], [4, 4], [0, 4]])
         numpy.testing.assert_allclose(fitted, [[35, 70], [85, 70], [85, 20], [35, 20]])
 

@@ -1,4 +1,4 @@
-"""How long clients may take, how many there may be, and the Unix socket."""
+"""Time-outs of clients, limits on their number, and the Unix socket."""
 
 import contextlib
 import json
@@ -26,7 +26,7 @@ def post(path, body):
 
 
 def shrink(raw):
-    """Leaves little room for answers on their way."""
+    """Leaves little buffer space for answers on their way."""
     raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
 
 
@@ -47,7 +47,7 @@ class Deadlines(ServerCase):
             self.assertEqual(raw.rest(), b"")
             self.assertGreater(time.monotonic() - start, 0.9)
 
-    def test_a_body_that_pauses_gets_a_408(self):
+    def test_a_stalled_body_gets_a_408(self):
         with Raw(self.server) as raw:
             raw.send(post(b"/halftone", GREY)[:-1])
             self.assertEqual(statuses(raw.rest()), [408])
@@ -60,7 +60,7 @@ class Deadlines(ServerCase):
             self.server.wait_for_log("POST /sample 499")
             self.assertFalse(raw.rest().endswith(b"}"))
 
-    def test_an_answer_waits_for_room_at_the_client(self):
+    def test_an_answer_waits_for_a_slow_client(self):
         body = json.dumps({"sites": 100_000, "iterations": 0, "domain": RECTANGLE}).encode()
         with Raw(self.server) as raw:
             shrink(raw)
@@ -78,7 +78,7 @@ class Caps(unittest.TestCase):
         self.assertIn("max-connections", json.loads(body)["detail"])
         self.assertEqual(raw.rest(), b"")
 
-    def test_connections_in_all(self):
+    def test_total_connections_are_limited(self):
         with Server("--max-connections=8", "--header-timeout=300") as server, Memory(server) as memory:
             with crowd(server, 8, b"GET /health HTTP/1.1\r\n") as clients:
                 for _ in range(20):
@@ -93,8 +93,8 @@ class Caps(unittest.TestCase):
                 pass
         self.assertLess(memory.rise, MOST_MEMORY)
 
-    def test_connections_of_a_full_reserve(self):
-        # 8 common places and 16 of the reserve: those that come later are told before they ask.
+    def test_connections_beyond_the_reserve_are_refused(self):
+        # 8 common connections and 16 of the reserve: later ones are refused before they send a request.
         with Server("--max-connections=8", "--header-timeout=300") as server:
             with crowd(server, 24, b"GET /health HTTP/1.1\r\n"), Raw(server) as raw:
                 self.assert_refused(raw)
@@ -107,7 +107,7 @@ class Caps(unittest.TestCase):
             answer = ask(server, "/halftone", data=b"x" * 200_000)
             self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
 
-    def test_connections_of_an_address(self):
+    def test_connections_per_address_are_limited(self):
         with Server("--max-connections-per-address=3") as server:
             with Raw(server) as one, Raw(server) as two, Raw(server) as three:
                 for raw in (one, two, three):
@@ -120,12 +120,12 @@ class Caps(unittest.TestCase):
                 with Raw(server, "127.0.0.9") as other:
                     other.send(HEALTH)
                     self.assertEqual(other.answer()[0], 200)
-            # Its place is free once the server has seen it leave.
+            # Its connection is free once the server has noticed that it left.
             while ask(server, "/health").status != 200:
                 pass
 
     def test_bodies_share_their_memory(self):
-        # The least that they may take is 256 MiB: eight clients that sent 40 MiB each and stopped.
+        # The minimum is 256 MiB: eight clients have sent 40 MiB each and stopped.
         head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Length: 60000000\r\n\r\n"
         with Server("--body-timeout=300") as server, Memory(server) as memory:
             with crowd(server, 8, head) as clients:
@@ -135,15 +135,15 @@ class Caps(unittest.TestCase):
                 self.assertEqual(ask(server, "/halftone?sites=9&scale=1", data=GREY).status, 200)
         self.assertLess(memory.rise, 256 + 2 * MOST_MEMORY)
 
-    def test_many_slow_clients_starve_nobody(self):
+    def test_many_slow_clients_block_nobody(self):
         slow = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000\r\n\r\n{"
         with Server("--workers=1", "--queue=1") as server, crowd(server, 200, slow), crowd(server, 150, b"GET /"):
             self.assertLess(ping(server), AT_ONCE)
             self.assertEqual(ask(server, "/halftone?sites=10&scale=1", data=GREY).status, 200)
 
 
-class Rooms(unittest.TestCase):
-    """Health checks, figures and streams of events have places of their own."""
+class ConnectionClasses(unittest.TestCase):
+    """Health checks, metrics and event streams have connections reserved for them."""
 
     def begin_job(self, server):
         body = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
@@ -151,7 +151,7 @@ class Rooms(unittest.TestCase):
         self.assertEqual(answer.status, 202, answer)
         return answer.headers["location"]
 
-    def test_listeners_take_nobodys_place(self):
+    def test_event_streams_take_no_other_connections(self):
         with Server("--max-connections=8", "--max-streams=100") as server:
             job = self.begin_job(server)
             listen = b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode()
@@ -172,12 +172,12 @@ class Rooms(unittest.TestCase):
                 self.assertIn('ccdt_connections_refused_total{reason="streams"} 1\n', figures)
             ask(server, job, "--request", "DELETE")
 
-    def test_health_checks_pass_when_all_places_are_taken(self):
-        # Places of computations, which no pressure ends.
+    def test_health_checks_pass_when_all_connections_are_taken(self):
+        # Connections with computations, which are not closed under pressure.
         endless = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE}).encode()
         with Server("--max-connections=4", "--workers=1", "--queue=4", "--timeout=300") as server:
             job = self.begin_job(server)
-            # One that has left but whose place is not yet free would keep one of the four out.
+            # A client that has left, but whose connection is not free yet, would keep one of the four out.
             while "ccdt_connections_open 1\n" not in ask(server, "/metrics").body.decode():
                 pass
             with crowd(server, 4, post(b"/sample", endless)):
@@ -197,10 +197,10 @@ class Rooms(unittest.TestCase):
 
 
 class Idle(unittest.TestCase):
-    """Connections that send nothing keep nobody out."""
+    """Idle connections keep nobody out."""
 
-    def test_health_checks_pass_during_a_flood_of_them(self):
-        # Far more than places, again and again; the limit by address does not count.
+    def test_health_checks_pass_during_a_flood(self):
+        # Far more than the limit, again and again; the limit by address is off.
         over = threading.Event()
 
         def flood(server):
@@ -219,7 +219,7 @@ class Idle(unittest.TestCase):
                 thread.join()
             self.assertEqual(answers, [200] * len(answers))
 
-    def test_one_of_them_is_closed_for_a_newcomer(self):
+    def test_one_is_closed_for_a_new_connection(self):
         with Server("--max-connections=4", "--max-connections-per-address=0", "--idle-timeout=300") as server:
             with contextlib.ExitStack() as stack:
                 kept = [stack.enter_context(Raw(server)) for _ in range(4)]
@@ -234,7 +234,7 @@ class Idle(unittest.TestCase):
 
 
 class FewFiles(unittest.TestCase):
-    """Where few files may be open, as many connections fit as there are files for."""
+    """If few files may be open, there are as many connections as there are files for."""
 
     def test_idle_connections_delay_nobody(self):
         with Server("--workers=2", "--max-connections-per-address=0", limit="--nofile=90") as server:
@@ -248,7 +248,7 @@ class FewFiles(unittest.TestCase):
             self.assertNotIn("could not be accepted", server.log())
             self.assertEqual(server.stop(), 0)
 
-    def test_running_out_of_them_is_told_once(self):
+    def test_running_out_of_them_is_logged_once(self):
         with Server("--max-connections-per-address=0", "--idle-timeout=300") as server:
             server.wait_for_log("pictures are decoded")
             subprocess.run(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
@@ -260,10 +260,10 @@ class FewFiles(unittest.TestCase):
 
 
 class LittleAddressSpace(unittest.TestCase):
-    """Where there is room for the stacks of few threads."""
+    """Address space for the stacks of few threads only."""
 
     @unittest.skipIf(SANITIZED, "sanitizers need more")
-    def test_idle_connections_delay_neither_others_nor_the_end(self):
+    def test_idle_connections_delay_neither_others_nor_the_shutdown(self):
         with Server("--workers=2", "--memory=700MiB", "--max-connections-per-address=0", "--idle-timeout=300",
                     limit=f"--as={800 << 20}") as server:
             with crowd(server, 200):
@@ -275,10 +275,10 @@ class LittleAddressSpace(unittest.TestCase):
 
 
 class Rest(unittest.TestCase):
-    def test_threads_of_a_busy_moment_end(self):
+    def test_idle_threads_end(self):
         with Server("--idle-timeout=0.5") as server:
             def threads():
-                # Who lists them while they end may miss others.
+                # A list of threads may miss some while others end.
                 status = pathlib.Path(f"/proc/{server.process.pid}/status").read_text()
                 return int(re.search(r"^Threads:\s+(\d+)$", status, re.MULTILINE)[1])
 
@@ -320,7 +320,7 @@ class UnixSocket(unittest.TestCase):
             self.assertEqual(server.stop(), 0)
         self.assertFalse(self.path.exists())
 
-    def test_a_stale_one_is_replaced(self):
+    def test_a_stale_socket_is_replaced(self):
         with Server(self.bind) as server:
             server.process.kill()
             server.wait()
@@ -329,7 +329,7 @@ class UnixSocket(unittest.TestCase):
             self.assertEqual(Call("http://localhost/health", "--unix-socket", str(self.path)).answer().status, 200)
             self.assertEqual(server.stop(), 0)
 
-    def test_nothing_else_is_replaced(self):
+    def test_other_files_are_not_replaced(self):
         self.path.write_text("precious")
         self.assertEqual(self.start_another().returncode, 1)
         self.assertEqual(self.path.read_text(), "precious")

@@ -1,4 +1,4 @@
-"""POST /halftone: pictures as people have them, with colour profiles and in every format that is read."""
+"""POST /halftone: real pictures, with colour profiles and in every supported format."""
 
 import io
 import json
@@ -28,7 +28,7 @@ def saved(picture, kind, profile=None, **options):
 
 
 def luminance_by_oracle(picture, profile):
-    """Of Pillow's conversion to sRGB by the profile, relative to white."""
+    """Returns the luminance after Pillow's conversion to sRGB by the profile, relative to white."""
     source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
     to = ImageCms.createProfile("sRGB")
     seen = ImageCms.profileToProfile(picture, source, to, renderingIntent=1, outputMode="RGB")
@@ -38,7 +38,7 @@ def luminance_by_oracle(picture, profile):
 
 class Profiles(ServerCase):
     def paper(self, file):
-        """The share of paper between the dots, which is the mean luminance of the picture."""
+        """Returns the share of paper between the dots, which is the mean luminance of the picture."""
         return float(profiles.srgb_to_linear(self.halftone(file, QUERY).picture("L") / 255.0).mean())
 
     def check(self, picture, profile, kinds):
@@ -47,7 +47,7 @@ class Profiles(ServerCase):
             with self.subTest(kind=kind, mode=picture.mode):
                 self.assertAlmostEqual(self.paper(saved(picture, kind, profile, **options)), expected, delta=0.02)
 
-    def test_photographs_of_phones(self):
+    def test_display_p3(self):
         picture = patch("RGB", (90, 190, 70))
         self.check(picture, P3, (("PNG", {}), ("JPEG", {"quality": 95}), ("WEBP", {"lossless": True}), ("TIFF", {})))
 
@@ -58,16 +58,16 @@ class Profiles(ServerCase):
         for gamma in (1.0, 1.8):
             self.check(patch("L", 140), profiles.grey_profile(gamma), (("PNG", {}), ("JPEG", {}), ("TIFF", {})))
 
-    def test_inks(self):
+    def test_cmyk(self):
         profile = profiles.ink_profile(9)
         for colour in ((120, 40, 10, 20), (0, 0, 0, 128), (20, 140, 180, 0)):
             self.check(patch("CMYK", colour), profile, (("JPEG", {"quality": 95}), ("TIFF", {})))
 
-    def test_tables_of_red_green_and_blue(self):
+    def test_rgb_tables(self):
         profile = profiles.table_profile(lambda shares: shares ** 1.5)
         self.check(patch("RGB", (120, 90, 60)), profile, (("PNG", {}), ("TIFF", {})))
 
-    def test_colours_that_srgb_does_not_hold_keep_their_luminance(self):
+    def test_colours_outside_srgb_keep_their_luminance(self):
         for colour in ((0, 255, 0), (255, 60, 0)):
             with self.subTest(colour=colour):
                 light = profiles.to_srgb_light(profiles.srgb_to_linear(numpy.array(colour) / 255), profiles.DISPLAY_P3)
@@ -75,7 +75,7 @@ class Profiles(ServerCase):
                 self.assertAlmostEqual(self.paper(saved(patch("RGB", colour), "PNG", P3)),
                                        float(light @ profiles.WEIGHTS), delta=0.02)
 
-    def test_srgb_changes_no_byte(self):
+    def test_srgb_changes_nothing(self):
         picture = Image.open(ROOT / "tests" / "data" / "images" / "chelsea.png").convert("RGB")
         for kind in ("PNG", "JPEG", "TIFF", "WEBP"):
             for color in ("", "&color=cmyk"):
@@ -92,20 +92,20 @@ class Profiles(ServerCase):
                 with self.subTest(kind=kind, size=len(broken)):
                     self.assertEqual(self.halftone(saved(picture, kind, broken), QUERY).body, expected)
 
-    def test_profiles_that_lie_do_not_end_the_decoder(self):
+    def test_invalid_offsets_do_not_crash_the_decoder(self):
         for path in sorted(FIXTURES.glob("profile-beyond.*")):
             with self.subTest(name=path.name):
                 self.assertEqual(self.ask("/halftone" + QUERY, data=path.read_bytes()).status, 200)
         self.assertNotIn("crash", self.server.log())
 
-    def test_the_largest_profiles_fit_into_the_box(self):
+    def test_large_profiles_fit_into_the_memory_of_the_decoder(self):
         profile = profiles.ink_profile(28)
         self.assertGreater(len(profile), 3 << 20)
         self.check(patch("CMYK", (120, 40, 10, 20)), profile, (("JPEG", {"quality": 95}), ("TIFF", {})))
 
 
 class Formats(ServerCase):
-    def test_all_without_loss_give_the_same_bytes(self):
+    def test_all_lossless_ones_give_the_same_bytes(self):
         picture = Image.open(ROOT / "tests" / "data" / "images" / "camera.png").convert("L").resize((200, 200))
         colours = picture.convert("RGB")
         expected = self.halftone(saved(colours, "PNG"), QUERY).body
@@ -113,7 +113,7 @@ class Formats(ServerCase):
             with self.subTest(kind=kind, mode=same.mode):
                 self.assertEqual(self.halftone(saved(same, kind), QUERY).body, expected)
 
-    def test_avifs_without_loss_give_the_bytes_of_their_pictures(self):
+    def test_lossless_avifs_give_the_same_bytes(self):
         originals = {name: (FIXTURES / f"{name}.png").read_bytes() for name in ("rgba", "p3")}
         originals["noise"] = saved(Image.open(FIXTURES / "noise.png").convert("RGB"), "PNG")
         originals["film"] = (FIXTURES / "lossless.webp").read_bytes()
@@ -124,7 +124,7 @@ class Formats(ServerCase):
                     self.assertEqual(self.halftone((FIXTURES / f"{name}.avif").read_bytes(), query).body,
                                      self.halftone(original, query).body)
 
-    def test_avifs_of_every_kind_are_decoded_in_the_box(self):
+    def test_avifs_of_every_kind_are_decoded_in_confinement(self):
         query = "?sites=100&iterations=0&scale=1"
         refused = {"bomb.avif": 413, "cropped.avif": 422}
         for path in sorted(FIXTURES.glob("*.avif")):
@@ -139,16 +139,16 @@ class Formats(ServerCase):
             with self.subTest(size=size):
                 self.assert_problem(self.ask("/halftone", data=file[:size]), 422, "broken or cut short")
 
-    def test_of_a_film_the_first_frame_is_read(self):
+    def test_first_frame_of_an_animation_is_read(self):
         first, second = patch("L", 200), patch("L", 20)
         expected = self.halftone(saved(first, "GIF"), QUERY).body
         self.assertEqual(self.halftone(saved(first, "GIF", save_all=True, append_images=[second]), QUERY).body, expected)
 
-    def test_which_of_several_frames_is_read_is_told(self):
+    def test_frame_that_is_read_is_reported(self):
         frames = [patch("RGB", (level, level, 90)) for level in (200, 20, 90)]
         of_an_animation = "the file has 3 frames: the first is used"
         for kind, told in (("GIF", of_an_animation), ("WEBP", of_an_animation),
-                           ("PNG", "the file has 3 frames: the picture that stands for them is used"),
+                           ("PNG", "the file has 3 frames: the main picture is used"),
                            ("TIFF", "the file has 3 pages: the first is used")):
             with self.subTest(kind=kind):
                 file = saved(frames[0], kind, save_all=True, append_images=frames[1:])
@@ -163,7 +163,7 @@ class Formats(ServerCase):
             self.assertNotIn("x-warnings", self.halftone(saved(frames[0], kind), QUERY).headers)
 
     def test_sixteen_bits_are_kept(self):
-        """Half a step of eight bits is told apart."""
+        """Values half an eight-bit step apart are distinguished."""
         ramp = numpy.linspace(128.0, 128.5, 64 * 64).reshape(64, 64)
         fine = Image.fromarray(numpy.rint(ramp * 257).astype(numpy.uint16))
         coarse = file_of(numpy.floor(ramp))
@@ -172,13 +172,13 @@ class Formats(ServerCase):
                 self.assertNotEqual(self.halftone(saved(fine, kind), "?sites=500&format=json").json()["points"],
                                     self.halftone(coarse, "?sites=500&format=json").json()["points"])
 
-    def test_others_are_refused_by_name(self):
+    def test_unsupported_ones_are_refused_by_name(self):
         for file, name in ((b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"), (b"%PDF-1.7\n", "PDF")):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=file), 415, f"this is {name}",
-                                    "PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF are read")
+                                    "supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF")
 
-    def test_claims_of_size_are_refused_before_they_are_believed(self):
+    def test_oversized_pictures_are_refused_by_their_header(self):
         for name in ("bomb.gif", "bomb.bmp", "bomb.avif"):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=(FIXTURES / name).read_bytes()), 413, "max-pixels")

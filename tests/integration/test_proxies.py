@@ -1,4 +1,4 @@
-"""Clients behind proxies: whose word on their addresses counts, and what is counted by them."""
+"""Clients behind proxies: whose headers about addresses count, and the limits that apply to these addresses."""
 
 import json
 import pathlib
@@ -10,7 +10,7 @@ from raw import Raw, statuses
 from test_lifecycle import ENDLESS, JSON
 
 TRUSTED = "--trusted-proxy=127.0.0.1,10.0.0.0/8"
-STRANGER = "127.0.0.9"  # whom nobody trusts
+STRANGER = "127.0.0.9"  # not trusted
 
 SIGNATURE = b"\r\n\r\n\x00\r\nQUIT\n"
 
@@ -20,19 +20,19 @@ def request(path="/nothing", *headers):
 
 
 def line(client):
-    """A PROXY header, version 1."""
+    """Returns a PROXY header, version 1."""
     family = "TCP6" if ":" in client else "TCP4"
     return f"PROXY {family} {client} {client} 4711 80\r\n".encode()
 
 
 def message(client):
-    """A PROXY header, version 2, of an IPv4 address."""
+    """Returns a PROXY header, version 2, of an IPv4 address."""
     addresses = bytes(map(int, client.split("."))) * 2 + (4711).to_bytes(2, "big") + (80).to_bytes(2, "big")
     return SIGNATURE + b"\x21\x11" + len(addresses).to_bytes(2, "big") + addresses
 
 
 def statuses_of(server, *requests, source=None):
-    """Of the answers to requests that come one after another over one connection."""
+    """Returns the statuses of answers to requests that are sent one after another over one connection."""
     found = []
     with Raw(server, source) as raw:
         for one in requests:
@@ -42,10 +42,10 @@ def statuses_of(server, *requests, source=None):
 
 
 class Named(unittest.TestCase):
-    """Seen by the log."""
+    """Addresses in the log."""
 
     def seen(self, server, *parts, source=None):
-        """The client in the log of a request that these bytes are."""
+        """Returns the client in the log of the request in these bytes."""
         path = f"/seen-{len(server.log())}"
         with Raw(server, source) as raw:
             for part in parts:
@@ -68,7 +68,7 @@ class Named(unittest.TestCase):
                 with self.subTest(headers=headers):
                     self.assertRegex(self.seen(server, request("/nothing", *headers)), r"^127\.0\.0\.1(:\d+)?$")
 
-    def test_by_the_beginning_of_a_connection(self):
+    def test_by_the_proxy_protocol(self):
         with Server(TRUSTED) as server:
             plain = request()
             self.assertEqual(self.seen(server, line("203.0.113.7") + plain), "203.0.113.7:4711")
@@ -79,13 +79,13 @@ class Named(unittest.TestCase):
             for check in (b"PROXY UNKNOWN\r\n", SIGNATURE + b"\x20\x00\x00\x00"):
                 self.assertRegex(self.seen(server, check, plain), r"^127\.0\.0\.1:\d+$")
 
-    def test_by_the_beginning_before_headers(self):
+    def test_by_the_proxy_protocol_before_headers(self):
         with Server(TRUSTED) as server:
             spoof = request("/nothing", "X-Forwarded-For: 1.2.3.4")
             self.assertEqual(self.seen(server, line("203.0.113.7"), spoof), "203.0.113.7:4711")
             self.assertEqual(self.seen(server, line("10.1.1.1"), spoof), "1.2.3.4", "of a proxy behind the proxy")
 
-    def test_by_nobody_else(self):
+    def test_not_by_untrusted_peers(self):
         with Server(TRUSTED) as server:
             headers = ("X-Forwarded-For: 203.0.113.7", "Forwarded: for=203.0.113.7")
             self.assertRegex(self.seen(server, request("/nothing", *headers), source=STRANGER), r"^127\.0\.0\.9:\d+$")
@@ -109,7 +109,7 @@ class Named(unittest.TestCase):
             with Server(bind, TRUSTED) as server:
                 self.assertEqual(self.seen(server, headers), "unix")
 
-    def test_by_a_broken_beginning_not_at_all(self):
+    def test_not_by_a_malformed_proxy_header(self):
         with Server(TRUSTED) as server:
             for broken in (b"PROXY TCP4 203.0.113.7\r\n", b"PROXY TCP4 " + b"1" * 200, SIGNATURE + b"\x41\x11\x00\x00",
                            SIGNATURE + b"\x21\x11\x00\x01x"):
@@ -123,7 +123,7 @@ class Named(unittest.TestCase):
 
 
 class Counted(unittest.TestCase):
-    def test_rates_are_of_each(self):
+    def test_rates_apply_per_client(self):
         with Server(TRUSTED, "--rate-limit=0.001", "--rate-burst=2") as server:
             for client in ("203.0.113.7", "203.0.113.8"):
                 asked = [request("/nothing", f"X-Forwarded-For: {invented}, {client}")
@@ -135,7 +135,7 @@ class Counted(unittest.TestCase):
             network = [request("/nothing", f"X-Forwarded-For: 2001:db8::{last}") for last in (1, 2, 3)]
             self.assertEqual(statuses_of(server, *network), [404, 404, 429], "one client has a network of 64 bits")
 
-    def test_what_is_asked_at_once_is_of_each(self):
+    def test_concurrent_requests_are_limited_per_client(self):
         def asked(client):
             return request("/health", f"X-Forwarded-For: {client}")
 
@@ -152,11 +152,11 @@ class Counted(unittest.TestCase):
                 self.assertIn("max-connections-per-address", json.loads(third.answer()[2])["detail"])
             first.send(b"x" * 9)
             self.assertEqual(first.answer()[0], 415)
-            # Its place is free once the server has sent the answer.
+            # Its connection is free once the server has sent the answer.
             while statuses_of(server, asked("203.0.113.7")) != [200]:
                 pass
 
-    def test_connections_are_of_each(self):
+    def test_connections_are_limited_per_client(self):
         with Server(TRUSTED, "--max-connections-per-address=1") as server, Raw(server) as first:
             first.send(line("203.0.113.7") + request("/health"))
             self.assertEqual(first.answer()[0], 200)
@@ -164,13 +164,13 @@ class Counted(unittest.TestCase):
                                    (b"", 200)):
                 self.assertEqual(statuses_of(server, header + request("/health")), [status])
 
-    def test_proxies_are_not(self):
+    def test_proxies_are_not_limited(self):
         with Server(TRUSTED, "--max-connections-per-address=1") as server, Raw(server) as one, Raw(server) as two:
             for raw in (one, two):
                 raw.send(request("/health"))
                 self.assertEqual(raw.answer()[0], 200)
 
-    def test_turns_are_of_each(self):
+    def test_queueing_is_fair_per_client(self):
         def probe(client):
             return ask(server, "/halftone?nonsense=1", "--header", f"X-Forwarded-For: {client}", data=b"x" * 70_000)
 

@@ -1,4 +1,4 @@
-"""Several servers that share jobs by a Redis: each answers for all."""
+"""Several servers that share jobs through Redis: each answers for all of them."""
 
 import contextlib
 import json
@@ -23,7 +23,7 @@ def figure(server, name):
 
 
 def ends_told(log):
-    """How often the log tells of each job that it has ended."""
+    """Counts how often the log reports the end of each job."""
     counts = {}
     for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log):
         counts[job] = counts.get(job, 0) + 1
@@ -31,7 +31,7 @@ def ends_told(log):
 
 
 class JobsByRedis(test_jobs.Jobs):
-    """All that is said of jobs, kept by Redis."""
+    """Runs all tests of jobs, with jobs kept by Redis."""
 
     @classmethod
     def setUpClass(cls):
@@ -54,7 +54,7 @@ class Replicas(unittest.TestCase):
         server.wait_for_log("jobs are stored in Redis")
         return server
 
-    def test_a_job_is_answered_for_by_all(self):
+    def test_any_replica_answers_for_a_job(self):
         first, second = self.start(), self.start()
         job = submit(first, SMALL)
         found = wait_for_end(second, job)
@@ -67,7 +67,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual(ask(second, job, "--request", "DELETE").status, 204)
         self.assertEqual(ask(first, job).status, 404)
 
-    def test_a_job_is_followed_and_cancelled_from_anywhere(self):
+    def test_any_replica_streams_and_cancels_a_job(self):
         first, second, third = self.start(), self.start(), self.start()
         job = submit(first, ENDLESS)
         found = wait_until(lambda: (now := status(second, job))["progress"] > 0 and now)
@@ -89,7 +89,7 @@ class Replicas(unittest.TestCase):
         for other in others:
             self.assertEqual(wait_for_end(second, other)["status"], "succeeded", "no worker is kept")
 
-    def test_a_trace_goes_with_its_job(self):
+    def test_trace_context_travels_with_its_job(self):
         first = self.start()
         trace, parent = "0af7651916cd43dd8448eb211c80319c", "b7ad6b7169203331"
         ids = ("--header", f"traceparent: 00-{trace}-{parent}-01")
@@ -103,7 +103,7 @@ class Replicas(unittest.TestCase):
             self.assertIn(f" trace={trace} parent={parent}\n", line + "\n")
             self.assertIn(f" trace={trace} parent={parent}\n", first.log())
 
-    def test_all_replicas_work(self):
+    def test_jobs_are_spread_over_replicas(self):
         servers = [self.start() for _ in range(3)]
         jobs = [submit(servers[0], {**LONG, "seed": seed}) for seed in range(3)]
         for job in jobs:
@@ -111,7 +111,7 @@ class Replicas(unittest.TestCase):
         for job in jobs:
             ask(servers[2], job, "--request", "DELETE")
 
-    def test_what_a_killed_replica_ran_is_done_by_others(self):
+    def test_jobs_of_a_killed_replica_are_taken_over(self):
         first, second, third = self.start(), self.start(), self.start()
         requests = [{**SMALL, "sites": 3000, "iterations": 20, "seed": seed} for seed in range(30)]
         jobs = [submit((first, second)[seed % 2], request) for seed, request in enumerate(requests)]
@@ -128,7 +128,7 @@ class Replicas(unittest.TestCase):
         told = ends_told(first.log() + second.log() + third.log())
         self.assertEqual(set(told.values()), {1}, "nothing is done twice")
 
-    def test_a_replica_that_shuts_down_gives_back_what_it_runs(self):
+    def test_shutdown_returns_running_jobs_to_the_queue(self):
         first = self.start()
         job = submit(first, LONG)
         wait_for(first, job, "running")
@@ -138,7 +138,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual(found["status"], "succeeded")
         self.assertEqual(figure(second, "ccdt_job_runs_repeated_total"), 0, "the start did not count")
 
-    def test_a_replica_that_was_not_heard_of_changes_nothing_more(self):
+    def test_replica_whose_lease_expired_changes_nothing(self):
         first = self.start()
         job = submit(first, LONG)
         wait_for(first, job, "running")
@@ -153,7 +153,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual((first.stop(), second.stop()), (0, 0))
         self.assertEqual(ends_told(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
 
-    def test_without_redis_only_jobs_have_to_wait(self):
+    def test_only_jobs_wait_while_redis_is_away(self):
         for stop, go_on in ((self.redis.kill, self.redis.start), (self.redis.pause, self.redis.resume)):
             with self.subTest(stop=stop.__name__), Server(*self.flags) as server:
                 server.wait_for_log("jobs are stored in Redis")
@@ -178,7 +178,7 @@ class Replicas(unittest.TestCase):
                 self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
                 self.assertGreater(figure(server, 'ccdt_redis_failures_total{use="jobs"}'), 0)
 
-    def test_a_run_that_ends_while_redis_is_away_is_not_lost(self):
+    def test_run_that_ends_while_redis_is_away_is_not_lost(self):
         server = self.start("--job-lease=600")
         job = submit(server, {**SMALL, "sites": 5000, "iterations": 100})
         wait_for(server, job, "running")
@@ -189,7 +189,7 @@ class Replicas(unittest.TestCase):
                          .json()["status"], "succeeded")
         self.assertEqual(figure(server, "ccdt_job_runs_repeated_total"), 0)
 
-    def test_a_server_starts_before_redis(self):
+    def test_server_starts_before_redis(self):
         self.redis.kill()
         server = self.stack.enter_context(Server(*self.flags))
         server.wait_for_log("jobs have to wait")
@@ -199,7 +199,7 @@ class Replicas(unittest.TestCase):
                     and now.headers["location"])
         self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
-    def test_a_slow_redis_holds_up_nothing_but_jobs(self):
+    def test_slow_redis_delays_jobs_only(self):
         with SlowWay(self.redis, 0.4) as way:
             server = self.stack.enter_context(Server(
                 "--workers=2", f"--redis={way.url}", f"--cache-redis={way.url}", f"--rate-redis={way.url}",
@@ -214,7 +214,7 @@ class Replicas(unittest.TestCase):
                 failures = figure(server, f'ccdt_redis_failures_total{{use="{use}"}}')
                 self.assertEqual(failures > 0, fails, "what can be done without is waited for 0.2 s")
 
-    def test_what_redis_has_lost_is_gone(self):
+    def test_jobs_lost_by_redis_are_not_found(self):
         server = self.start()
         job = submit(server, ENDLESS)
         wait_for(server, job, "running")
@@ -229,7 +229,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual(figure(server, "ccdt_job_leases_lost_total"), 1)
         self.assertEqual(wait_for_end(server, submit(server, SMALL))["status"], "succeeded")
 
-    def test_a_copy_that_may_not_be_written_is_waited_for(self):
+    def test_read_only_redis_replica_is_treated_as_unavailable(self):
         with Redis("--replicaof", "127.0.0.1", str(self.redis.port)) as copy:
             with Server("--workers=2", f"--redis={copy.url}") as server:
                 refused = wait_until(lambda: (now := ask(server, "/sample", *LATER, data=json.dumps(SMALL))).status == 503
@@ -241,14 +241,14 @@ class Replicas(unittest.TestCase):
                             and now.headers["location"])
                 self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
 
-    def test_results_are_larger_than_redis_takes_at_once(self):
+    def test_results_may_exceed_the_bulk_limit_of_redis(self):
         server = self.start()
         self.redis.cli("CONFIG", "SET", "proto-max-bulk-len", "1mb")
         job = submit(server, {**SMALL, "sites": 100_000, "iterations": 0})
         self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
         self.assertGreater(len(ask(server, job + "/result").body), 3 << 20)
 
-    def test_a_full_memory_is_told(self):
+    def test_redis_without_memory_is_reported(self):
         server = self.start()
         done = submit(server, SMALL)
         wait_for_end(server, done)
@@ -262,14 +262,14 @@ class Replicas(unittest.TestCase):
 
 
 class Damage(unittest.TestCase):
-    """Whatever others write over the keys, no answer is a 500 without its reason and no job waits for ever."""
+    """No key overwritten by others causes a 500 without its reason, or lets a job wait for ever."""
 
     JUNK = (("SET", "junk"), ("ZADD", "1", "junk"), ("HSET", "turn", "junk"))
 
     def assert_told(self, answer, key):
         self.assertTrue(answer.status < 500 or b"damaged" in answer.body, f"{key}: {answer}")
 
-    def test_any_key(self):
+    def test_damaged_keys_are_reported(self):
         with Redis() as redis:
             with Server("--workers=2", f"--redis={redis.url}", f"--cache-redis={redis.url}", "--rate-limit=1000000",
                         f"--rate-redis={redis.url}") as server:
@@ -311,9 +311,9 @@ class Damage(unittest.TestCase):
 
 
 class Shared(unittest.TestCase):
-    """What servers share besides jobs, each by choice."""
+    """Tests what servers share besides jobs, each by an option of its own."""
 
-    def test_answers_are_computed_once(self):
+    def test_answers_are_computed_once_by_a_shared_cache(self):
         with Redis() as redis, Server(f"--cache-redis={redis.url}") as first, \
                 Server(f"--cache-redis={redis.url}") as second:
             answers = [ask(server, "/sample", data=json.dumps(SMALL)) for server in (first, second)]
@@ -332,7 +332,7 @@ class Shared(unittest.TestCase):
             wait_until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
                   and redis.cli("KEYS", "ccdt:1:answer:*"))
 
-    def test_rates_are_counted_together(self):
+    def test_rates_are_counted_over_all_servers(self):
         with Redis() as redis:
             flags = (f"--rate-redis={redis.url}", "--rate-limit=0.001", "--rate-burst=3")
             with Server(*flags) as first, Server(*flags) as second:
@@ -344,13 +344,13 @@ class Shared(unittest.TestCase):
 
 
 class Settings(unittest.TestCase):
-    def test_what_loses_jobs_is_told(self):
+    def test_settings_of_redis_that_lose_jobs_are_logged(self):
         with Redis("--appendonly", "no", "--maxmemory-policy", "allkeys-lru") as redis:
             with Server(f"--redis={redis.url}") as server:
                 server.wait_for_log("appendonly yes")
                 server.wait_for_log("maxmemory-policy noeviction")
 
-    def test_passwords_are_shown_to_redis_only(self):
+    def test_passwords_are_not_logged(self):
         with Redis("--requirepass", "secret-word") as redis:
             place = f"127.0.0.1:{redis.port}"
             with Server(environment={"CCDT_REDIS": f"redis://:secret-word@{place}"}) as server:
@@ -363,7 +363,7 @@ class Settings(unittest.TestCase):
                 self.assertEqual(server.stop(), 0)
                 self.assertNotIn("wrong-word", server.log())
 
-    def test_tls_is_verified(self):
+    def test_tls_certificates_are_verified(self):
         with tempfile.TemporaryDirectory() as folder:
             certificate, key = pathlib.Path(folder, "certificate"), pathlib.Path(folder, "key")
             subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
@@ -378,7 +378,7 @@ class Settings(unittest.TestCase):
                 with Server(flag) as server:
                     self.assertIn("certificate", server.wait_for_log("jobs have to wait"))
 
-    def test_what_cannot_be_is_refused(self):
+    def test_unsupported_addresses_are_rejected(self):
         for flags, word in ((["--redis=redis+sentinel://a:26379"], "Sentinel is not supported"),
                             (["--redis=http://a"], "redis://"),
                             (["--redis=redis://a", "--data-dir=b"], "only one of them")):

@@ -47,7 +47,7 @@ class Domains(ServerCase):
                 with self.subTest(name=name, form=form["type"]):
                     self.check(rings_of(geometry), 2000, geometry=form)
 
-    def test_what_is_not_valid_is_repaired_and_told(self):
+    def test_invalid_polygons_are_repaired_with_a_report(self):
         bow_tie = [[0, 0], [2, 2], [2, 0], [0, 2]]
         told = [{"pointer": "/polygon/2", "detail": "the outer ring of part 0 crosses itself at (1, 1)"}]
         self.assertEqual(self.check([bow_tie], 100, polygon=bow_tie)["repaired"], told)
@@ -78,7 +78,7 @@ class Domains(ServerCase):
                           data=json.dumps(document))
         self.assertEqual(answer.json()["geometry"]["coordinates"], expected)
 
-    def test_coordinates_that_may_be_degrees_are_told(self):
+    def test_coordinates_that_may_be_degrees_get_a_warning(self):
         norway = {"type": "Polygon", "coordinates": [[[5, 58], [31, 58], [31, 71], [5, 71]]]}
         told = self.sample(sites=9, geometry=norway)["warnings"]
         self.assertEqual(told[0]["pointer"], "/geometry/coordinates")
@@ -108,7 +108,7 @@ class Domains(ServerCase):
         ring = (numpy.array(SQUARE) * 3 + 1e6).tolist()
         self.check([ring], 100, polygon=ring)
 
-    def test_body_may_come_without_its_type(self):
+    def test_body_needs_no_content_type(self):
         body = json.dumps({"sites": 10, "domain": RECTANGLE})
         for header in ("Content-Type:", "Content-Type: text/plain", "Content-Type: application/x-www-form-urlencoded"):
             with self.subTest(header=header):
@@ -205,7 +205,7 @@ class Mesh(ServerCase):
         geometry = polygon("South-Africa-50m.geojson")
         self.check(rings_of(geometry), sites=1000, geometry=geometry)
 
-    def test_is_left_out_unless_asked_for(self):
+    def test_is_omitted_unless_requested(self):
         result = self.sample(sites=10, domain=RECTANGLE)
         for member in ("vertices", "triangles", "boundary"):
             self.assertNotIn(member, result)

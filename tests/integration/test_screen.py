@@ -1,4 +1,4 @@
-"""Drawings for the screen: their size, their tone, and what their files tell of themselves."""
+"""Drawings for the screen: their size, their tone, and the metadata of their files."""
 
 import itertools
 import pathlib
@@ -25,7 +25,7 @@ def resized(plane, shape):
 
 
 def chunks(png):
-    """Names and contents of a PNG's chunks."""
+    """Returns names and contents of the chunks of a PNG."""
     found, at = {}, 8
     while at < len(png):
         size = int.from_bytes(png[at:at + 4], "big")
@@ -38,7 +38,7 @@ class Size(ServerCase):
     def size(self, query, data=CHELSEA):
         return self.halftone(data, f"?quality=draft&sites=300&{query}").picture().shape[1::-1]
 
-    def test_is_that_asked_for(self):
+    def test_is_as_requested(self):
         for query, size in (("width=137", (137, 91)), ("height=137", (206, 137)), ("width=137&height=50", (75, 50)),
                             ("width=137&height=50&fit=contain", (75, 50)), ("width=137&height=50&fit=cover", (137, 50)),
                             ("width=1", (1, 1)), ("width=2000", (2000, 1330)), ("width=137&width_mm=20", (137, 91)),
@@ -49,13 +49,13 @@ class Size(ServerCase):
         answer = post_json(self.server, "/halftone", {"image": data_uri(CHELSEA), "width": 137, "format": "png"})
         self.assertEqual(answer.picture().shape, (91, 137))
 
-    def test_suits_a_screen_unless_it_is_asked_for(self):
+    def test_fits_a_screen_by_default(self):
         for (width, height), size in (((1200, 900), (1067, 800)), ((60, 40), (1200, 800)), ((3, 9), (333, 1000)),
                                       ((1, 1), (1000, 1000)), ((2500, 100), (1280, 51))):
             with self.subTest(width=width, height=height):
                 self.assertEqual(self.size("", file_of(flat(90, width, height))), size)
 
-    def test_that_is_wrong_is_refused(self):
+    def test_that_is_invalid_is_refused(self):
         for query, field, words in (("width=0", "width", "1 to 65535"), ("height=1.5", "height", "1 to 65535"),
                                     ("width=9&scale=1", "width", "instead of scale"),
                                     ("height=9&scale=1", "height", "instead of scale"),
@@ -67,13 +67,13 @@ class Size(ServerCase):
                 self.assertEqual(problem["errors"][0]["pointer"], field)
         self.assert_problem(self.ask("/halftone?width=60000", data=CHELSEA), 413, "60000 x 39911", "max-pixels")
 
-    def test_is_that_of_the_document_in_svg(self):
+    def test_is_that_of_the_svg_document(self):
         drawing = self.halftone(CHELSEA, "?format=svg&sites=100&width=300&height=300&fit=cover").body.decode()
         self.assertIn('width="300" height="300" viewBox="0 0 300 300"', drawing)
 
 
 class Tone(ServerCase):
-    def test_is_that_of_the_picture_at_each_size(self):
+    def test_equals_that_of_the_picture_at_each_size(self):
         for name, width in itertools.product(("astronaut.png", "camera.png", "chelsea.png"), (100, 200, 640, 1280, None)):
             with self.subTest(name=name, width=width):
                 data = (PICTURES / name).read_bytes()
@@ -85,7 +85,7 @@ class Tone(ServerCase):
                 self.assertLess(abs(error.mean()), 0.5)
                 self.assertLess(abs(error).mean(), 1.5)
 
-    def test_of_flat_greys_is_theirs_at_each_size(self):
+    def test_of_flat_greys_is_exact_at_each_size(self):
         for level, width in itertools.product((30, 100, 180, 240), (50, 200, 1000)):
             with self.subTest(level=level, width=width):
                 seen = LIGHT[pixels(self.halftone(file_of(flat(level)), f"?width={width}").body, "L")]
@@ -93,7 +93,7 @@ class Tone(ServerCase):
 
 
 class File(ServerCase):
-    def test_tells_that_its_values_are_srgb(self):
+    def test_declares_srgb(self):
         for query in ("", "width=200", "scale=1", "color=cmyk", "background=transparent", "width_mm=80"):
             with self.subTest(query=query):
                 body = self.halftone(CHELSEA, "?sites=300&quality=draft&" + query).body
@@ -105,7 +105,7 @@ class File(ServerCase):
                     pathlib.Path(file.name).write_bytes(body)
                     subprocess.run(["pngcheck", "-q", file.name], check=True)
 
-    def test_in_print_has_the_resolution_of_its_width(self):
+    def test_for_print_has_a_resolution(self):
         for query, width in (("width_mm=100", None), ("width_mm=100&width=1000", 1000), ("width_mm=100&scale=2", 902)):
             with self.subTest(query=query):
                 answer = self.halftone(CHELSEA, "?sites=300&quality=draft&" + query)

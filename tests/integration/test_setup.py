@@ -1,4 +1,4 @@
-"""Scripts and image: one list of packages, read by all that set up a machine."""
+"""Scripts and image: one list of packages, which everything that sets up a machine reads."""
 
 import ast
 import importlib.util
@@ -20,7 +20,7 @@ LIST = ROOT / "docker" / "packages.txt"
 
 
 def sections():
-    """The list, read in a way of our own."""
+    """Reads the list independently of the scripts."""
     found = {}
     for line in LIST.read_text().splitlines():
         line = line.split("#")[0].strip()
@@ -32,7 +32,7 @@ def sections():
 
 
 def imports(path):
-    """Modules that a file of Python takes, without those inside of them."""
+    """Returns the top-level modules that a Python file imports."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
@@ -41,7 +41,7 @@ def imports(path):
 
 
 def package_of(module):
-    """The package that brought a module of Python; none if no package did."""
+    """Returns the package that installed a Python module; none if no package did."""
     found = importlib.util.find_spec(module)
     if found is None:
         return None
@@ -50,7 +50,7 @@ def package_of(module):
 
 
 class Setup(unittest.TestCase):
-    def test_scripts_are_sound_and_executable(self):
+    def test_scripts_are_valid_and_executable(self):
         for name in SCRIPTS:
             path = ROOT / name
             with self.subTest(name=name):
@@ -105,7 +105,7 @@ class Setup(unittest.TestCase):
         self.assertNotIn("apt-get", text)
         self.assertNotIn("tools", text)
 
-    def test_the_image_can_be_made_of_packages_of_another_day(self):
+    def test_the_image_can_be_built_from_a_snapshot(self):
         snapshot = ROOT / "docker" / "snapshot"
         with tempfile.TemporaryDirectory() as folder:
             sources = pathlib.Path(folder) / "sources.list.d" / "debian.sources"
@@ -132,12 +132,12 @@ class Setup(unittest.TestCase):
         told = subprocess.run([NODE, "--version"], capture_output=True, text=True, check=True).stdout
         self.assertEqual({f"v{version}\n" for version in pinned.values()}, {told})
 
-    def test_the_tests_have_their_tools_unpacked(self):
+    def test_tests_unpack_their_tools(self):
         self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())
 
 
 class Unpacking(unittest.TestCase):
-    """With an apt-get of our own, which has the package `widget` once its lists are renewed, and a sudo for that."""
+    """Unpacking with a fake apt-get, which has the package `widget` once its lists are updated, and a fake sudo."""
 
     APT_GET = """#!/bin/bash
 while [[ $1 == -* ]]; do [[ $1 == -o ]] && shift; shift; done
@@ -182,21 +182,21 @@ exec "$@"
     def tools(self):
         return sorted(path.name for path in (self.root / "build" / "tools").iterdir())
 
-    def test_renews_the_lists_if_need_be_and_installs_nothing(self):
+    def test_updates_the_lists_if_necessary_and_installs_nothing(self):
         done = self.unpack("widget")
         self.assertEqual((done.returncode, done.stderr), (0, "unpacking: widget\n"))
         self.assertEqual(self.calls(), ["download widget", "update", "download widget"])
         self.assertEqual((self.root / "build/tools/widget/usr/bin/widget").read_text(), "whirr\n")
         self.assertEqual(self.tools(), ["widget"])
 
-    def test_is_quiet_once_it_is_done(self):
+    def test_does_nothing_when_repeated(self):
         self.unpack("widget")
         calls = self.calls()
         again = self.unpack("widget")
         self.assertEqual((again.returncode, again.stdout, again.stderr), (0, "", ""))
         self.assertEqual(self.calls(), calls)
 
-    def test_fails_if_there_is_no_such_package(self):
+    def test_fails_for_unknown_packages(self):
         self.assertNotEqual(self.unpack("gadget").returncode, 0)
         self.assertEqual(self.tools(), [])
 

@@ -1,4 +1,4 @@
-"""What a disk may do to jobs: change bits, be full."""
+"""Jobs on a faulty disk: with flipped bits, or full."""
 
 import contextlib
 import http.client
@@ -19,12 +19,12 @@ from raw import SANITIZED
 TORUS = {"type": "torus", "width": 1, "height": 1}
 LATER = {"Prefer": "respond-async"}
 JOBS = 16  # together more than SQLite keeps in memory
-KEPT = 5 << 20  # bytes of free pages at most, for jobs to come
+KEPT = 5 << 20  # maximum number of bytes in free pages, for jobs to come
 SEEDS = 4 if SANITIZED else 10
 
 
 def exchange(server, method, path, body=None, headers=None):
-    """Status, type and body of an answer, over a connection of its own."""
+    """Returns status, type and body of an answer, over a connection of its own."""
     connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
     try:
         connection.request(method, path, body, headers or {})
@@ -53,7 +53,7 @@ def figure(server, name):
 
 
 class Bits(unittest.TestCase):
-    """Some bits are another thing than they were. No answer is wrong for it."""
+    """Some bits are flipped. No answer is wrong because of it."""
 
     @classmethod
     def setUpClass(cls):
@@ -76,7 +76,7 @@ class Bits(unittest.TestCase):
         self.file = self.place / "jobs.sqlite"
 
     def start(self):
-        """None if the server will not have the file, and says why."""
+        """Returns none if the server refuses the file and says why."""
         try:
             return Server(f"--data-dir={self.place}")
         except AssertionError as error:
@@ -84,7 +84,7 @@ class Bits(unittest.TestCase):
             return None
 
     def check(self, server):
-        """How many results are right, and how many are said to be damaged or not there."""
+        """Returns how many results are right, and how many are reported as damaged or missing."""
         right = told = 0
         for job, answer in self.known.items():
             found = exchange(server, "GET", job + "/result")
@@ -97,7 +97,7 @@ class Bits(unittest.TestCase):
             told += 1
         return right, told
 
-    def test_that_flipped_while_no_server_ran(self):
+    def test_flipped_while_no_server_runs(self):
         right = told = refused = 0
         for seed in range(SEEDS):
             chance = random.Random(seed)
@@ -124,7 +124,7 @@ class Bits(unittest.TestCase):
         self.assertGreater(right, 0)
         self.assertGreater(told, 0)
 
-    def test_that_flip_while_a_server_runs(self):
+    def test_flipped_while_a_server_runs(self):
         right = told = 0
         for seed in range(SEEDS):
             chance = random.Random(seed)
@@ -145,10 +145,10 @@ class Bits(unittest.TestCase):
 
 
 class FullDisk(unittest.TestCase):
-    """On a small disk of its own, which jobs and others fill to the last byte."""
+    """A small disk of its own, which jobs and other files fill to the last byte."""
 
     SIZE = 64 << 20
-    LARGE = {"sites": 200_000, "iterations": 0, "domain": TORUS}  # some 8 MB
+    LARGE = {"sites": 200_000, "iterations": 0, "domain": TORUS}  # about 8 MB
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -166,7 +166,7 @@ class FullDisk(unittest.TestCase):
         return found.f_bavail * found.f_frsize
 
     def fill(self):
-        """Jobs take what they can get, others the rest. Returns the jobs that have a result."""
+        """Fills the disk with jobs, then with other files. Returns the jobs that have a result."""
         done = []
         while wait_for_end(self.server, job := submit(self.server, **self.LARGE)) == "succeeded":
             done.append(job)
@@ -180,7 +180,7 @@ class FullDisk(unittest.TestCase):
         self.assertGreater(len(done), 1)
         return done
 
-    def test_jobs_can_be_deleted_and_give_their_room_back(self):
+    def test_deleted_jobs_free_space(self):
         with Server(*self.flags) as self.server:
             done = self.fill()
             results = [exchange(self.server, "GET", job + "/result")[2] for job in done]
@@ -195,7 +195,7 @@ class FullDisk(unittest.TestCase):
             self.assertEqual(self.server.stop(), 0)
         self.assertEqual([file.name for file in (self.disk / "jobs").iterdir()], ["jobs.sqlite"])
 
-    def test_a_server_starts_and_forgets_what_has_expired(self):
+    def test_a_server_starts_and_removes_expired_jobs(self):
         with Server(*self.flags) as self.server:
             self.fill()
             self.server.signal(signal.SIGKILL)

@@ -1,4 +1,4 @@
-"""Large answers, which go out in pieces as they are written."""
+"""Large answers, which are sent in pieces while they are written."""
 
 import gzip
 import json
@@ -16,11 +16,11 @@ from test_computing import children, figure, fork_server, wait_until
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 MANY = 400_000
-LARGER = 1_000_000  # more than server, sockets and curl hold of an answer
+LARGER = 1_000_000  # more of an answer than server, sockets and curl hold
 
 
 def points(form, sites=MANY, **members):
-    """Of a method that takes no time."""
+    """Returns a request for points by a method that takes no time."""
     return json.dumps({"sites": sites, "domain": TORUS, "method": "random", "format": form, **members})
 
 
@@ -30,12 +30,12 @@ def figure_of(process, name):
 
 
 def peak(process):
-    """Most bytes that a process has had resident."""
+    """Returns the largest number of bytes that a process has had resident."""
     return figure_of(process, "VmHWM")
 
 
 def of_computing(server, name):
-    """The largest figure of the processes that compute, of which there is one at least."""
+    """Returns the largest figure of the processes that compute, of which there is at least one."""
     return max(figure_of(process, name) for process in children(fork_server(server)))
 
 
@@ -43,12 +43,12 @@ class Streams(ServerCase):
     flags = ("--workers=2", "--timeout=120", "--job-bytes=256MiB", "--memory=4GiB")
 
     def whole(self, body):
-        """The same answer as a job's result, whose length is known."""
+        """Returns the same answer as the result of a job, whose length is known."""
         job = post_json(self.server, "/sample", body, "--header", "Prefer: respond-async").headers["location"]
         wait_until(lambda: self.ask(job).json()["status"] == "succeeded")
         return self.ask(job + "/result")
 
-    def test_have_the_bytes_of_whole_answers(self):
+    def test_equal_whole_answers(self):
         for form in ("npy", "csv", "geojson"):
             body = points(form, 300_000)
             streamed, whole = post_json(self.server, "/sample", body), self.whole(body)
@@ -58,7 +58,7 @@ class Streams(ServerCase):
             self.assertEqual(whole.headers["content-length"], str(len(whole.body)))
             self.assertEqual(streamed.body, whole.body)
 
-    def test_are_compressed_as_they_go(self):
+    def test_are_compressed_in_pieces(self):
         body = points("csv", 300_000)
         answer = post_json(self.server, "/sample", body, "--header", "Accept-Encoding: gzip")
         self.assertEqual(answer.headers["content-encoding"], "gzip")
@@ -69,18 +69,18 @@ class Streams(ServerCase):
         for each in (answer, plain):
             self.assertIn("Accept-Encoding", each.headers["vary"])
 
-    def test_have_tags(self):
+    def test_have_entity_tags(self):
         body = points("npy", 300_000)
         tag = post_json(self.server, "/sample", body).headers["etag"]
         self.assertEqual(post_json(self.server, "/sample", body, "--header", f"If-None-Match: {tag}").status, 304)
 
-    def test_end_with_the_connection_for_old_clients(self):
+    def test_end_with_the_connection_for_http_1_0_clients(self):
         body = points("csv", 300_000)
         old = post_json(self.server, "/sample", body, "--http1.0")
         self.assertNotIn("transfer-encoding", old.headers)
         self.assertEqual(old.body, post_json(self.server, "/sample", body).body)
 
-    def test_are_kept_if_there_is_room(self):
+    def test_are_cached_if_they_fit(self):
         with Server("--cache=64MiB") as server:
             body = points("csv", 300_000)
             first, second = (post_json(server, "/sample", body) for _ in range(2))
@@ -88,7 +88,7 @@ class Streams(ServerCase):
             self.assertEqual(second.headers["content-length"], str(len(first.body)))
             self.assertEqual((second.headers["etag"], second.body), (first.headers["etag"], first.body))
 
-    def test_end_what_computes_when_the_client_leaves(self):
+    def test_stop_the_computation_when_the_client_leaves(self):
         with Server("--workers=1", "--timeout=120") as server:
             call = Call(server.url("/sample"), *JSON, "--limit-rate", "1M", data=points("geojson", LARGER))
             wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
@@ -97,7 +97,7 @@ class Streams(ServerCase):
             server.wait_for_log(" 499 ")
             self.assertEqual(post_json(server, "/sample", points("csv", 100)).status, 200)
 
-    def test_break_off_visibly(self):
+    def test_are_visibly_incomplete_after_a_failure(self):
         with Server("--workers=1", "--timeout=120") as server:
             call = Call(server.url("/sample"), *JSON, "--limit-rate", "8M", data=points("geojson", LARGER))
             wait_until(lambda: call.body.is_file() and call.body.stat().st_size > 0)
@@ -105,7 +105,7 @@ class Streams(ServerCase):
                 os.kill(process, signal.SIGKILL)
             with call.folder:
                 call.process.communicate()
-                self.assertEqual(call.process.returncode, 18)  # a part only
+                self.assertEqual(call.process.returncode, 18)  # only a part
                 self.assertIn(b" 200 ", call.head.read_bytes())
             server.wait_for_log("the process that computed it was killed")
             self.assertEqual(post_json(server, "/sample", points("csv", 100)).status, 200)
@@ -115,7 +115,7 @@ PREFER = ("--header", "Prefer: respond-async")
 
 
 def finished(server, body):
-    """Where a job is that has succeeded."""
+    """Returns the path of a job that has succeeded."""
     job = post_json(server, "/sample", body, *PREFER).headers["location"]
     wait_until(lambda: ask(server, job).json()["status"] not in ("queued", "running"))
     assert ask(server, job).json()["status"] == "succeeded", ask(server, job)
@@ -123,7 +123,7 @@ def finished(server, body):
 
 
 class Results(unittest.TestCase):
-    """Large results of jobs, which are kept and sent in pieces."""
+    """Large results of jobs, which are stored and sent in pieces."""
 
     def test_outlive_the_server(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -139,7 +139,7 @@ class Results(unittest.TestCase):
                 self.assertEqual(head.headers["content-length"], str(len(expected)))
                 self.assertEqual(server.stop(), 0)
 
-    def test_break_off_visibly_once_they_are_gone(self):
+    def test_are_visibly_incomplete_once_deleted(self):
         with Server("--timeout=120", "--job-bytes=256MiB") as server:
             job = finished(server, points("geojson", LARGER))
             call = Call(server.url(job + "/result"), "--limit-rate", "8M")
@@ -147,10 +147,10 @@ class Results(unittest.TestCase):
             self.assertEqual(ask(server, job, "--request", "DELETE").status, 204)
             with call.folder:
                 call.process.communicate()
-                self.assertIn(call.process.returncode, (18, 56))  # a part only, or a connection that was reset
+                self.assertIn(call.process.returncode, (18, 56))  # only a part, or a connection that was reset
                 self.assertIn(b" 200 ", call.head.read_bytes())
 
-    def test_that_are_too_large_are_told_as_early_as_may_be(self):
+    def test_that_are_too_large_are_refused_as_early_as_possible(self):
         with Server("--timeout=120", "--job-bytes=6MiB") as server:
             known = post_json(server, "/sample", points("npy"), *PREFER)
             self.assertEqual(known.status, 413)
@@ -165,7 +165,7 @@ class Results(unittest.TestCase):
 
 @unittest.skipIf(SANITIZED, "sanitizers take memory of their own")
 class Memory(unittest.TestCase):
-    def test_does_not_hold_results_of_jobs(self):
+    def test_of_the_server_excludes_results_of_jobs(self):
         with tempfile.TemporaryDirectory() as folder:
             with Server("--workers=1", "--timeout=120", f"--data-dir={folder}") as server:
                 finished(server, points("npy"))
@@ -184,7 +184,7 @@ class Memory(unittest.TestCase):
             self.assertLess(of_computing(server, "VmHWM") - before, 340 * many)
             self.assertEqual(server.stop(), 0)
 
-    def test_of_what_writes_is_that_of_the_points(self):
+    def test_of_writing_is_bounded_by_the_points(self):
         for form in ("csv", "geojson"):
             with Server("--workers=1", "--timeout=120") as server:
                 post_json(server, "/sample", points("csv", 100))
@@ -194,9 +194,9 @@ class Memory(unittest.TestCase):
                 taken = of_computing(server, "VmRSS") - before
                 call.abandon()
                 self.assertGreater(taken, 16 * LARGER)
-                self.assertLess(taken, 16 * LARGER + (14 << 20))  # neither points twice nor a text of them
+                self.assertLess(taken, 16 * LARGER + (14 << 20))  # neither the points twice nor their text
 
-    def test_does_not_hold_the_answer(self):
+    def test_of_the_server_excludes_the_answer(self):
         with Server("--workers=1", "--timeout=120") as server:
             post_json(server, "/sample", points("npy"))
             before = peak(server.process.pid)

@@ -1,4 +1,4 @@
-"""Time limits of the tests, and tests/support/supervise.py, which runs those that start other programs."""
+"""Time limits of the tests, and tests/support/supervise.py, which runs tests that start other programs."""
 
 import json
 import os
@@ -58,13 +58,14 @@ def is_running(process):
 
 class Supervision(unittest.TestCase):
     def start(self, *command):
-        """Starts PARENT by a command; returns that command's process, and the ids of the orphan-to-be and of PARENT."""
+        """Starts PARENT by a command. Returns the process of the command, and the ids of the orphan-to-be and of
+        PARENT."""
         process = subprocess.Popen([*command, sys.executable, "-c", PARENT + "wait_forever()"],
                                    stdout=subprocess.PIPE, text=True)
         self.addCleanup(process.stdout.close)
         return process, *map(int, process.stdout.readline().split())
 
-    def test_passes_the_exit_status_on(self):
+    def test_returns_the_exit_status(self):
         self.assertEqual(supervise(60, "true").returncode, 0)
         self.assertEqual(supervise(60, "sh", "-c", "exit 3").returncode, 3)
         self.assertEqual(supervise(60, "sh", "-c", "kill -9 $$").returncode, 128 + signal.SIGKILL)
@@ -93,19 +94,19 @@ class Supervision(unittest.TestCase):
         self.assertIn("ValueError: in the set-up", done.stderr)
         self.assertNotIn("time limit", done.stderr)
 
-    def test_kills_what_outlives_a_program(self):
+    def test_kills_processes_that_outlive_the_program(self):
         process, orphan, program = self.start(*SUPERVISE, "60")
         os.kill(program, signal.SIGKILL)
         self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGKILL)
         self.assertFalse(is_running(orphan))
 
-    def test_kills_all_when_told_to_end(self):
+    def test_kills_all_processes_on_sigterm(self):
         process, *others = self.start(*SUPERVISE, "60")
         process.terminate()
         self.assertEqual(process.wait(PATIENCE), 128 + signal.SIGTERM)
         self.assertFalse(any(map(is_running, others)))
 
-    def test_kills_all_once_its_own_parent_is_gone(self):
+    def test_kills_all_processes_when_its_parent_ends(self):
         process, *others = self.start("sh", "-c", '"$@"; true', "sh", *SUPERVISE, "60")
         process.kill()
         process.wait(PATIENCE)
@@ -115,7 +116,7 @@ class Supervision(unittest.TestCase):
 class Limits(unittest.TestCase):
     def test_every_test_has_one(self):
         build = pathlib.Path(os.environ["CCDT_SERVER"]).resolve().parent
-        # ctest starts a new log where it runs, even if it only lists tests.
+        # ctest starts a new log in its working directory, even if it only lists tests.
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "CTestTestfile.cmake").write_text(f'subdirs("{build}")\n')
             told = subprocess.run(["ctest", "--show-only=json-v1"], cwd=folder, capture_output=True, check=True).stdout

@@ -1,4 +1,4 @@
-"""The tone of halftones: what a far eye sees of them, level by level."""
+"""The tone of halftones as seen from afar, level by level."""
 
 import itertools
 import pathlib
@@ -17,19 +17,20 @@ PHOTOGRAPHS = ("astronaut.png", "camera.png", "chelsea.png")
 
 
 def luminance(file):
-    """Of each pixel; what is transparent shows white."""
+    """Returns the luminance of each pixel; transparent ones show white."""
     rgba = pixels(file, "RGBA")
     alpha = rgba[..., 3] / 255
     return LIGHT[rgba[..., :3]] @ CHANNELS * alpha + 1 - alpha
 
 
 def enlarged(plane, shape):
-    """Or reduced: the light of each pixel of another size."""
+    """Enlarges or reduces a plane: returns the light of each pixel of another size."""
     return numpy.asarray(Image.fromarray(plane.astype(numpy.float32)).resize(shape[::-1], Image.Resampling.BOX))
 
 
 def errors(wanted, seen, dots):
-    """Mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches."""
+    """Returns the mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches.
+    """
     sigma = 2 * (seen.size / dots) ** 0.5
     wanted = enlarged(wanted, seen.shape)
     level = lightness(blurred(wanted, sigma))
@@ -79,7 +80,7 @@ class Levels(ServerCase):
             dots = self.dots_of(data, query)
             self.check(lightness(luminance(data)) / 100, self.halftone(data, "?" + query).body, dots)
 
-    def test_levels_as_an_editor_sets_them(self):
+    def test_levels_as_in_an_image_editor(self):
         data = (PICTURES / "camera.png").read_bytes()
         share = numpy.clip((pixels(data) / 255 - 0.1) / 0.8, 0, 1) ** (1 / 1.5)
         query = "levels=0.1,0.9,1.5&dots=both"
@@ -103,7 +104,7 @@ class Levels(ServerCase):
         self.check(wanted, seen, self.dots_of(data, "dots=both"))
 
     def test_drawings(self):
-        """Large enough that the renderer's own rims do not count."""
+        """Dots are large enough that the renderer's own antialiasing does not matter."""
         data = (PICTURES / "camera.png").read_bytes()
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
@@ -114,7 +115,7 @@ class Levels(ServerCase):
         self.assertLess(worst, 1.5)
         self.assertLess(abs(dark), 1)
 
-    def test_density_does_not_count_overlaps(self):
+    def test_tone_density_ignores_overlaps(self):
         data = (PICTURES / "camera.png").read_bytes()
         dots = self.dots_of(data, "")
         dark, worst = errors(luminance(data), luminance(self.halftone(data, "?tone=density").body), dots)
@@ -134,7 +135,7 @@ class Wedge(ServerCase):
 
 
 def lettering(width=480, height=320):
-    """Text of thin strokes, black on white."""
+    """Returns text with thin strokes, black on white."""
     picture = Image.new("L", (width, height), 255)
     draw = ImageDraw.Draw(picture)
     for row in range(6, height - 12, 14):
@@ -143,14 +144,14 @@ def lettering(width=480, height=320):
 
 
 def soft_lettering():
-    """The same as a camera sees it on grey paper."""
+    """Returns the same text as a camera sees it, on grey paper."""
     soft = Image.fromarray(lettering().astype(numpy.uint8)).filter(ImageFilter.GaussianBlur(0.7))
     return 50 + numpy.asarray(soft) // 2
 
 
 class Detail(ServerCase):
     def contrast(self, data, query):
-        """That of edges, over what it is in the picture: of waves of two to four pitches or so."""
+        """Returns the contrast of edges relative to that in the picture, for waves of about two to four pitches."""
         dots = self.halftone(data, f"?format=json&{query}").json()["sites"]
         seen = luminance(self.halftone(data, "?" + query).body)
         wanted = enlarged(luminance(data), seen.shape)
@@ -158,7 +159,7 @@ class Detail(ServerCase):
         of_picture, of_dots = (blurred(plane, 0.5 * pitch) - blurred(plane, pitch) for plane in (wanted, seen))
         return (of_picture * of_dots).sum() / (of_picture ** 2).sum()
 
-    def test_gives_edges_the_contrast_that_they_have_on_both_sides(self):
+    def test_preserves_the_contrast_of_edges_with_dots_on_both_sides(self):
         for name, data in (("camera", (PICTURES / "camera.png").read_bytes()), ("text", file_of(soft_lettering()))):
             with self.subTest(name=name):
                 without, usual, much = (self.contrast(data, f"sites=12000&detail={detail}") for detail in (0, 0.7, 1))
@@ -167,7 +168,7 @@ class Detail(ServerCase):
                 self.assertLess(abs(usual - 1), abs(without - 1))
                 self.assertLess(abs(usual - 1), 0.03)
 
-    def test_gives_edges_the_contrast_that_they_have(self):
+    def test_preserves_the_contrast_of_edges(self):
         for name, data in (("camera", (PICTURES / "camera.png").read_bytes()),
                            ("chelsea", (PICTURES / "chelsea.png").read_bytes()), ("text", file_of(soft_lettering()))):
             with self.subTest(name=name):
@@ -183,7 +184,7 @@ class Detail(ServerCase):
         x, y = numpy.array(dots).astype(int).T
         self.assertTrue((picture[y, x] == 0).all())
 
-    def test_of_the_picture_decides_on_the_number_of_dots(self):
+    def test_of_the_picture_determines_the_number_of_dots(self):
         sharp = lettering()
         soft = numpy.asarray(Image.fromarray(sharp.astype(numpy.uint8)).filter(ImageFilter.GaussianBlur(4)))
         of_sharp, of_soft = (self.halftone(file_of(picture), "?format=json").json()["sites"]
@@ -195,7 +196,7 @@ class Detail(ServerCase):
         self.assertGreater(likeness[0], 0.9)
         self.assertLess(likeness[1], 0.8)
 
-    def test_of_most_photographs_leaves_a_dot_for_eight_pixels_of_ink(self):
+    def test_of_photographs_gives_a_dot_per_eight_pixels_of_ink(self):
         for name in ("astronaut.png", "camera.png"):
             data = (PICTURES / name).read_bytes()
             ink = (1 - luminance(data)).sum()
@@ -206,7 +207,7 @@ class Detail(ServerCase):
     def dots_of(self, data, query=""):
         return self.halftone(data, "?format=json&quality=draft" + query).json()["sites"]
 
-    def test_is_bounded(self):
+    def test_is_limited_to_a_number_of_dots(self):
         noise = numpy.random.default_rng(1).integers(0, 256, (500, 500))
         self.assertEqual(self.dots_of(file_of(noise)), 100_000)
 
@@ -235,7 +236,7 @@ class Pen(ServerCase):
         self.assertIn(f"<desc>{dots['sites']} dots along", drawing)
         self.assert_problem(self.ask("/halftone?dot=0.5mm", data=data), 400, "width_mm")
 
-    def test_both_make_one_factor_which_is_told(self):
+    def test_size_and_number_together_give_a_reported_factor_of_tone(self):
         data = (PICTURES / "chelsea.png").read_bytes()
         wanted = 1 - luminance(data)
         answer = self.halftone(data, "?dot=2&scale=2&sites=9000&dots=ink")
@@ -246,7 +247,7 @@ class Pen(ServerCase):
         dark, worst = errors(1 - tone * wanted, 1 - seen, 9000)
         self.assertLess(worst, 1.5)
 
-    def test_radius_is_that_of_the_drawn_dots(self):
+    def test_reported_radius_is_that_of_the_drawn_dots(self):
         data = (PICTURES / "camera.png").read_bytes()
         dots = self.dots(data, "sites=3000&scale=4")
         drawn = self.halftone(data, "?sites=3000&scale=4&dots=ink")

@@ -1,4 +1,4 @@
-// With API keys the page is open to all, and asks for a key when the server does.
+// With API keys the page is open to everybody, and asks for a key if the server requires one.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, writeFileSync } from "node:fs";
@@ -14,7 +14,7 @@ const file = path.join(folder, "keys");
 writeFileSync(file, `page:${key}\n`);
 const world = useBrowser({ flags: [`--api-key-file=${file}`] });
 
-test("asks for a key, and again if it is wrong", async () => {
+test("asks for a key, and again after a wrong one", async () => {
   const { page } = world;
   await page.goto(world.url);
   await page.waitForSelector("#access:not([hidden])");

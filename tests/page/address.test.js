@@ -1,4 +1,4 @@
-// The address holds the settings: to be shared, to survive a reload, to go back and forward in.
+// The address holds the settings, which can be shared, survive a reload, and follow back and forward.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -23,7 +23,7 @@ async function type(panel, name, value) {
   await settled(world.page, panel);
 }
 
-/** The same address in a new page shows the same request; it has no other settings. */
+/** Checks that the same address in a new page, which has no other settings, shows the same request. */
 async function isShared(panel) {
   const [address, request] = [await hash(), await snippet(panel)];
   const page = await world.page.context().newPage();
@@ -34,7 +34,7 @@ async function isShared(panel) {
   await page.close();
 }
 
-test("what is as it was at first is left out", async () => {
+test("leaves out settings that have their defaults", async () => {
   await open();
   assert.equal(await hash(), "#halftone");
   await type("halftone", "sites", "700");
@@ -43,7 +43,7 @@ test("what is as it was at first is left out", async () => {
   assert.equal(await hash(), "#halftone");
 });
 
-test("a halftone's settings are shared, of every kind of field", async () => {
+test("shares the settings of a halftone, of every kind of field", async () => {
   await open();
   const { page } = world;
   await page.click("#halftone [data-sample='cat.jpg']");
@@ -71,7 +71,7 @@ test("a halftone's settings are shared, of every kind of field", async () => {
   assert.equal((await settings()).picture, "cat.jpg");
 });
 
-test("a radius in pixels is shared with the width that it was seen at", async () => {
+test("shares a radius in pixels with the width at which it was shown", async () => {
   await open();
   await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await type("halftone", "dot", "2.5");
@@ -79,7 +79,7 @@ test("a radius in pixels is shared with the width that it was seen at", async ()
   await isShared("halftone");
 });
 
-test("a shape is shared: drawn, with sides, or a map", async () => {
+test("shares a shape: drawn, with sides, or a map", async () => {
   const { page } = world;
   for (const address of [
     "#sample?shape=polygon&corners=" + encodeURIComponent('{"polygon":[[0,0],[2,0],[2,1],[0,1]]}') + "&sites=300&seed=4&iteration=3",
@@ -98,7 +98,7 @@ test("a shape is shared: drawn, with sides, or a map", async () => {
   }
 });
 
-test("texts that are no settings are passed over", async () => {
+test("ignores texts that are not valid settings", async () => {
   await open("#halftone?sites=many&tone=loud&picture=../key&palette=red&color=palette&dot=3furlongs&nothing=7");
   assert.deepEqual(await settings(), { color: "palette" });
   await open("#sample?corners=%7B&shape=own&iteration=x&sites=");
@@ -106,7 +106,7 @@ test("texts that are no settings are passed over", async () => {
   assert.match(await world.page.textContent("#sample .status"), /^1,000 points/);
 });
 
-test("one goes back and forward through panels, pictures and shapes, not through each number", async () => {
+test("goes back and forward through panels, pictures and shapes, but not through each number", async () => {
   await open();
   const { page } = world;
   await type("halftone", "sites", "900");
@@ -134,12 +134,12 @@ test("one goes back and forward through panels, pictures and shapes, not through
   await page.goForward();
   await settled(page, "halftone");
   assert.match(await snippet("halftone"), /camera\.png/);
-  await page.reload();  // the page cannot have it any more, but still has the settings
+  await page.reload();  // the page no longer has the file, but still has the settings
   await settled(page, "halftone");
   assert.deepEqual(await settings(), { sites: "800" });
 });
 
-test("one may go back faster than what is shown is made", async () => {
+test("allows going back before what is shown is ready", async () => {
   await open("#halftone?sites=300");
   const { page } = world;
   for (const name of ["cat.jpg", "camera.jpg", "astronaut.jpg"]) {
@@ -153,7 +153,7 @@ test("one may go back faster than what is shown is made", async () => {
   assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
 });
 
-test("an address without a shape has the map, or with other settings the polygon", async () => {
+test("shows the map without a shape in the address, and the polygon with other settings", async () => {
   for (const [address, shape] of [["#sample", "file"], ["#sample?sites=300", "polygon"], ["#analyze", "polygon"]]) {
     await open(address);
     assert.equal(await world.page.inputValue("#shape"), shape);
@@ -161,7 +161,7 @@ test("an address without a shape has the map, or with other settings the polygon
   }
 });
 
-test("an analysis comes with what was made", async () => {
+test("shares an analysis with the points that were analyzed", async () => {
   await open("#analyze?shape=torus&sites=400");
   assert.match(await world.page.textContent("#analyze tbody tr td"), /^400$/);
   await world.page.click("#tab-sample");

@@ -1,4 +1,4 @@
-// The spectrum of what was made, beside each method's points.
+// Analyses of points and dots, beside the points of each method.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -38,7 +38,7 @@ test("analyzes the largest square inside a polygon", async () => {
   assert.match(await world.page.textContent("#analyze .note"), /largest square/);
 });
 
-test("analyzes more points than it shows the spectrum of", async () => {
+test("analyzes more points than it shows in the spectrum", async () => {
   await world.page.goto(`${world.url}/#sample?shape=torus&sites=140000&quality=draft&iteration=1`);
   await settled(world.page, "sample");
   assert.match(await world.page.textContent("#sample .status"), /^140,000 points/);

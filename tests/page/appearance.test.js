@@ -1,4 +1,4 @@
-// In light and dark, wide and narrow, by keyboard and for screen readers.
+// The page in light and dark, wide and narrow, by keyboard and for screen readers.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -26,7 +26,7 @@ async function isAccessible(page, panel, width) {
   assert.ok(taken <= width, `${panel} is ${taken} wide`);
 }
 
-/** Shows what is closed at first: rarer options, lines of help, the plotter's part. */
+/** Opens what is closed at first: rarer options, lines of help, the plotter's part. */
 async function unfold(page, panel) {
   await page.evaluate((id) => {
     const place = document.getElementById(id);

@@ -1,5 +1,5 @@
-// Whatever is clicked, typed and dropped, in whatever order: nothing on the page fails unforeseen. CCDT_CLICK_SECONDS
-// and CCDT_CLICK_SEED tell how long and from which seed on, in each browser.
+// Whatever is clicked, typed and dropped, in any order, causes no unexpected error. CCDT_CLICK_SECONDS and
+// CCDT_CLICK_SEED set the duration and the first seed, in each browser.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -13,7 +13,7 @@ const seconds = Number(process.env.CCDT_CLICK_SECONDS ?? 10);
 const seed = Number(process.env.CCDT_CLICK_SEED ?? 1);
 const narrow = { width: 390, height: 844 };
 
-/** Numbers that are as good as random, in [0, 1) (mulberry32). */
+/** Returns a generator of pseudo-random numbers in [0, 1) (mulberry32). */
 function randomFrom(state) {
   return () => {
     state = (state + 0x6d2b79f5) | 0;
@@ -34,9 +34,9 @@ const shapes = [
 ];
 
 /**
- * Runs in the page: does something with one of the controls that are there.
+ * Runs in the page: uses one of the controls that exist.
  * @param dice  numbers in [0, 1)
- * @returns  what it was, and the place to press if that is left to the mouse
+ * @returns  a description, and the position to click if that is left to the mouse
  */
 function actIn({ dice, text, picture }) {
   const pick = (list, die) => list[Math.floor(die * list.length)];
@@ -72,7 +72,7 @@ function actIn({ dice, text, picture }) {
 
 const keys = ["Enter", "Escape", "Backspace", "Control+z", "+", "-", "0", "ArrowLeft"];
 
-/** @param press  what makes the browser's keyboard press a key, or several */
+/** @param press  makes the browser's keyboard press a key, or several */
 async function clickAround(page, press, faults) {
   const picture = (await readFile(path.join(data, "images/chelsea.png"))).toString("base64");
   const random = randomFrom(seed);

@@ -1,4 +1,4 @@
-// What the browser saves is read by the programs that people open it with.
+// Reads files saved by the browser with the programs that people open them with.
 
 import assert from "node:assert/strict";
 import { mkdtemp, rm } from "node:fs/promises";
@@ -10,7 +10,7 @@ import { download, run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
-/** In Python, as those below. */
+/** A Python program that describes a raster picture. */
 const picture = `
 with PIL.Image.open(name) as picture:
     grey = numpy.asarray(picture.convert("L")) / 255
@@ -18,7 +18,10 @@ with PIL.Image.open(name) as picture:
     print(json.dumps({"format": picture.format, "width": picture.width, "height": picture.height,
                       "light": light.mean(), "grey": grey.mean()}))`;
 
-/** In Python: each prints as JSON what is in the file that it is given; of other formats how long it is. */
+/**
+ * Python programs by file extension, which print the content of a file as JSON. For other formats its length is
+ * printed.
+ */
 const readers = {
   json: "print(json.dumps(json.load(open(name))))",
   csv: `
@@ -47,7 +50,7 @@ async function read(file) {
   return found;
 }
 
-/** @returns  the path of what the panel's button saves in a format, under the name that it has */
+/** @returns  the path of the file that the panel's button saves in a format, under its suggested name */
 async function save(panel, title, folder) {
   const saved = await download(world.page, panel, title);
   const file = path.join(folder, saved.suggestedFilename());
@@ -56,8 +59,8 @@ async function save(panel, title, folder) {
 }
 
 /**
- * What a panel's button saves, in each format that the server has, read, by name; and of the drawing what is seen
- * when it is as large as the picture.
+ * Saves a panel's result in each format that the server has, and reads the files. For the SVG, also describes its
+ * rendering at the size of the picture.
  */
 async function saveAll(panel, name) {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
@@ -79,13 +82,13 @@ async function saveAll(panel, name) {
   return files;
 }
 
-/** Rims of dots are mixed as light in our pictures, and as grey by librsvg. */
+/** Compares linear light with grey levels: the server antialiases edges in linear light, librsvg in grey levels. */
 function isSame(picture, drawn) {
   assert.ok(Math.abs(picture.light - drawn.grey) < 0.01, `${picture.light}, ${drawn.grey}`);
 }
 
 for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 }]) {
-  test(`the button is beside the picture, ${viewport.width} wide`, async () => {
+  test(`has the download button beside the picture, ${viewport.width} pixels wide`, async () => {
     const { page } = world;
     await page.setViewportSize(viewport);
     for (const panel of ["halftone", "sample"]) {
@@ -97,7 +100,7 @@ for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 
   });
 }
 
-test("the files of a halftone", async () => {
+test("saves a halftone in each format", async () => {
   await world.page.goto(world.url);
   await settled(world.page, "halftone");
   const number = world.page.locator("#halftone [data-name=sites] input[type=number]");
@@ -110,7 +113,7 @@ test("the files of a halftone", async () => {
   for (const [name, format] of [["png", "PNG"], ["webp", "WEBP"], ["tiff", "TIFF"]]) {
     const read = files[`dots.${name}`];
     assert.deepEqual([read.format, read.width, read.height], [format, width, height]);
-    // Rims in TIFF, which no browser scales, are not softened.
+    // Edges in TIFF are not softened for screens, because no browser scales TIFF.
     if (name === "tiff") assert.ok(Math.abs(read.light - png.light) < 0.01, `${read.light}, ${png.light}`);
     else assert.equal(read.grey, png.grey);
   }
@@ -126,7 +129,7 @@ test("the files of a halftone", async () => {
   isSame(png, svg.drawn);
 });
 
-test("the files of points", async () => {
+test("saves points in each format", async () => {
   await world.page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(world.page, "sample");
   const files = await saveAll("sample", "points");

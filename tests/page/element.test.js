@@ -1,4 +1,4 @@
-// <ccdt-halftone> in a page of another origin than the server's; firefox.test.js has the gist of it, too.
+// <ccdt-halftone> in a page of another origin than the server's; firefox.test.js has the essentials, too.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -17,7 +17,7 @@ after(() => origin.close());
 
 const pages = {};
 
-/** Puts an element into the page, and waits for what it says in the end: load, error or abort. */
+/** Puts an element into the page, and waits for its last event: load, error or abort. */
 const show = (attributes) => world.page.evaluate((given) => new Promise((resolve) => {
   const element = Object.assign(document.createElement("ccdt-halftone"), { id: "dots" });
   for (const [name, value] of Object.entries(given)) element.setAttribute(name, value);
@@ -27,7 +27,7 @@ const show = (attributes) => world.page.evaluate((given) => new Promise((resolve
   document.body.replaceChildren(element);
 }), attributes);
 
-/** What is seen of it. */
+/** Returns the visible state of the element. */
 const seen = () => world.page.evaluate(async () => {
   const [picture, drawing, progress] = document.querySelector("#dots").shadowRoot.children;
   const bytes = !picture.hidden && [...new Uint8Array(await (await fetch(picture.src)).arrayBuffer())];
@@ -42,7 +42,7 @@ const seen = () => world.page.evaluate(async () => {
   return { bytes, dark, drawn: !drawing.hidden, working: !progress.hidden, width, height, alt: picture.alt };
 });
 
-test("shows the server's dots in the place of the picture", async () => {
+test("shows the server's dots in place of the picture", async () => {
   await world.page.goto(origin.url);
   for (const options of [{ sites: "900" }, { sites: "900", color: "cmyk", antialias: "" }]) {
     assert.deepEqual(await show({ src: "/cat.png", alt: "A cat", ...options }), { type: "load", message: undefined });
@@ -54,7 +54,7 @@ test("shows the server's dots in the place of the picture", async () => {
   }
 });
 
-test("tells how far it is, and asks again once an option is another", async () => {
+test("reports progress, and sends a new request when an option changes", async () => {
   await world.page.goto(origin.url);
   await show({ src: "/cat.png", sites: "80000" });
   const told = await world.page.evaluate(() => window.told);
@@ -70,7 +70,7 @@ test("tells how far it is, and asks again once an option is another", async () =
   assert.notDeepEqual((await seen()).bytes, before);
 });
 
-test("ends its job once it is aborted or taken out of the page", async () => {
+test("cancels its job when it is aborted or removed from the page", async () => {
   await world.page.goto(origin.url);
   for (const end of ["abort", "remove"]) {
     const removed = world.page.waitForResponse((response) => response.request().method() === "DELETE");
@@ -91,7 +91,7 @@ test("ends its job once it is aborted or taken out of the page", async () => {
   }
 });
 
-test("draws dots itself where the server refuses, or is not there", async () => {
+test("draws dots itself if the server refuses or is unreachable", async () => {
   await world.page.goto(origin.url);
   const told = await show({ src: "/cat.png", sites: "0", alt: "A cat" });
   assert.equal(told.type, "error");
@@ -143,13 +143,13 @@ test("draws up to all borders", async () => {
   for (const one of light) assert.ok(Math.abs(one - 0.5) < 0.12, String(light));
 });
 
-test("has a pixel of dots for each of the device, also of another size", async () => {
+test("has one pixel for each pixel of the device, also after a change of size", async () => {
   const context = await world.newContext({ deviceScaleFactor: 2 });
   const page = await context.newPage();
   await page.goto(origin.url);
   const asked = [];
   page.on("request", (one) => { if (one.url().includes("/halftone?")) asked.push(new URL(one.url()).searchParams); });
-  /** Does something to an element, and waits until its dots are there. */
+  /** Changes an element, and waits until its dots have loaded. */
   const loaded = (act) => page.evaluate(([script]) => new Promise((resolve) => {
     const element = document.querySelector("ccdt-halftone") ?? document.createElement("ccdt-halftone");
     element.addEventListener("load", () => {
@@ -171,11 +171,11 @@ test("has a pixel of dots for each of the device, also of another size", async (
     const [picture, drawing] = element.shadowRoot.children;
     return [picture.hidden, drawing.hidden, picture.naturalWidth, picture.clientWidth <= 200];
   });
-  assert.deepEqual(shown, [false, true, 400, true]);  // until others are there
+  assert.deepEqual(shown, [false, true, 400, true]);  // until others have loaded
   await context.close();
 });
 
-test("shows nothing stale, and what it cannot read as it is", async () => {
+test("shows nothing stale, and a picture that it cannot read as it is", async () => {
   await world.page.goto(origin.url);
   await show({ src: "/cat.png", sites: "500" });
   const end = await world.page.evaluate(() => new Promise((resolve) => {

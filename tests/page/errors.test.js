@@ -1,4 +1,4 @@
-// What the server objects to stands beside the field that it is about.
+// Errors of the server are shown beside the fields that they are about.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -7,7 +7,7 @@ import { settled, useBrowser } from "./harness.js";
 
 const world = useBrowser({ flags: ["--max-sites=50000"] });
 
-test("options out of range", async () => {
+test("shows errors of options out of range", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");
@@ -27,7 +27,7 @@ test("options out of range", async () => {
   assert.equal(await page.textContent("#halftone .general"), "");
 });
 
-test("a picture that is none", async () => {
+test("shows the error of a file that is not a picture", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");
@@ -40,7 +40,7 @@ test("a picture that is none", async () => {
   assert.equal(await page.evaluate(() => location.hash), "#halftone");
 });
 
-test("a shape without area, and a file without one", async () => {
+test("shows the errors of a shape and a file without area", async () => {
   const { page } = world;
   await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");

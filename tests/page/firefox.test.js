@@ -1,4 +1,4 @@
-// The three panels in Firefox, as Debian has it.
+// The three panels in Debian's Firefox.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -29,7 +29,7 @@ beforeEach(async () => {
   page.setDefaultTimeout(patience);
   faults = [];
   gone = null;
-  const blame = (fault) => { if (!gone || !fault.includes(gone)) faults.push(fault); };  // that it is gone is expected
+  const blame = (fault) => { if (!gone || !fault.includes(gone)) faults.push(fault); };  // its absence is expected
   page.on("pageerror", (error) => blame(String(error)));
   page.on("console", (message) => { if (message.type() === "error") blame(message.text()); });
 });
@@ -45,7 +45,7 @@ async function show(panel, settings = "") {
   await page.waitForSelector(`#${panel}[data-state=done]`);
 }
 
-/** The share of a canvas that is dark. */
+/** Returns the share of a canvas that is dark. */
 const darkness = (selector) => page.$eval(selector, (canvas) => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   let dark = 0;
@@ -53,7 +53,7 @@ const darkness = (selector) => page.$eval(selector, (canvas) => {
   return dark / (data.length / 4);
 });
 
-test("makes a halftone, and shows how far a large one is", async () => {
+test("makes a halftone, and shows the progress of a large one", async () => {
   await show("halftone");
   assert.match(await textOf("#halftone .status"), /^20,000 dots/);
   assert.ok(await darkness("#halftone canvas") > 0.2);
@@ -114,7 +114,7 @@ test("opens at an address, and goes back to it", async () => {
   assert.equal(await page.evaluate(() => location.hash), "#halftone?picture=cat.jpg&sites=900&plotter=on&pen_mm=3");
 });
 
-test("fills a polygon that is drawn", async () => {
+test("fills a polygon drawn with the mouse", async () => {
   await show("sample", "?shape=polygon");
   assert.match(await textOf("#sample .status"), /^1,000 points/);
   await page.click("#sample .draw");

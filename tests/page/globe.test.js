@@ -1,4 +1,4 @@
-// The globe on a plane: areas stay equal, and what the antimeridian cuts is whole.
+// The globe on a plane: areas stay equal, and shapes cut by the antimeridian are joined.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -24,13 +24,13 @@ test("keeps areas of countries, around a pole, and on a map of the world", () =>
   keepsAreas([[-120, 30, -80, 50], [20, -30, 40, 0], [100, -10, 150, 60]]);
 });
 
-test("joins what is cut at the antimeridian", () => {
+test("joins parts cut at the antimeridian", () => {
   const { parts } = onMap([[box(176, -20, 180, -15)], [box(-180, -20, -178, -15)]]);
   const { minX, maxX } = boundsOf(parts.flat());
   assert.ok(maxX - minX < 6, `${maxX - minX} degrees wide`);
 });
 
-test("cuts a map of the world at the antimeridian alone", () => {
+test("cuts a map of the world only at the antimeridian", () => {
   const crossing = [[170, 10], [-170, 10], [-170, 20], [170, 20], [170, 10]];
   const { parts } = onMap([[crossing], [box(-20, -50, 20, 50)]]);
   assert.equal(parts.length, 3);
@@ -38,7 +38,7 @@ test("cuts a map of the world at the antimeridian alone", () => {
   assert.ok(Math.abs(areaOf(parts.slice(0, 2)) / areaOnGlobe(170, 10, 190, 20) - 1) < 1e-3);
 });
 
-test("closes a ring around a pole along it", () => {
+test("closes a ring around a pole along the pole", () => {
   const cap = Array.from({ length: 37 }, (_, i) => [-180 + 10 * i, -70]);
   for (const others of [[], [[box(0, 40, 10, 50)]]]) {
     const { parts } = onMap([[cap], ...others]);

@@ -1,4 +1,4 @@
-// A picture becomes dots.
+// Pictures become dots.
 
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
@@ -18,7 +18,7 @@ async function open() {
   await settled(world.page, "halftone");
 }
 
-/** All requests for dots from now on, with how they ended. */
+/** Returns all requests for dots from now on, with their outcomes. */
 function watchRequests() {
   const seen = [];
   const isDots = (request) => request.url().includes("/halftone?");
@@ -30,13 +30,13 @@ function watchRequests() {
   return seen;
 }
 
-test("shows a picture of its own as dots", async () => {
+test("shows one of its own pictures as dots", async () => {
   await open();
   assert.match(await world.page.textContent("#halftone .status"), /^20,000 dots, \d/);
   await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone");
 });
 
-test("takes a picture that is chosen, dropped or pasted", async () => {
+test("accepts a picture that is chosen, dropped or pasted", async () => {
   await open();
   await world.page.setInputFiles("#halftone .file", picture);
   await settled(world.page, "halftone");
@@ -71,7 +71,7 @@ test("shows a draft while a slider is held", async () => {
   await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-draft");
 });
 
-test("puts settings that go together into all fields", async () => {
+test("applies presets to all their fields", async () => {
   await open();
   const { page } = world;
   const seen = watchRequests();
@@ -90,12 +90,12 @@ test("puts settings that go together into all fields", async () => {
   await number("sites").blur();
   await settled(page, "halftone");
   assert.deepEqual(await pressed(), []);
-  await page.goBack();  // the number is no step of its own
+  await page.goBack();  // the number is not a step of its own in the history
   await settled(page, "halftone");
   assert.deepEqual(await pressed(), ["Newspaper"]);
 });
 
-test("keeps a photograph of one's own among the pictures", async () => {
+test("keeps a photograph of the user among the pictures", async () => {
   await open();
   const { page } = world;
   await page.setInputFiles("#halftone .file", path.join(data, "images/chelsea.png"));
@@ -110,7 +110,7 @@ test("keeps a photograph of one's own among the pictures", async () => {
   assert.match(await page.textContent("#halftone pre"), /chelsea\.png/);
 });
 
-test("shows the colours that inverted pictures have", async () => {
+test("shows the colours of inverted pictures", async () => {
   await open();
   const { page } = world;
   const colours = () => page.locator("#halftone .fields :is([data-name=foreground], [data-name=background]) input[type=color]")
@@ -139,7 +139,7 @@ test("follows a slider with drafts, and is complete once it rests", async () => 
   assert.match(await world.page.textContent("#halftone .status"), new RegExp(`^${Number(sites).toLocaleString("en")} dots`));
 });
 
-/** A photograph of a megapixel and a half, and a film of two frames. */
+/** Makes a photograph of a megapixel and a half, and an animation of two frames. */
 async function makePictures(folder) {
   await run("/usr/bin/python3", ["-c", `
 import PIL.Image
@@ -168,7 +168,7 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
   await open();
   await world.page.setInputFiles("#halftone .file", path.join(folder, "large.jpg"));
   await settled(world.page, "halftone");
-  /** What is asked, sent and answered once something is done to the page. */
+  /** Returns the query, the body and the answer of the request that an action causes. */
   const during = async (act) => {
     const [response] = await Promise.all([world.page.waitForResponse((one) => one.url().includes("/halftone?")), act()]);
     await settled(world.page, "halftone");
@@ -182,12 +182,12 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
   const whole = await during(() => slider("dot").dispatchEvent("change"));
   assert.ok(draft.sent < size / 4 && whole.sent === size, `${draft.sent}, ${whole.sent} of ${size} bytes`);
   assert.ok(draft.asked.get("quality") === "draft" && draft.width <= 2 * Math.sqrt(1.5 * 300_000));
-  const share = ({ asked, width }) => Number(asked.get("dot")) / width;  // a dot's radius over the picture's width
+  const share = ({ asked, width }) => Number(asked.get("dot")) / width;  // the dot's radius over the picture's width
   assert.ok(Math.abs(share(draft) / share(whole) - 1) < 0.01, `${share(draft)} and ${share(whole)}`);
   await rm(folder, { recursive: true });
 });
 
-test("tells which picture of a film it takes", async () => {
+test("shows which frame of an animation is used", async () => {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
   await makePictures(folder);
   await open();
@@ -200,7 +200,7 @@ test("tells which picture of a film it takes", async () => {
   await rm(folder, { recursive: true });
 });
 
-test("asks for what its fields say", async () => {
+test("requests what its fields say", async () => {
   await open();
   const seen = watchRequests();
   await world.page.click("#halftone .more summary");
@@ -224,7 +224,7 @@ const asked = (seen) => {
   return others;
 };
 
-test("emphasises edges, and sets levels as an editor does", async () => {
+test("emphasizes edges, and sets levels like an image editor", async () => {
   await open();
   const seen = watchRequests();
   await slide(slider("detail"), [0.9, 1]);
@@ -268,7 +268,7 @@ test("leaves the number of dots to the picture, or to a pen", async () => {
   await looksAsKept(world, world.page.locator("#halftone .controls"), "halftone-pen");
 });
 
-test("divides before from after, and zooms to the single dot", async () => {
+test("divides the picture from its dots, and zooms to single dots", async () => {
   await open();
   const frame = world.page.locator("#halftone .canvas-frame");
   const { x, y, width, height } = await frame.boundingBox();
@@ -291,7 +291,7 @@ test("divides before from after, and zooms to the single dot", async () => {
   await world.page.click("#halftone [aria-label=Fit]");
 });
 
-test("shows lines that ask for the same when pasted", async () => {
+test("shows commands that send the same request when pasted", async () => {
   await open();
   await number("sites").fill("700");
   await number("sites").blur();

@@ -1,7 +1,6 @@
-// The real server, its page in headless Chromium, and what pages should look like.
-//
-// In the environment: CCDT_SERVER and CCDT_CHROMIUM, the programs; CCDT_NODE_MODULES, where npm put its packages;
-// CCDT_SHOTS, where screenshots are left that are not as they should be. With CCDT_UPDATE=1 they replace those kept.
+// The real server, its page in headless Chromium, and the expected appearance of pages. Environment variables:
+// CCDT_SERVER and CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES has npm's packages; CCDT_SHOTS receives screenshots
+// that differ from the expected ones. With CCDT_UPDATE=1 they replace these.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -20,11 +19,11 @@ export const axe = require.resolve("axe-core");
 export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
 
-/** Flags that keep Chromium to what is tested. */
+/** Flags that restrict Chromium to what is tested. */
 export const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
-/** For anything that must happen soon; only a fault makes a test wait so long. */
+/** Milliseconds within which anything that must happen soon happens. Only a fault makes a test wait this long. */
 export const patience = 120_000;
 
 // At the time limit, tests/support/supervise.py sends SIGABRT. Servers and browsers are then closed, so that the running
@@ -42,7 +41,7 @@ export function closeAtLimit(close) {
   closers.add(close);
 }
 
-/** @returns  {server, url} once it listens */
+/** @returns  {server, url}, once the server listens */
 export async function startServer(flags) {
   const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
   closeAtLimit(() => server.kill("SIGKILL"));
@@ -57,9 +56,9 @@ export async function startServer(flags) {
 }
 
 /**
- * A server of pages, of another origin than ours.
- * @param page  makes a page, by its path; pictures are those of the tests, or else all the same, but for `/nothing.png`,
- *              which is not there
+ * Serves pages from another origin than ours.
+ * @param page  returns a page, by its path; it serves the pictures of the tests, and another one for all other names
+ *              except `/nothing.png`, which does not exist
  */
 export async function serveOrigin(page) {
   const server = createServer(async (request, response) => {
@@ -75,14 +74,14 @@ export async function serveOrigin(page) {
   return { url: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
 }
 
-/** A page of somebody's that has the element of a server of ours. */
+/** Returns a page of somebody else with an element of our server. */
 export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots</title>
 <script type="module" src="${url}/assets/element.js"></script>
 <body></body></html>`;
 
 /**
- * A server and a browser for the tests of a file, and a new page for each.
- * @returns  {url, page}, filled before each test, whose page.faults holds what went wrong in it that nobody expects;
+ * Provides a server and a browser for the tests of a file, and a new page for each.
+ * @returns  {url, page}, filled before each test, where page.faults collects unexpected errors of the test;
  *           newContext, which makes a context with the patience of the tests
  */
 export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
@@ -121,13 +120,13 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
   return world;
 }
 
-/** Waits until a panel shows what was asked of it; `state` may also be `failed`. */
+/** Waits until a panel shows what was requested; `state` may also be `failed`. */
 export async function settled(page, panel, state = "done") {
   await page.waitForSelector(`#${panel}[data-state=${state}]`);
   await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
 }
 
-/** What the button of a panel saves, in a format by its title. */
+/** Returns the file that a panel's button saves, in a format with this title. */
 export async function download(page, panel, title) {
   await page.selectOption(`#${panel} .download select`, { label: title });
   const [saved] = await Promise.all([page.waitForEvent("download"), page.click(`#${panel} .download button`)]);
@@ -135,7 +134,7 @@ export async function download(page, panel, title) {
   return saved;
 }
 
-/** Moves a slider as a hand does: through all the values, and then lets go. */
+/** Moves a slider like a hand: through all the values, and then releases it. */
 export async function slide(locator, values) {
   await locator.evaluate((slider, steps) => {
     for (const value of steps) {
@@ -146,7 +145,7 @@ export async function slide(locator, values) {
   }, values);
 }
 
-/** A program's standard output; fails unless it ends well. */
+/** Returns a program's standard output; fails unless it exits with 0. */
 export async function run(command, args, options = {}) {
   const child = spawn(command, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
   const output = { stdout: "", stderr: "" };
@@ -156,7 +155,7 @@ export async function run(command, args, options = {}) {
   return output.stdout;
 }
 
-/** What a script says in the console of another page; a script that asks for a file is given it. */
+/** Returns what a script writes to the console of another page. A script that asks for a file is given one. */
 export async function runInBrowser(world, script, file) {
   const page = await world.page.context().newPage();
   await page.goto(`${world.url}/assets/reference.html`);
@@ -169,7 +168,7 @@ export async function runInBrowser(world, script, file) {
   return `${text}\n`;
 }
 
-/** Runs in a page: how two pictures differ once both are a quarter as wide, and the first of them so reduced. */
+/** Runs in a page: compares two pictures at a quarter of their width. Only the first is not reduced yet. */
 async function compareIn([now, then]) {
   const pixelsOf = async (base64, factor) => {
     const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
@@ -195,8 +194,8 @@ async function compareIn([now, then]) {
 }
 
 /**
- * Compares a screenshot with the one that is kept, at a quarter of the size and with some tolerance for letters. Formats,
- * which are the server's to list, are left out.
+ * Compares a screenshot with the expected one, at a quarter of the size and with some tolerance for letters. Formats,
+ * whose list comes from the server, are left out.
  */
 export async function looksAsKept(world, target, name) {
   const showFormats = (display) => (target.page?.() ?? target).evaluate((how) => {

@@ -18,7 +18,7 @@ async function choose(inks, state = "done") {
   await settled(world.page, "halftone", state);
 }
 
-/** The options of the request that is shown. */
+/** Returns the options of the request that is shown. */
 async function asked() {
   const curl = await world.page.textContent("#halftone pre");
   const { searchParams } = new URL(curl.match(/'(http[^']*\/halftone[^']*)'/)[1]);
@@ -26,7 +26,7 @@ async function asked() {
   return others;
 }
 
-/** Of these colours, those that pixels of the halftone have. */
+/** Returns those of the given colours that pixels of the halftone have. */
 const seen = (colours) => world.page.locator("#halftone canvas").evaluate((canvas, wanted) => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const values = new Set();
@@ -34,7 +34,7 @@ const seen = (colours) => world.page.locator("#halftone canvas").evaluate((canva
   return wanted.filter((colour) => values.has(parseInt(colour.slice(1), 16)));
 }, colours);
 
-/** Without the picture beside it. */
+/** Opens the page without the picture beside the halftone. */
 async function open() {
   await world.page.goto(world.url);
   await settled(world.page, "halftone");
@@ -42,13 +42,13 @@ async function open() {
   await world.page.keyboard.press("Home");
 }
 
-test("prints in CMYK and shines in RGB", async () => {
+test("mixes CMYK like print and RGB like light", async () => {
   await open();
   assert.deepEqual(await asked(), {});
   assert.deepEqual(await seen(primary), ["#000000", "#ffffff"]);
   await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await choose("cmyk");
-  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink" });  // paper alone is of grey
+  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink" });  // dots on paper alone need grey
   for (const name of ["foreground", "palette"]) assert.ok(await field(name).isHidden(), name);
   assert.deepEqual(await seen(primary), primary);
   await field("background").locator("input[type=color]").fill("#fff4d6");
@@ -62,7 +62,7 @@ test("prints in CMYK and shines in RGB", async () => {
   assert.deepEqual(await asked(), { dots: "paper", background: "#fff4d6" });
 });
 
-test("takes a palette of one to six inks", async () => {
+test("accepts a palette of one to six inks", async () => {
   await open();
   await choose("palette");
   const wells = palette().locator("input");
@@ -88,7 +88,7 @@ test("takes a palette of one to six inks", async () => {
   assert.deepEqual(await asked(), { palette: "#b3123c" });
 });
 
-test("says that an ink is there twice", async () => {
+test("reports an ink that occurs twice", async () => {
   await open();
   await choose("palette");
   await palette().getByLabel("Ink 2", { exact: true }).fill("#0078bf");
@@ -97,7 +97,7 @@ test("says that an ink is there twice", async () => {
   assert.match(await world.page.textContent("#halftone .general"), /colour 2/);
 });
 
-test("has the same from the line that is shown, and is accessible", async () => {
+test("gets the same from the command that is shown, and is accessible", async () => {
   const context = await world.newContext({ viewport: { width: 390, height: 844 }, bypassCSP: true });
   const page = await context.newPage();
   await page.goto(world.url);

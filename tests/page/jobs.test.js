@@ -1,4 +1,4 @@
-// What takes long is asked for as a job, and its progress shown.
+// Long computations run as jobs, whose progress is shown.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, writeFileSync } from "node:fs";
@@ -10,7 +10,7 @@ import { settled, useBrowser } from "./harness.js";
 
 const asJob = ["POST /halftone 202", "GET /jobs/ID/events 200", "GET /jobs/ID/result 200", "DELETE /jobs/ID 204"];
 
-/** @returns  what gives all that was asked from now on, without ids, and how it was answered */
+/** @returns  a function that returns all requests from now on, without ids, and the statuses of their answers */
 function watch(page) {
   const asked = [];
   page.on("request", (one) => {
@@ -20,7 +20,7 @@ function watch(page) {
   return () => Promise.all(asked.map(async ([one, what]) => `${what} ${(await one.response())?.status() ?? "lost"}`));
 }
 
-/** @returns  what gives [percent, the words beside the bar] at each change up to now, of a bar that has a value */
+/** @returns  a function that returns [percent, text beside the bar] for each change so far of a bar that has a value */
 async function watchBar(page) {
   await page.evaluate(() => {
     const find = (selector) => document.querySelector(`#halftone ${selector}`);
@@ -45,7 +45,7 @@ async function makeLarge({ page }) {
   assert.match(await page.textContent("#halftone .status"), /^60,000 dots/);
 }
 
-/** Asks for points that take far longer than it takes to give them up. @returns  the job, once it has got somewhere */
+/** Requests points that take far longer than it takes to cancel them. @returns  the job, once it has made progress */
 async function beginLong(world) {
   const { page } = world;
   await page.goto(`${world.url}/#sample?shape=polygon`);
@@ -60,13 +60,13 @@ async function beginLong(world) {
   return job;
 }
 
-/** A job's last event, for which this waits. */
+/** Waits for a job's last event and returns it. */
 const endOf = async (job) => (await (await fetch(`${job}/events`)).text()).match(/event: (.*)\ndata: .*\n\n$/)[1];
 
 describe("a large request", () => {
   const world = useBrowser();
 
-  test("shows how far it is", async () => {
+  test("shows its progress", async () => {
     await open(world);
     const seen = watch(world.page);
     const shown = await watchBar(world.page);
@@ -80,7 +80,7 @@ describe("a large request", () => {
     assert.deepEqual(await seen(), asJob);
   });
 
-  test("tells its percentage to screen readers, and can be cancelled", async () => {
+  test("reports its percentage to screen readers, and can be cancelled", async () => {
     const job = await beginLong(world);
     const session = await world.page.context().newCDPSession(world.page);
     const { nodes } = await session.send("Accessibility.getFullAXTree");
@@ -94,7 +94,7 @@ describe("a large request", () => {
     assert.equal(await endOf(job), "cancelled");
   });
 
-  test("is ended once it is outdated", async () => {
+  test("is cancelled once it is outdated", async () => {
     const job = await beginLong(world);
     await world.page.selectOption("#sample [data-name=method] select", "random");
     await settled(world.page, "sample");
@@ -102,13 +102,13 @@ describe("a large request", () => {
     assert.equal(await endOf(job), "cancelled");
   });
 
-  test("is ended when the page is left", async () => {
+  test("is cancelled when the page is left", async () => {
     const job = await beginLong(world);
     await world.page.goto("about:blank");
     assert.equal(await endOf(job), "cancelled");
   });
 
-  test("is asked about when its events are lost", async () => {
+  test("is polled when its events are lost", async () => {
     await open(world);
     await world.page.route("**/events", (route) => route.abort());
     const seen = watch(world.page);
@@ -121,7 +121,7 @@ describe("a large request", () => {
     assert.deepEqual(await seen(), [accepted, "GET /jobs/ID/events lost", ...polls, ...rest]);
   });
 
-  test("is asked about when its events say nothing", async () => {
+  test("is polled when its events stop", async () => {
     const { page } = world;
     await page.clock.install();
     await open(world);
@@ -133,10 +133,10 @@ describe("a large request", () => {
   });
 });
 
-describe("a server that takes no jobs", () => {
+describe("a server that accepts no jobs", () => {
   const world = useBrowser({ flags: ["--job-queue=0"] });
 
-  test("is asked to answer at once", async () => {
+  test("gets a synchronous request instead", async () => {
     await open(world);
     const seen = watch(world.page);
     await makeLarge(world);
@@ -144,10 +144,10 @@ describe("a server that takes no jobs", () => {
   });
 });
 
-describe("a server that has no room for the result", () => {
+describe("a server with too small a limit for the result", () => {
   const world = useBrowser({ flags: ["--job-bytes=128KiB"] });
 
-  test("is asked to answer at once", async () => {
+  test("gets a synchronous request instead", async () => {
     await open(world);
     const seen = watch(world.page);
     await makeLarge(world);
@@ -162,7 +162,7 @@ describe("a server with keys", () => {
   writeFileSync(file, `page:${key}\n`);
   const world = useBrowser({ flags: [`--api-key-file=${file}`] });
 
-  test("gets the key with all that is asked about a job", async () => {
+  test("sends the key with all requests about a job", async () => {
     await world.page.goto(world.url);
     await world.page.fill("#key", key);
     await world.page.click("#access button");

@@ -1,5 +1,5 @@
-// Pictures are as light on a screen as they were: in the page, in <ccdt-halftone>, and as the server answers them by
-// default. Measured from screenshots, in each browser, with one and two pixels of the device for each of CSS.
+// Pictures keep their lightness on a screen: in the page, in <ccdt-halftone>, and in the server's default answers. It
+// is measured from screenshots, in each browser, with one and two pixels of the device for each CSS pixel.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -13,10 +13,10 @@ import { closeAtLimit, data, elementPage, patience, quiet, serveOrigin, startSer
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const puppeteer = require("puppeteer-core");
 
-const pictures = ["camera.png", "chelsea.png"];  // none that the sizes of dots were chosen by
+const pictures = ["camera.png", "chelsea.png"];  // the sizes of dots were not tuned with these
 const most = 1;  // mean difference of L*
-const mostFitted = 4;  // of a picture that a browser makes smaller
-const mostEnlarged = 2.5;  // and of one whose pixels are four of the device each, between which it mixes
+const mostFitted = 4;  // of a picture that a browser reduces
+const mostEnlarged = 2.5;  // of a picture whose pixels are four of the device each, which the browser interpolates
 const screen = { width: 1280, height: 800 };
 const mostOf = (place, ratio) => {
   if (!place.includes("answer")) return most;
@@ -34,7 +34,7 @@ after(async () => {
   await once(running.server, "exit");
 });
 
-/** Runs in a page: the mean over squares of how much lighter the first picture is than the second, in L*. */
+/** Runs in a page: returns the mean over squares of the difference in L* between the first picture and the second. */
 async function differenceIn([shot, picture]) {
   const across = 24;
   const lightnessOf = async (base64) => {
@@ -64,7 +64,7 @@ async function differenceIn([shot, picture]) {
   return seen.reduce((sum, lightness, i) => sum + lightness - wanted[i], 0) / seen.length;
 }
 
-/** What each place shows of a picture: the part of the page to look at, in CSS pixels. */
+/** Places where pictures are shown: the part of the page to examine, in CSS pixels. */
 const places = {
   async "the page"(page, name) {
     await page.goto(`${running.url}/#halftone`);
@@ -112,7 +112,7 @@ const places = {
   "the default answer, fitted into the window": (page, name) => showAnswer(page, name, "max-width: 100vw; max-height: 100vh"),
 };
 
-/** Shows what the server answers without any options. */
+/** Shows the server's answer to a request without options. */
 async function showAnswer(page, name, style) {
   const body = await readFile(path.join(data, "images", name));
   const answer = await fetch(`${running.url}/halftone`, { method: "POST", body });

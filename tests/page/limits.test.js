@@ -1,4 +1,4 @@
-// What a server of small limits offers is what it takes.
+// A server with small limits accepts everything that its page offers.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -7,7 +7,7 @@ import { settled, useBrowser } from "./harness.js";
 
 const world = useBrowser({ flags: ["--max-sites=700"] });
 
-test("begins with as many points as the server takes, and goes no farther", async () => {
+test("begins with as many points as the server accepts, and does not exceed them", async () => {
   const { page } = world;
   await page.goto(`${world.url}/#sample`);
   await settled(page, "sample");

@@ -1,4 +1,4 @@
-// api/openapi.json, as a public validator sees it, Redocly's, by its recommended rules; and as a generator of clients does.
+// api/openapi.json, checked by Redocly's public validator with its recommended rules, and by a generator of clients.
 
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
@@ -14,23 +14,26 @@ const ts = require("typescript");
 
 const api = path.resolve(import.meta.dirname, "../../api/openapi.json");
 
-// A server has the address that whoever runs it gives it.
+// The address of a server is given by whoever runs it.
 const unwanted = { "no-server-example.com": "off" };
 
-test("the document is valid, and has nothing that is not used", async () => {
+test("the document is valid, and has nothing that is unused", async () => {
   const config = await createConfig({ extends: ["recommended"], rules: unwanted });
   const problems = await lint({ ref: api, config });
   assert.deepEqual(problems.map(({ ruleId, message, location }) => [ruleId, message, location[0]?.pointer]), []);
 });
 
-/** Types of the API as openapi-typescript makes them; what is binary is a Blob, and what has a default may be left out. */
+/**
+ * Returns the types of the API made by openapi-typescript; binary data is a Blob, and members with defaults are
+ * optional.
+ */
 async function generatedTypes() {
   const blob = ts.factory.createTypeReferenceNode("Blob");
   const transform = (schema) => (schema.format === "binary" ? blob : undefined);
   return astToString(await generate(await readFile(api, "utf8"), { transform, defaultNonNullable: false }));
 }
 
-// What is to compile, and what is not.
+// Uses that must compile, and one that must not.
 const uses = `
 type Halftone = paths["/halftone"]["post"];
 type Sent = Halftone["requestBody"]["content"];
@@ -44,7 +47,7 @@ export const read = (json: Got["application/json"]) => ("points" in json ? json.
 export const wrong: Sent["multipart/form-data"] = { image: picture, sites: "many" };
 `;
 
-test("clients that are generated from it compile, and take and give pictures as Blobs", async () => {
+test("generated clients compile, and send and receive pictures as Blobs", async () => {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-client-"));
   const file = path.join(folder, "client.ts");
   await writeFile(file, (await generatedTypes()) + uses);

@@ -1,4 +1,4 @@
-// All that the server's routes understand can be asked for in the page, and what is not plain is told.
+// The page offers all options of the server's routes, and explains those that need it.
 
 import assert from "node:assert/strict";
 import { mkdtempSync } from "node:fs";
@@ -34,7 +34,7 @@ test("has a field for each option", async () => {
   }
 });
 
-test("asks for the size, the rounds, and what becomes of a picture that takes long", async () => {
+test("sets scale, passes, and what happens at the deadline", async () => {
   await open("#halftone");
   const { page } = world;
   await page.click("#halftone .more summary");
@@ -83,7 +83,7 @@ test("takes pictures for density and mask, and areas and points as text", async 
   assert.notEqual(await more("avoid").locator(".error").textContent(), "");
 });
 
-test("gives a document what cannot stand beside it", async () => {
+test("sends a document as JSON if options need it", async () => {
   await open("#sample?shape=polygon");
   const { page } = world;
   await page.setInputFiles("#sample .file", path.join(data, "polygons/Italy-110m.geojson"));
@@ -102,7 +102,7 @@ test("gives a document what cannot stand beside it", async () => {
   assert.match(await page.textContent("#sample .more [data-name=fixed] .error"), /latitude/);
 });
 
-test("has options of drawings in drawings alone", async () => {
+test("sends options of drawings only with drawings", async () => {
   await open("#sample?shape=polygon");
   const { page } = world;
   await page.click("#sample .more summary");
@@ -116,7 +116,7 @@ test("has options of drawings in drawings alone", async () => {
   assert.equal(JSON.parse((await asked).postData()).width, 300);
 });
 
-test("tells what is not plain, by keyboard too", async () => {
+test("explains options, by keyboard too", async () => {
   await open("#halftone");
   const { page } = world;
   const about = page.getByRole("button", { name: "About: Soft rims" });
@@ -132,7 +132,7 @@ test("tells what is not plain, by keyboard too", async () => {
   assert.ok(await line.isHidden());
 });
 
-test("says every slider's value in words", async () => {
+test("gives every slider's value as text", async () => {
   await open("#sample?shape=polygon");
   await open("#halftone");
   const silent = await world.page.locator("input[type=range]:not([aria-valuetext])").evaluateAll((sliders) => sliders.map(({ outerHTML }) => outerHTML));

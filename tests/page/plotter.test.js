@@ -1,4 +1,4 @@
-// What a plotter gets: strokes as wide as its pen, on its paper, and how long they take.
+// Output for plotters: strokes as wide as the pen, on its paper, and their time.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -30,7 +30,7 @@ async function saved() {
 
 const figures = (panel = "halftone") => world.page.textContent(`#${panel} .figures p`);
 
-test("takes a pen: as many dots as the tone wants, each as wide as it", async () => {
+test("adapts the number and width of dots to a pen", async () => {
   await open("");
   await world.page.locator("#halftone").getByLabel("Draw with a pen").check();
   await settled(world.page, "halftone");
@@ -48,7 +48,7 @@ test("takes a pen: as many dots as the tone wants, each as wide as it", async ()
   await looksAsKept(world, world.page.locator("#halftone .plotter"), "halftone-plotter");
 });
 
-test("tells how long the pen takes", async () => {
+test("shows how long the pen takes", async () => {
   await open("#halftone?sites=100&plotter=on&pen_mm=4&lift=1&speed=500");
   assert.match(await figures(), /100 dots .*: about 2 min/);
   assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of what the tone/);
@@ -60,7 +60,7 @@ test("tells how long the pen takes", async () => {
   assert.match(await world.page.evaluate(() => location.hash), /lift=60/);
 });
 
-test("tells at once about how long it will take, and fits into a time", async () => {
+test("estimates the time at once, and fits into a given time", async () => {
   await open("#halftone?picture=cat.jpg&plotter=on&pen_mm=2&paper=a5");
   const { page } = world;
   const minutes = (text) => Number(text.match(/about (\d+) min/)[1]);
@@ -102,7 +102,7 @@ test("has a layer for each ink, and paper of any size", async () => {
   assert.match(await saved(), /^<svg [^>]*width="333mm" height="333mm" viewBox="0 0 333 333"/);
 });
 
-test("draws points, and the classes of a map of dots", async () => {
+test("draws points, and the classes of a dot map", async () => {
   await open("#sample?sites=200&shape=rectangle&plotter=on&pen_mm=1.5&paper=none&width_mm=150", "sample");
   const svg = await saved();
   assert.match(svg, /^<svg [^>]*width="150mm" height="100mm"/);
@@ -116,7 +116,7 @@ test("draws points, and the classes of a map of dots", async () => {
   assert.deepEqual(layers.map((text) => text.split(":")[0]), ["employed", "unemployed"]);
 });
 
-test("turns the paper to fit, and refuses what is no pen", async () => {
+test("turns the paper to fit, and refuses invalid pens", async () => {
   await open("#halftone?picture=cat.jpg&plotter=on&pen_mm=3&paper=a4");
   assert.match(await saved(), /^<svg [^>]*width="297mm" height="210mm"/);
   await put("pen_mm", "0", "failed");

@@ -1,4 +1,4 @@
-// The README's page, as it stands there, opened from another origin than the server's.
+// Pages in the READMEs, unchanged, opened from another origin than the server's.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -11,7 +11,7 @@ const world = useBrowser();
 
 let origin, lines;
 
-/** The pages that a README shows. */
+/** Returns the pages in a README. */
 async function examplesOf(readme) {
   const text = await readFile(path.join(data, "../..", readme), "utf8");
   return [...text.matchAll(/^```html\n(.*?)^```$/gms)].map(([, example]) => example);

@@ -1,4 +1,4 @@
-// The API's reference shows what /openapi.json tells.
+// The API's reference shows the contents of /openapi.json.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -36,7 +36,7 @@ test("has all routes, options, defaults and statuses", async () => {
   assert.equal(await page.locator("p code").first().textContent(), "image");
 });
 
-test("is linked from the page, and its examples are shown", async () => {
+test("is linked from the page, and shows examples", async () => {
   const { page } = world;
   await page.goto(world.url);
   await page.click("footer a");

@@ -1,4 +1,4 @@
-// After a refusal the page shows nothing that is not what its fields and its picture say.
+// After a refusal the page shows nothing that disagrees with its fields and its picture.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -9,7 +9,7 @@ import { data, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
-/** How many pixels of a panel's canvas are about as dark as dots are. */
+/** Returns the number of pixels of a panel's canvas that are about as dark as dots. */
 const dark = (panel) => world.page.locator(`#${panel} canvas`).evaluate((canvas) => {
   const { data: values } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   let number = 0;
@@ -19,7 +19,7 @@ const dark = (panel) => world.page.locator(`#${panel} canvas`).evaluate((canvas)
 
 const visibleError = (panel) => world.page.locator(`#${panel} .general`).boundingBox();
 
-test("a shape that is refused has no points of the one before", async () => {
+test("a refused shape shows no points of the previous one", async () => {
   const { page } = world;
   await page.goto(`${world.url}/#sample?shape=polygon`);
   await settled(page, "sample");
@@ -36,7 +36,7 @@ test("a shape that is refused has no points of the one before", async () => {
   assert.ok(y >= 0 && y + height <= page.viewportSize().height);
 });
 
-test("a file that is no picture leaves what is shown", async () => {
+test("a file that is not a picture leaves the shown one", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");

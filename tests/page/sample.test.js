@@ -1,4 +1,4 @@
-// A shape becomes points.
+// Shapes become points.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -16,13 +16,13 @@ async function open() {
   await settled(world.page, "sample");
 }
 
-/** Presses at places given as shares of the canvas. */
+/** Clicks at positions given as shares of the canvas. */
 async function press(...places) {
   const box = await frame().boundingBox();
   for (const [x, y] of places) await world.page.mouse.click(box.x + x * box.width, box.y + y * box.height);
 }
 
-/** Where a corner of a polygon is on the screen while it fits the canvas, with the margin that it has there. */
+/** Returns the position of a polygon's corner on the screen while it fits the canvas, with its margin. */
 async function placeOf([x, y], polygon) {
   const margin = 28;
   const box = await frame().boundingBox();
@@ -67,7 +67,7 @@ test("draws a polygon and a hole by mouse, and moves corners", async () => {
   assert.notDeepEqual(moved.polygon[0], drawn.polygon[0]);
 });
 
-test("opens with a map of dots", async () => {
+test("opens with a dot map", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");
@@ -102,7 +102,7 @@ const choose = async (file) => {
 const document = (json) => ({ name: "shape.geojson", mimeType: "application/geo+json", buffer: Buffer.from(JSON.stringify(json)) });
 const query = async () => new URLSearchParams((await world.page.textContent("#sample pre")).match(/sample\?([^']*)'/)[1]);
 
-test("takes GeoJSON, even on the ground or in degrees", async () => {
+test("accepts GeoJSON, even on the ground or in degrees", async () => {
   await open();
   await choose(path.join(data, "polygons/South-Africa-50m.geojson"));
   assert.equal((await query()).get("coordinates"), "lonlat");
@@ -118,7 +118,7 @@ test("takes GeoJSON, even on the ground or in degrees", async () => {
 
 const corners = () => world.page.inputValue("#corners").then(JSON.parse);
 
-test("takes back what was drawn, by buttons and by keys", async () => {
+test("undoes drawing, by buttons and by keys", async () => {
   await open();
   const first = await corners();
   assert.ok(await world.page.isDisabled("#sample .undo"));
@@ -145,7 +145,7 @@ test("takes back what was drawn, by buttons and by keys", async () => {
   assert.ok(await world.page.isDisabled("#sample .undo"));
 });
 
-test("takes corners in the forms that people have", async () => {
+test("accepts corners in common forms", async () => {
   await open();
   await world.page.click("#sample .corners summary");
   const type = async (text, state) => {
@@ -167,7 +167,7 @@ test("takes corners in the forms that people have", async () => {
   }
 });
 
-test("draws a map of dots, a colour for each class", async () => {
+test("draws a dot map, with a colour for each class", async () => {
   await open();
   await world.page.click("#sample .map");
   await settled(world.page, "sample");
@@ -190,7 +190,7 @@ test("draws a map of dots, a colour for each class", async () => {
   assert.deepEqual(await world.page.locator("#sample .legend li").count(), 0);
 });
 
-test("offers what numbers the features of a file have", async () => {
+test("offers the numeric properties of a file's features", async () => {
   await open();
   const feature = (x, properties) => ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]]] } });
   const features = [feature(0, { name: "a", people: 300, votes: "20", share: -1 }), feature(2, { name: "b", people: null, votes: "5", share: 2 })];
@@ -205,7 +205,7 @@ test("offers what numbers the features of a file have", async () => {
   assert.match(await world.page.textContent("#sample .status"), /^25 points/);
 });
 
-test("offers codes after what may be counted", async () => {
+test("offers codes after counts", async () => {
   await open();
   const feature = (x, properties) => ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]]] } });
   const features = [[48001, "0107", 3], [48113, "0220", 8], [48005, "0319", 4], [48007, "0400", 7]].map(([fips, district, people], row) =>
@@ -228,7 +228,7 @@ test("zooms to a part", async () => {
   assert.equal(await world.page.textContent("#sample .zoom output"), "100 %");
 });
 
-test("takes a collection whole, and tells what was repaired", async () => {
+test("accepts a whole collection, and reports repairs", async () => {
   await open();
   const square = (x) => [[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]];
   const feature = (ring) => ({ type: "Feature", properties: {}, geometry: { type: "Polygon", coordinates: [ring] } });
@@ -239,14 +239,14 @@ test("takes a collection whole, and tells what was repaired", async () => {
   await looksAsKept(world, frame(), "sample-collection");
 });
 
-test("offers a plane alone to what cannot be degrees", async () => {
+test("offers only a plane for coordinates that cannot be degrees", async () => {
   await open();
   await choose(document({ type: "Polygon", coordinates: [[[0, 0], [3000, 0], [3000, 2000], [0, 2000], [0, 0]]] }));
   assert.ok(await world.page.isHidden("#sample [data-name=coordinates]"));
   assert.equal((await query()).get("coordinates"), null);
 });
 
-test("says where a document is wrong", async () => {
+test("shows where a document is wrong", async () => {
   await open();
   const ring = [[0, 0], [4, 0], [4, "north"], [0, 3], [0, 0]];
   await world.page.setInputFiles("#sample .file", document({ type: "Polygon", coordinates: [ring] }));
@@ -255,7 +255,7 @@ test("says where a document is wrong", async () => {
   assert.match(await world.page.textContent("#sample .general"), /coordinates\/0\/2/);
 });
 
-test("goes through the iterations, getting each once", async () => {
+test("steps through the iterations, requesting each once", async () => {
   await open();
   const got = [];
   world.page.on("requestfinished", (one) => { if (one.url().endsWith("/sample")) got.push(one.postDataJSON()); });
@@ -286,7 +286,7 @@ test("tiles the plane with a torus", async () => {
   assert.ok(!(await world.page.isChecked("#tiles")));
 });
 
-test("has a quality that is of a torus alone", async () => {
+test("offers the stealthy quality only for a torus", async () => {
   await open();
   const { page } = world;
   const quality = "#sample [data-name=quality] select";
@@ -301,10 +301,10 @@ test("has a quality that is of a torus alone", async () => {
   assert.equal(await page.inputValue(quality), "standard");
 });
 
-/** The request that curl is told, as JSON, sent to the server. */
+/** Returns the server's answer to the JSON in a curl command. */
 const answerTo = async (asked) => fetch(`${world.url}/sample`, { method: "POST", body: JSON.stringify(asked) });
 
-test("makes a mask, shows what it does, and saves it", async () => {
+test("makes a mask, shows its effect, and saves it", async () => {
   await open();
   const { page } = world;
   await page.selectOption("#shape", "mask");
@@ -356,7 +356,7 @@ test("shows the first points of a progressive order", async () => {
   assert.ok(await page.isHidden("#first"));
 });
 
-test("shows of each class of a map its share of the first points", async () => {
+test("shows the share of each class of a map among the first points", async () => {
   await open();
   const { page } = world;
   await page.click("#sample .map");
@@ -381,7 +381,7 @@ test("shows of each class of a map its share of the first points", async () => {
   assert.deepEqual([employed % share(5537), unemployed % share(498), employed / share(5537)], [0, 0, unemployed / share(498)]);
 });
 
-test("has the methods that CCDT is compared with", async () => {
+test("offers the methods that CCDT is compared with", async () => {
   await open();
   for (const method of ["cvt", "odt", "ccvt", "random"]) {
     await world.page.selectOption("#sample [data-name=method] select", method);
@@ -391,7 +391,7 @@ test("has the methods that CCDT is compared with", async () => {
   assert.ok(await world.page.isDisabled("#iteration"));
 });
 
-/** Saves the points, and has the page's lines make them again, in a folder. */
+/** Saves the points, and makes them again in a folder with the commands of the page. */
 async function repeats(folder, file) {
   const points = await download(world.page, "sample", "JSON");
   const saved = JSON.parse(await readFile(await points.path()));
@@ -409,7 +409,7 @@ async function repeats(folder, file) {
   assert.equal(await runInBrowser(world, await snippet("Browser"), file && path.join(folder, file)), told);
 }
 
-test("saves and shows what makes the same points", async () => {
+test("saves and shows commands that make the same points", async () => {
   await open();
   await repeats(data);
   await choose(path.join(data, "polygons/Italy-110m.geojson"));

@@ -15,7 +15,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Sends the body back.
+/// Returns the body of the request.
 Response echo(const Request& request, const HttpResult<void>& received, Connection& connection) {
     Response response;
     response.status = received ? 200 : received.error().status;
@@ -30,7 +30,7 @@ std::string ask(const RunningServer& server) {
             "5\r\nhello\r\n0\r\n\r\n");
 }
 
-/// Asks a server while its allocation of this number fails, and expects the next answer to begin as it should.
+/// Sends a request while allocation `number` of the server fails, and checks the beginning of the next answer.
 /// @returns  whether there was such an allocation
 bool survives(int number, const Capacity::Limits& limits, std::string_view status) {
     const std::size_t descriptors = open_descriptors();
@@ -51,19 +51,19 @@ bool survives(int number, const Capacity::Limits& limits, std::string_view statu
     return failed;
 }
 
-TEST(OutOfMemory, CostsAServerOneConnection) {
+TEST(OutOfMemory, LosesOnlyOneConnection) {
     int number = 0;
     while (survives(number, {}, "HTTP/1.1 200")) ++number;
     EXPECT_GT(number, 10);
 }
 
-TEST(OutOfMemory, CostsAServerOneRefusal) {
+TEST(OutOfMemory, LosesOnlyOneRefusal) {
     int number = 0;
     while (survives(number, {.connections = 0, .reserve = 0}, "HTTP/1.1 503")) ++number;
     EXPECT_GT(number, 10);
 }
 
-TEST(ConnectionThreads, DropATaskForWhichThereIsNoMemory) {
+TEST(ConnectionThreads, DropATaskIfMemoryRunsOut) {
     bool accepted = false;
     for (int number = 0; !accepted; ++number) {
         std::atomic<int> done = 0;

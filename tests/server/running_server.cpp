@@ -28,7 +28,7 @@ void RunningServer::stop() {
 }
 
 Client::Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    // Only a fault makes a test wait so long.
+    // A test waits this long only if there is a fault.
     const timeval patience{60, 0};
     EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)), 0);
     sockaddr_in address{};

@@ -7,7 +7,7 @@
 
 namespace {
 
-/// Allocations that succeed before one fails; negative: all succeed.
+/// Number of allocations that succeed before one fails; negative: all succeed.
 std::atomic<int> allocations_left = -1;
 thread_local bool spared = false;
 
@@ -17,8 +17,8 @@ bool is_to_fail() {
 
 }  // namespace
 
-// This program's own, and that of the libraries it uses. Not where it is used: inlined they mislead GCC 12, which
-// warns.
+// Replaces operator new of this program and its libraries. It is in a file of its own: if inlined, it makes GCC 12 emit
+// false warnings.
 void* operator new(std::size_t size) {
     void* memory = is_to_fail() ? nullptr : std::malloc(size);
     if (memory == nullptr) throw std::bad_alloc();

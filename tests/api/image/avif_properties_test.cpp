@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::string_literals;
 
-/// Of so many bytes, the highest first.
+/// Encodes a number in `size` bytes, big-endian.
 std::string number(std::uint64_t value, std::size_t size) {
     std::string bytes(size, '\0');
     for (std::size_t i = size; i-- > 0; value >>= 8) bytes[i] = static_cast<char>(value & 0xFF);
@@ -25,7 +25,7 @@ std::string box(const std::string& name, const std::string& data) {
     return number(8 + data.size(), 4) + name + data;
 }
 
-/// Of a file whose primary item is the second.
+/// Builds a file whose primary item is the second one.
 std::string file_of(const std::string& associations, const std::string& properties) {
     const std::string inside = number(0, 4) + box("pitm", number(0, 4) + number(2, 2)) +
                                box("iprp", box("ipco", properties) + box("ipma", associations));
@@ -42,17 +42,18 @@ TEST(AvifProperties, BelongToThePrimaryItem) {
     EXPECT_EQ(names_of(fixture("lossless.avif")), "ispe pixi av1C colr ");
     EXPECT_EQ(names_of(fixture("rgba.avif")).find("auxC"), std::string::npos);
     const std::string properties = box("aaaa", "1") + box("bbbb", "2") + box("cccc", "3");
-    const std::string first = number(1, 2) + "\1\1"s, second = number(2, 2) + "\3\3\x82\0"s;  // none is the 0th
+    const std::string first = number(1, 2) + "\1\1"s,
+                      second = number(2, 2) + "\3\3\x82\0"s;  // number 0 means no property
     EXPECT_EQ(names_of(file_of(number(0, 4) + number(2, 4) + first + second, properties)), "cccc bbbb ");
     EXPECT_EQ(names_of(file_of(number(0, 4) + number(1, 4) + first, properties)), "");
 }
 
-TEST(AvifProperties, AreNamedByWideNumbersToo) {
+TEST(AvifProperties, AcceptWideNumbers) {
     const std::string associations = number(0x0100'0001, 4) + number(1, 4) + number(2, 4) + "\1"s + number(0x8002, 2);
     EXPECT_EQ(names_of(file_of(associations, box("aaaa", "1") + box("bbbb", "2"))), "bbbb ");
 }
 
-TEST(AvifProperties, AreNotSoughtWhereTheFileLies) {
+TEST(AvifProperties, AreMissingIfTheFileIsInconsistent) {
     const std::string most = number(0xFFFF'FFFF, 4);
     EXPECT_EQ(names_of(file_of(number(0, 4) + most + number(2, 2) + "\xff\1"s, box("aaaa", "1"))), "aaaa ");
     EXPECT_EQ(names_of(file_of(number(0, 4) + most, box("aaaa", "1"))), "");
@@ -61,7 +62,7 @@ TEST(AvifProperties, AreNotSoughtWhereTheFileLies) {
     EXPECT_EQ(names_of(number(7, 4) + "meta"), "") << "smaller than its head";
 }
 
-TEST(AvifProperties, LieInsideTheFileWhateverItSays) {
+TEST(AvifProperties, StayWithinDamagedFiles) {
     std::mt19937 random(3);
     for (const auto* name : {"rgba.avif", "tiles.avif", "film.avif"}) {
         const std::string file = fixture(name).substr(0, 700);
@@ -77,7 +78,7 @@ TEST(AvifProperties, LieInsideTheFileWhateverItSays) {
     }
 }
 
-TEST(AvifBrand, MayComeFirstOrLater) {
+TEST(AvifBrand, IsFoundInAnyPosition) {
     EXPECT_TRUE(is_avif(box("ftyp", "avif"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "avis"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "mif1"s + number(0, 4) + "miafavif")));
@@ -87,7 +88,7 @@ TEST(AvifBrand, MayComeFirstOrLater) {
     EXPECT_FALSE(is_avif(fixture("grey.gif")));
 }
 
-TEST(MediaBox, HasSizesOfThreeKinds) {
+TEST(MediaBox, ReadsAllThreeKindsOfSize) {
     const std::string file =
         number(1, 4) + "long" + number(20, 8) + "abcd" + box("next", "ef") + number(0, 4) + "last12";
     const auto wide = media_box(file, 0);

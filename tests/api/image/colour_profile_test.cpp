@@ -21,7 +21,7 @@ std::optional<ColourConversion> convert(std::string profile) {
     return convert_colours({std::move(profile), {}, {}});
 }
 
-/// Linear light of the colours by hand: ITU-R BT.709's primaries from Display P3's.
+/// Calculated by hand from the primaries of Display P3 and ITU-R BT.709.
 constexpr LightMatrix kP3ToSrgb = {
     {{1.2249F, -0.2249F, 0.0F}, {-0.0420F, 1.0420F, 0.0F}, {-0.0196F, -0.0786F, 1.0983F}}};
 
@@ -33,7 +33,7 @@ void expect_p3(const std::optional<ColourConversion>& conversion, const std::str
     }
 }
 
-TEST(ColourProfile, ReadsPrimariesHoweverTheyAreSaid) {
+TEST(ColourProfile, ReadsPrimariesFromProfilesChromaticitiesAndCodePoints) {
     expect_p3(convert(profile_in("p3.png")), "profile");
     for (const auto* name : {"p3-chromaticities.png", "p3-code-points.png"}) {
         const std::string file = fixture(name);
@@ -41,14 +41,14 @@ TEST(ColourProfile, ReadsPrimariesHoweverTheyAreSaid) {
     }
 }
 
-TEST(ColourProfile, HasNothingToDoForSrgb) {
+TEST(ColourProfile, ConvertsNothingForSrgb) {
     EXPECT_FALSE(convert(profile_in("srgb.png")));
     EXPECT_FALSE(convert_colours({{}, ColourTags::CodePoints{1, 13}, {}}));
     EXPECT_FALSE(convert_colours({{}, {}, std::array{0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06}}));
     EXPECT_FALSE(convert_colours({}));
 }
 
-TEST(ColourProfile, ReadsTheCurveOfGrey) {
+TEST(ColourProfile, ReadsTheCurveOfAGreyProfile) {
     const auto conversion = convert(profile_in("ramp-gamma.png"));
     ASSERT_TRUE(conversion);
     EXPECT_EQ(conversion->space, ColourConversion::Space::Grey);
@@ -58,12 +58,12 @@ TEST(ColourProfile, ReadsTheCurveOfGrey) {
         EXPECT_NEAR(conversion->curves[0](share), std::pow(share, gamma), 1e-4) << share;
 }
 
-TEST(ColourProfile, PassesOverCodePointsThatAreNotRead) {
-    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 16}, {}};  // of a wide range of brightness
+TEST(ColourProfile, UsesTheProfileInsteadOfUnsupportedCodePoints) {
+    const ColourTags tags{profile_in("p3.png"), ColourTags::CodePoints{9, 16}, {}};  // high dynamic range
     expect_p3(convert_colours(tags), "profile");
 }
 
-TEST(ColourProfile, IgnoresWhatIsBroken) {
+TEST(ColourProfile, IgnoresBrokenProfiles) {
     EXPECT_FALSE(convert("acsp"));
     EXPECT_FALSE(convert(std::string(5000, '\xff')));
     for (const auto* name : {"p3.png", "inks.tif", "ramp-gamma.png"}) {
@@ -73,7 +73,7 @@ TEST(ColourProfile, IgnoresWhatIsBroken) {
     }
 }
 
-TEST(ColourProfile, GivesLightForDamagedProfiles) {
+TEST(ColourProfile, ReturnsValidLightForDamagedProfiles) {
     std::mt19937 random(7);
     for (const auto* name : {"p3.png", "inks.tif", "ramp-gamma.png"}) {
         const std::string profile = profile_in(name);

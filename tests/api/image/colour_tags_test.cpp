@@ -37,7 +37,7 @@ TEST(ColourTags, FindsTheProfileInEveryFormat) {
     }
 }
 
-TEST(ColourTags, ReadsWhatPngSaysWithoutAProfile) {
+TEST(ColourTags, ReadsChromaticitiesAndCodePointsOfPngs) {
     const auto tags = tags_of(fixture("p3-chromaticities.png"));
     ASSERT_TRUE(tags.primaries);
     EXPECT_NEAR((*tags.primaries)[0], 0.3127, 1e-9);
@@ -56,7 +56,7 @@ TEST(ColourTags, ReadsCodePointsOfAnAvifWithoutAProfile) {
     EXPECT_FALSE(tags_of(fixture("p3.avif")).code_points);
 }
 
-TEST(ColourTags, HidesTheProfileAndNothingElse) {
+TEST(ColourTags, HidesOnlyTheProfile) {
     for (const auto* name : {"p3.png", "p3.jpg", "p3.tif"}) {
         const std::string file = fixture(name);
         const std::string bare = hidden(file);
@@ -69,7 +69,7 @@ TEST(ColourTags, HidesTheProfileAndNothingElse) {
     }
 }
 
-TEST(ColourTags, TakesNoProfileOfWhichAPartIsMissing) {
+TEST(ColourTags, IgnoresAProfileWithAMissingSegment) {
     const std::string file = fixture("p3.jpg");
     const std::size_t second = file.rfind("ICC_PROFILE");
     ASSERT_NE(second, file.find("ICC_PROFILE"));
@@ -81,7 +81,7 @@ TEST(ColourTags, TakesNoProfileOfWhichAPartIsMissing) {
     }
 }
 
-TEST(ColourTags, SurvivesAnyLengthOfFile) {
+TEST(ColourTags, SurvivesFilesTruncatedAnywhere) {
     for (const auto* name : {"p3.png", "p3.webp", "p3.tif", "inks.jpg", "p3-code-points.png"}) {
         const std::string file = fixture(name);
         for (std::size_t size = 12; size < file.size(); ++size) {

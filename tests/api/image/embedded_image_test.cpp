@@ -11,7 +11,7 @@ Input text(std::string_view value) {
     return {"image", "/image", value};
 }
 
-TEST(Base64, DecodesTheVectorsOfTheRfc) {
+TEST(Base64, DecodesTheTestVectorsOfTheRfc) {
     EXPECT_EQ(*decode_base64(""), "");
     EXPECT_EQ(*decode_base64("Zg=="), "f");
     EXPECT_EQ(*decode_base64("Zm8="), "fo");
@@ -22,12 +22,12 @@ TEST(Base64, DecodesTheVectorsOfTheRfc) {
     EXPECT_EQ(*decode_base64("+/8A"), std::string("\xfb\xff\0", 3));
 }
 
-TEST(Base64, TakesMissingPadding) {
+TEST(Base64, AcceptsMissingPadding) {
     EXPECT_EQ(*decode_base64("Zg"), "f");
     EXPECT_EQ(*decode_base64("Zm8"), "fo");
 }
 
-TEST(Base64, RefusesWhatNoEncoderWrites) {
+TEST(Base64, RefusesInvalidEncodings) {
     for (const auto* wrong : {"Z", "Zg=", "Zg===", "Z===", "=", "====", "Zm9v=", "Zh==", "Zm9=", "Zm 9", "Zm9v\n",
                               "Zm-_", "Zg==Zg==", "Zm9vY"}) {
         EXPECT_FALSE(decode_base64(wrong)) << wrong;
@@ -44,7 +44,7 @@ TEST(EmbeddedImage, ReadsBase64AndDataUris) {
     }
 }
 
-TEST(EmbeddedImage, RefusesOtherTexts) {
+TEST(EmbeddedImage, RefusesTextThatIsNotBase64OrADataUri) {
     for (const auto* wrong :
          {"", "!", "data:", "data:image/png,abc", "data:image/png;base64", "http://localhost/a.png"}) {
         const auto image = read_embedded_image(text(wrong), {});

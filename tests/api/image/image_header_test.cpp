@@ -29,7 +29,7 @@ TEST(ImageHeader, ReadsTheSizeOfEveryFormat) {
     EXPECT_EQ(animated->pixels(), 24U * 16U);
 }
 
-TEST(ImageHeader, TellsWhatADecoderTakes) {
+TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
     const auto decoder_bytes = [](const char* name) {
         return read_image_header(fixture(name), kMaxPixels)->decoder_bytes;
     };
@@ -45,15 +45,15 @@ TEST(ImageHeader, TellsWhatADecoderTakes) {
     EXPECT_GE(decoder_bytes("p3.jpg"), by_rows + fixture("p3.jpg").size() + (32U << 20));
 }
 
-TEST(ImageHeader, TellsWhichOfSeveralFramesIsRead) {
+TEST(ImageHeader, DescribesWhichFrameIsRead) {
     const auto told = [](const std::string& file) { return describe_frame(*read_image_header(file, kMaxPixels)); };
     EXPECT_EQ(told(fixture("grey.gif")), "");
     EXPECT_EQ(told(fixture("lossless.avif")), "");
     EXPECT_EQ(told(fixture("film.gif")), "the file has 2 frames: the first is used");
-    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the picture that stands for them is used");
+    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the main picture is used");
 }
 
-TEST(ImageHeader, LeavesListsOfPagesThatLeadBack) {
+TEST(ImageHeader, EndsCyclicListsOfPages) {
     std::string file = fixture("lzw.tif");
     const ByteReader reader(file, false);
     const std::uint32_t first = *reader.read(4, 4);
@@ -88,21 +88,22 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         {"8BPS\0\1"s, "a Photoshop file"},
         {"%PDF-1.4", "PDF"},
         {"<svg xmlns=", "SVG"},
-        {"hello", "not an image that is known"},
-        {"BMW and other cars, and a text", "not an image that is known"},
-        {"\x89PNG", "not an image that is known"},
+        {"hello", "not an image the server can read"},
+        {"BMW and other cars, and a text", "not an image the server can read"},
+        {"\x89PNG", "not an image the server can read"},
     };
     for (const auto& [bytes, name] : others) {
         const auto header = read_image_header(bytes, kMaxPixels);
         ASSERT_FALSE(header) << name;
         EXPECT_EQ(header.error().code, ErrorCode::Unsupported) << name;
         EXPECT_NE(header.error().message.find("this is "s + name), std::string::npos) << header.error().message;
-        EXPECT_NE(header.error().message.find("PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF are read"), std::string::npos);
+        EXPECT_NE(header.error().message.find("supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF"),
+                  std::string::npos);
     }
     EXPECT_EQ(read_image_header("", kMaxPixels).error().code, ErrorCode::Malformed);
 }
 
-TEST(ImageHeader, TakesAnyLengthOfFile) {
+TEST(ImageHeader, SurvivesFilesTruncatedAnywhere) {
     constexpr std::size_t kLongestSignature = 18;
     for (const auto* name :
          {"progressive.jpg", "lossy.webp", "lossless.webp", "orientation-6.webp", "palette.png", "big-endian.tif",
@@ -120,22 +121,23 @@ TEST(ImageHeader, TakesAnyLengthOfFile) {
     }
 }
 
-TEST(ImageHeader, TakesAvifsForNoMoreThanTheirCodecDoes) {
+TEST(ImageHeader, RefusesAvifsLargerThanTheCodecAllows) {
     std::string file = fixture("bomb.avif");
     const auto at = file.find("ispe") + 8;
     file.replace(at, 4, std::string("\0\1\0\1", 4));
     EXPECT_EQ(read_image_header(file, std::numeric_limits<std::size_t>::max()).error().code, ErrorCode::Unusable);
 }
 
-TEST(ImageHeader, FindsTheFrameOfAJpegBehindOtherSegments) {
+TEST(ImageHeader, FindsTheFrameOfAJpegAfterOtherSegments) {
     std::string file = fixture("grey.jpg");
-    file.insert(2, std::string("\xff\xff\xff\xfe\x00\x04\xff\xc0", 8));  // filling, a comment that looks like a frame
+    file.insert(
+        2, std::string("\xff\xff\xff\xfe\x00\x04\xff\xc0", 8));  // fill bytes, and a comment that looks like a frame
     const auto header = read_image_header(file, kMaxPixels);
     ASSERT_TRUE(header);
     EXPECT_EQ(header->width, 24U);
 }
 
-TEST(ImageHeader, RefusesAJpegOfTooManyScans) {
+TEST(ImageHeader, RefusesJpegsWithTooManyScans) {
     const std::string scan(
         "\xff\xda\x00\x02"
         "data\xff\x00more\xff\xd0 and more",

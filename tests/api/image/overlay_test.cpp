@@ -53,7 +53,7 @@ TEST(Overlay, AddsLights) {
         EXPECT_EQ(pixels(overlay(lights, palette_of("rgb"), antialias)), expected);
 }
 
-TEST(Overlay, IsTheSameForAnyExecutor) {
+TEST(Overlay, IsIdenticalOnAnyExecutor) {
     std::vector<std::uint8_t> some(100'003);
     for (std::size_t i = 0; i < some.size(); ++i) some[i] = i * i % 7 < 3 ? 255 : 0;
     const std::vector<std::uint8_t> others(some.rbegin(), some.rend());
@@ -67,8 +67,8 @@ TEST(Overlay, IsTheSameForAnyExecutor) {
     }
 }
 
-/// One ink looks as it does in grey, whatever the share and the paper.
-TEST(Overlay, OfOneInkHasItsShades) {
+/// A single ink looks as it does in grey, for every coverage and paper.
+TEST(Overlay, UsesTheShadesOfASingleInk) {
     std::vector<std::uint8_t> all(256);
     std::iota(all.begin(), all.end(), std::uint8_t{0});
     for (const Colour& paper : {kWhite, Colour{.transparent = true}}) {
@@ -79,7 +79,7 @@ TEST(Overlay, OfOneInkHasItsShades) {
         for (std::size_t i = 1; i < 256; ++i) {
             const Rgba seen = pixel(picture, i);
             for (std::size_t channel = 0; channel < 4; ++channel) {
-                // Taken apart again from what eight bits tell, the first few shares are coarse.
+                // Recovered from eight bits, colours of the smallest coverages are coarse.
                 EXPECT_NEAR(seen[channel], shades[i][channel], 1) << i << ' ' << channel;
             }
         }
@@ -96,7 +96,7 @@ TEST(Overlay, CoversThePaperWithAnOpaqueInk) {
     }
 }
 
-TEST(Overlay, KnowsGreys) {
+TEST(Overlay, RecognizesGreyAndBilevelPictures) {
     const auto image = [](const Colour& ink, const Colour& paper, bool antialias) {
         return overlay(std::vector{raster({0, 255})}, {{{"", ink}}, paper, Mixing::Cover}, antialias);
     };
@@ -111,13 +111,13 @@ TEST(Overlay, KnowsGreys) {
     EXPECT_FALSE(image(kBlack, {.transparent = true}, false).grey);
 }
 
-TEST(Overlay, IsOnColouredPaper) {
+TEST(Overlay, MultipliesInkWithColouredPaper) {
     const Palette palette{{{"ink", {255, 0, 0}}}, {0, 255, 255}, Mixing::Multiply};
     const auto seen = pixels(overlay(std::vector{raster({0, 255})}, palette, false));
     EXPECT_EQ(seen, (std::vector<Rgba>{{0, 255, 255, 255}, {0, 0, 0, 255}}));
 }
 
-TEST(Overlay, ShowsWhatIsBelowWhereNoInkIs) {
+TEST(Overlay, IsTransparentWhereTransparentPaperHasNoInk) {
     const Palette palette{{{"a", {255, 0, 0}}, {"b", {0, 0, 255}}}, {.transparent = true}, Mixing::Multiply};
     const std::vector<Raster> inks = {raster({0, 255, 0, 255, 128}), raster({0, 0, 255, 255, 128})};
     const auto binary = pixels(overlay(inks, palette, false));
@@ -128,7 +128,7 @@ TEST(Overlay, ShowsWhatIsBelowWhereNoInkIs) {
     EXPECT_EQ(pixels(overlay(inks, palette, true))[4][3], 192);  // 1 - (127 / 255)^2
 }
 
-TEST(Overlay, EndsOnceItIsStopped) {
+TEST(Overlay, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const auto picture = overlay(std::vector(4, raster({255})), palette_of("cmyk"), false, source.get_token());

@@ -24,13 +24,13 @@ void expect_binary(const Colour& ink, const Colour& ground, Rgba dot, Rgba paper
     }
 }
 
-TEST(PngWriter, WritesBinaryRastersAtOneBit) {
+TEST(PngWriter, WritesBinaryRastersWithOneBit) {
     expect_binary(kBlack, kWhite, {0, 0, 0, 255}, {255, 255, 255, 255}, PNG_COLOR_TYPE_GRAY);
     expect_binary(kWhite, kBlack, {255, 255, 255, 255}, {0, 0, 0, 255}, PNG_COLOR_TYPE_GRAY);
     expect_binary({1, 2, 3}, {250, 240, 230}, {1, 2, 3, 255}, {250, 240, 230, 255}, PNG_COLOR_TYPE_PALETTE);
 }
 
-TEST(PngWriter, LeavesATransparentBackgroundOut) {
+TEST(PngWriter, MakesTheBackgroundTransparent) {
     expect_binary({9, 8, 7}, {.transparent = true}, {9, 8, 7, 255}, {9, 8, 7, 0}, PNG_COLOR_TYPE_PALETTE);
 }
 
@@ -55,13 +55,13 @@ TEST(PngWriter, MixesColoursInAPalette) {
     EXPECT_NEAR(png.at(128, 0)[2], 188, 1);
 }
 
-TEST(PngWriter, UsesCoverageAsAlphaOverNothing) {
+TEST(PngWriter, UsesCoverageAsAlphaOnTransparentPaper) {
     const auto file = write_png(image_of(grey_raster(1), true, {9, 8, 7}, {.transparent = true}));
     const DecodedPng png = decode_png(*file);
     for (int x = 0; x < 256; ++x) ASSERT_EQ(png.at(x, 0), (Rgba{9, 8, 7, static_cast<std::uint8_t>(x)}));
 }
 
-TEST(PngWriter, TellsThatItIsSrgb) {
+TEST(PngWriter, WritesSrgbChunks) {
     for (const bool antialias : {false, true}) {
         const auto file = write_png(image_of(binary_raster(), antialias));
         for (const auto* chunk : {"sRGB", "gAMA", "cHRM"}) EXPECT_NE(file->find(chunk), std::string::npos) << chunk;
@@ -71,15 +71,15 @@ TEST(PngWriter, TellsThatItIsSrgb) {
     EXPECT_EQ(write_greys(thresholds, 2, 2, 8)->find("sRGB"), std::string::npos);
 }
 
-TEST(PngWriter, TellsTheResolutionOfAWidth) {
-    const std::string file = *write_png(image_of(binary_raster(), false), 19 * 0.0254);  // 1,000 pixels an inch
+TEST(PngWriter, WritesTheResolution) {
+    const std::string file = *write_png(image_of(binary_raster(), false), 19 * 0.0254);  // 1,000 pixels per inch
     const std::size_t at = file.find("pHYs");
     ASSERT_NE(at, std::string::npos);
-    // 39,370 pixels a metre, across and down, in big-endian.
+    // 39,370 pixels per metre, horizontally and vertically, big-endian.
     EXPECT_EQ(file.substr(at + 4, 9), std::string("\0\0\x99\xca\0\0\x99\xca\1", 9));
 }
 
-TEST(PngWriter, WritesTheSameBytesAgain) {
+TEST(PngWriter, IsDeterministic) {
     const DotImage image = image_of(binary_raster(), false);
     EXPECT_EQ(*write_png(image), *write_png(image));
 }

@@ -23,7 +23,8 @@ namespace {
 
 constexpr std::size_t kPixels = 1 << 20;
 
-/// All writers must tell readers the same picture. That of WebP rounds greys, as three channels, and light times alpha.
+/// Checks that a file shows the same picture as a PNG. WebP rounds greys, as three channels, and the product of light
+/// and alpha.
 void expect_same(const Result<std::string>& file, const Result<std::string>& png) {
     ASSERT_TRUE(file) << file.error().message;
     const auto read = decode_image(*file, kPixels);
@@ -39,7 +40,7 @@ void expect_same(const Result<std::string>& file, const Result<std::string>& png
     }
 }
 
-/// An ink on paper of each kind, binary and antialiased.
+/// Returns pictures of an ink on each kind of paper, bilevel and antialiased.
 std::vector<DotImage> images() {
     std::vector<DotImage> images;
     const std::vector<std::pair<Colour, Colour>> colours = {{kBlack, kWhite},
@@ -54,15 +55,15 @@ std::vector<DotImage> images() {
     return images;
 }
 
-TEST(TiffWriter, ShowsWhatPngShows) {
+TEST(TiffWriter, EqualsThePng) {
     for (const DotImage& image : images()) expect_same(write_tiff(image), write_png(image));
 }
 
-TEST(WebPWriter, ShowsWhatPngShows) {
+TEST(WebPWriter, EqualsThePng) {
     for (const DotImage& image : images()) expect_same(write_webp(image), write_png(image));
 }
 
-/// 19 wide, of a palette of so many colours, or of true colours.
+/// Returns a picture that is 19 pixels wide, with a palette of so many colours or, for 0, true colours.
 DotImage colour_image(std::size_t colours, bool transparent) {
     DotImage raster{19, 5, transparent, false, colours, {}, {}};
     for (std::size_t i = 0; i < colours; ++i) {
@@ -107,7 +108,7 @@ TEST(RasterWriters, KeepColours) {
     }
 }
 
-/// Plates as a reader of TIFF finds them, and what the file says of them.
+/// Plates as a TIFF reader finds them, and the tags that describe them.
 struct Separated {
     std::uint16_t photometric = 0;
     std::uint16_t ink_set = 0;
@@ -140,7 +141,7 @@ Separated read_separated(const std::string& bytes) {
     return found;
 }
 
-TEST(TiffWriter, KeepsPlatesApart) {
+TEST(TiffWriter, WritesOneChannelPerPlate) {
     const Palette cmyk{
         {{"cyan", {0, 255, 255}}, {"magenta", {255, 0, 255}}, {"yellow", {255, 255, 0}}, {"black", kBlack}}};
     const Palette two{{{"#c03000", {192, 48, 0}}, {"#003366", {0, 51, 102}}}};
@@ -164,19 +165,19 @@ TEST(TiffWriter, KeepsPlatesApart) {
     }
 }
 
-TEST(PngWriter, TakesFewBitsForFewColours) {
+TEST(PngWriter, UsesFewBitsForFewColours) {
     for (const auto& [colours, bits] : {std::pair{2U, 1}, {4U, 2}, {8U, 4}, {16U, 4}, {64U, 8}, {0U, 8}})
         EXPECT_EQ(decode_png(*write_png(colour_image(colours, false))).bit_depth, bits) << colours;
 }
 
-TEST(WebPWriter, RefusesWhatItsFormatCannotHold) {
+TEST(WebPWriter, RefusesSidesBeyondTheLimitOfTheFormat) {
     const Raster wide{kMaxWebPSide + 1, 1, 1, std::vector<std::uint8_t>(kMaxWebPSide + 1)};
     EXPECT_EQ(write_webp(image_of(wide, true)).error().code, ErrorCode::Internal);
     const Raster widest{kMaxWebPSide, 1, 1, std::vector<std::uint8_t>(kMaxWebPSide)};
     EXPECT_TRUE(write_webp(image_of(widest, true)));
 }
 
-TEST(RasterWriters, EndOnceTheyAreStopped) {
+TEST(RasterWriters, StopOnRequest) {
     std::stop_source source;
     source.request_stop();
     for (const DotImage& image : {image_of(grey_raster(40), true), colour_image(0, false)}) {
@@ -189,7 +190,7 @@ TEST(RasterWriters, EndOnceTheyAreStopped) {
     EXPECT_EQ(write_tiff_plates(plates, inks, {}, source.get_token()).error().code, ErrorCode::Stopped);
 }
 
-TEST(RasterWriters, GiveTheSameBytesAgain) {
+TEST(RasterWriters, AreDeterministic) {
     const DotImage image = image_of(grey_raster(40), true);
     EXPECT_EQ(*write_tiff(image, 10), *write_tiff(image, 10));
     EXPECT_EQ(*write_webp(image), *write_webp(image));

@@ -14,7 +14,7 @@ TEST(Colour, ReadsShortAndLongForms) {
     EXPECT_EQ(*read_colour(text("#01Fe7f")), (Colour{1, 254, 127}));
 }
 
-TEST(Colour, RefusesEverythingElse) {
+TEST(Colour, RefusesInvalidColours) {
     for (const auto* wrong : {"", "#", "fa0", "#fa", "#fa00", "#ggg", "#-10", "#12345", "#1234567", "red", "#12 456"}) {
         const auto colour = read_colour(text(wrong));
         ASSERT_FALSE(colour) << wrong;
@@ -23,7 +23,7 @@ TEST(Colour, RefusesEverythingElse) {
     }
 }
 
-TEST(Colour, IsTransparentOnlyWhereItMayBe) {
+TEST(Colour, AcceptsTransparentOnlyWhereAllowed) {
     EXPECT_FALSE(read_colour(text("transparent")));
     EXPECT_TRUE(read_colour_or_none(text("transparent"))->transparent);
     EXPECT_EQ(*read_colour_or_none(text("#fff")), kWhite);

@@ -35,7 +35,7 @@ TEST(FeatureCounts, RoundsByLargestRemainders) {
     EXPECT_EQ(counts->total(), 5U);
 }
 
-TEST(FeatureCounts, GivesEqualRemaindersToTheFirst) {
+TEST(FeatureCounts, RoundsUpTheFirstOfEqualRemainders) {
     std::string features = feature(R"({"people":50})");
     for (int i = 0; i < 3; ++i) features += ',' + feature(R"({"people":50})");
     EXPECT_EQ(count(features, people(100))->counts, (std::vector<std::size_t>{1, 1, 0, 0}));
@@ -47,7 +47,7 @@ TEST(FeatureCounts, ReadsNumbersInStrings) {
     EXPECT_EQ(counts->counts, (std::vector<std::size_t>{12, 8}));
 }
 
-TEST(FeatureCounts, TakesWhatIsMissingForNothing) {
+TEST(FeatureCounts, CountsMissingPropertiesAsZero) {
     const auto counts = count(
         feature("{}") + ',' + feature("null") + ',' + feature(R"({"people":null})") + ',' + feature(R"({"people":3})"),
         people(1));
@@ -68,7 +68,7 @@ TEST(FeatureCounts, CountsEachClass) {
     EXPECT_EQ(counts->count(1, 1), 2U);
 }
 
-TEST(FeatureCounts, RefusesWhatIsNoCount) {
+TEST(FeatureCounts, RefusesInvalidCounts) {
     for (const std::string value : {"-1", "\"-1\"", "\"many\"", "\"\"", "\"1,000\"", "true", "[1]", "\"inf\""}) {
         const auto counts = count(feature(R"({"people":1})") + ',' + feature(R"({"people":)" + value + '}'), people(1));
         ASSERT_FALSE(counts) << value;
@@ -77,7 +77,7 @@ TEST(FeatureCounts, RefusesWhatIsNoCount) {
     }
 }
 
-TEST(FeatureCounts, RefusesPropertiesThatAreNoObject) {
+TEST(FeatureCounts, RefusesPropertiesThatAreNotAnObject) {
     for (const std::string properties : {"[1]", "1", "\"people\"", "true"}) {
         const auto counts = count(feature(R"({"people":1})") + ',' + feature(properties), people(1));
         ASSERT_FALSE(counts) << properties;
@@ -86,7 +86,7 @@ TEST(FeatureCounts, RefusesPropertiesThatAreNoObject) {
     }
 }
 
-TEST(FeatureCounts, RefusesTooManyAndNone) {
+TEST(FeatureCounts, RefusesTooManyPointsAndNone) {
     const std::string features = feature(R"({"people":1e300})") + ',' + feature(R"({"people":1e308})");
     const auto many = count(features, people(1));
     ASSERT_FALSE(many);

@@ -43,9 +43,9 @@ TEST(PropertyChoice, ReadsAStarOrNames) {
     EXPECT_EQ(choice_of(R"(["a,b","*"])")->names, (std::vector<std::string>{"a,b", "*"}));
 }
 
-TEST(PropertyChoice, RefusesWhatIsNoName) {
+TEST(PropertyChoice, RefusesInvalidNames) {
     EXPECT_EQ(choice_of(R"(["a",7])").error().field, "/properties/1");
-    EXPECT_EQ(choice_of(R"(["a","a"])").error().message, "/properties/1 is there already");
+    EXPECT_EQ(choice_of(R"(["a","a"])").error().message, "/properties/1 repeats an earlier name");
     EXPECT_EQ(choice_of("[]").error().message, "/properties must have 1 to 256 properties");
     EXPECT_FALSE(choice_of("\"\""));
     EXPECT_FALSE(choice_of("7"));
@@ -59,7 +59,7 @@ TEST(FeatureList, KeepsTheTypesOfValues) {
     EXPECT_EQ(members(*features, 0), R"("s":"a\"b","i":7,"d":0.1,"t":true,"n":null,"o":{"a":[1,"\t"],"b":{}})");
 }
 
-TEST(FeatureList, CarriesOnlyWhatIsChosenInTheOrderOfTheChoice) {
+TEST(FeatureList, CarriesChosenPropertiesInTheGivenOrder) {
     const auto features =
         list(collection(feature(R"({"a":1,"b":2,"c":3})") + ',' + feature(R"({"c":4})") + ',' + feature("null")),
              {false, {"c", "a"}});
@@ -77,7 +77,7 @@ TEST(FeatureList, ListsAllPropertiesOnce) {
     EXPECT_EQ(members(*features, 1), R"("a":4,"c":3)");
 }
 
-TEST(FeatureList, RenamesPropertiesThatAnswersHaveThemselves) {
+TEST(FeatureList, RenamesPropertiesWithReservedNames) {
     const auto features = list(collection(feature(R"({"class":1,"class_":2,"x":3,"name":4})")));
     ASSERT_TRUE(features) << features.error().message;
     EXPECT_EQ(features->carried.names, (std::vector<std::string>{"class__", "class_", "x_", "name"}));
@@ -91,7 +91,7 @@ TEST(FeatureList, ReadsIds) {
     EXPECT_EQ(features->locate(2), "/geometry/features/2");
 }
 
-TEST(FeatureList, TakesAFeatureAlone) {
+TEST(FeatureList, AcceptsASingleFeature) {
     const auto features = list(feature(R"({"a":1})", R"(,"id":3)"));
     ASSERT_TRUE(features) << features.error().message;
     EXPECT_EQ(features->ids, (std::vector<std::string>{"3"}));
@@ -107,7 +107,7 @@ TEST(FeatureList, RefusesAChosenPropertyThatNoFeatureHas) {
     EXPECT_EQ(features.error().message, "no feature has the property 'nmae'");
 }
 
-TEST(FeatureList, RefusesPropertiesThatAreNoObject) {
+TEST(FeatureList, RefusesPropertiesThatAreNotAnObject) {
     const auto features = list(collection(feature("null") + ',' + feature("[]")));
     ASSERT_FALSE(features);
     EXPECT_EQ(features.error().field, "/geometry/features/1/properties");
@@ -134,7 +134,7 @@ TEST(FeatureList, RefusesPropertiesThatAreTooLarge) {
     EXPECT_EQ(features.error().field, "/geometry/features/0/properties");
 }
 
-TEST(FeatureList, LimitsWhatAllPointsCarry) {
+TEST(FeatureList, LimitsTheTotalSizeOfProperties) {
     const auto features = list(collection(feature("{\"a\":\"" + std::string(9'995, 'x') + "\"}")));
     ASSERT_TRUE(features);
     EXPECT_EQ(features->carried.size_of(0), 10'000U);

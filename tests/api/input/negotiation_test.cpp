@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::array<const FileFormat*, 2> kMade = {&kPng, &kJson};
 
-TEST(Negotiation, FollowsTheHeader) {
+TEST(Negotiation, FollowsTheAcceptHeader) {
     EXPECT_EQ(kMade[*negotiate("application/json", kMade)], &kJson);
     EXPECT_EQ(kMade[*negotiate("image/png", kMade)], &kPng);
     EXPECT_EQ(kMade[*negotiate("image/*", kMade)], &kPng);
@@ -17,7 +17,7 @@ TEST(Negotiation, FollowsTheHeader) {
     EXPECT_EQ(kMade[*negotiate("text/html, application/*", kMade)], &kJson);
 }
 
-TEST(Negotiation, PrefersTheServersOrderBetweenEquals) {
+TEST(Negotiation, BreaksTiesInTheServersOrder) {
     EXPECT_EQ(kMade[*negotiate("", kMade)], &kPng);
     EXPECT_EQ(kMade[*negotiate("*/*", kMade)], &kPng);
     EXPECT_EQ(kMade[*negotiate("application/json, image/png", kMade)], &kPng);
@@ -25,19 +25,19 @@ TEST(Negotiation, PrefersTheServersOrderBetweenEquals) {
               &kPng);
 }
 
-TEST(Negotiation, WeighsQualities) {
+TEST(Negotiation, ComparesQualities) {
     EXPECT_EQ(kMade[*negotiate("image/png;q=0.5, application/json;q=0.6", kMade)], &kJson);
     EXPECT_EQ(kMade[*negotiate("image/png ; Q=0.5 , */* ; q=0.501", kMade)], &kJson);
     EXPECT_EQ(kMade[*negotiate("image/png;level=1;q=0.2,*/*;q=0.1", kMade)], &kPng);
 }
 
-TEST(Negotiation, LetsTheMostSpecificRangeDecide) {
+TEST(Negotiation, UsesTheMostSpecificRange) {
     EXPECT_EQ(kMade[*negotiate("*/*, image/png;q=0.1", kMade)], &kJson);
     EXPECT_EQ(kMade[*negotiate("image/*;q=0, */*", kMade)], &kJson);
     EXPECT_EQ(kMade[*negotiate("image/*;q=0.1, image/png, application/json;q=0.9", kMade)], &kPng);
 }
 
-TEST(Negotiation, RefusesWhatNobodyWants) {
+TEST(Negotiation, RefusesUnacceptableMediaTypes) {
     for (const auto* accept :
          {"text/html", "image/webp", "*/*;q=0", "image/png;q=0, application/json;q=0.0", "text/*"}) {
         const auto chosen = negotiate(accept, kMade);
@@ -47,7 +47,7 @@ TEST(Negotiation, RefusesWhatNobodyWants) {
     }
 }
 
-TEST(Negotiation, PassesOverWhatItCannotUnderstand) {
+TEST(Negotiation, IgnoresInvalidMediaRanges) {
     EXPECT_EQ(kMade[*negotiate("garbage", kMade)], &kPng);
     EXPECT_EQ(kMade[*negotiate(",,,;;;", kMade)], &kPng);
     EXPECT_EQ(kMade[*negotiate("image/png;q=2, application/json", kMade)], &kJson);
@@ -63,7 +63,7 @@ TEST(Format, IsChosenByName) {
     ASSERT_FALSE(svg);
     EXPECT_EQ(svg.error().code, ErrorCode::Malformed);
     EXPECT_EQ(svg.error().field, "format");
-    EXPECT_EQ(svg.error().message, "this server does not make 'svg' here; it makes png, json");
+    EXPECT_EQ(svg.error().message, "format 'svg' is not available here; available are png, json");
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(OptionReader, ReadsChoices) {
     EXPECT_FALSE(read_choice<int>(Json("1"), choices));
 }
 
-TEST(OptionReader, PutsErrorsOfCoreBelowAPointer) {
+TEST(OptionReader, PrefixesErrorsOfCoreWithAPointer) {
     const auto field = [](std::string name, std::string_view pointer) {
         return error_below({ErrorCode::Malformed, "", std::move(name)}, pointer).field;
     };
@@ -104,7 +104,7 @@ TEST(OptionReader, PutsErrorsOfCoreBelowAPointer) {
     EXPECT_EQ(field("", ""), "");
 }
 
-TEST(OptionReader, TellsTooManySitesFromNoNumber) {
+TEST(OptionReader, DistinguishesTooManySitesFromInvalidNumbers) {
     const Limits limits = {.max_sites = 100};
     EXPECT_EQ(*read_sites(text("100"), limits), 100U);
     EXPECT_EQ(read_sites(text("0"), limits).error().code, ErrorCode::Malformed);
@@ -128,12 +128,12 @@ Result<void> read_flags(const std::vector<TextOption>& options) {
 
 TEST(OptionReader, NamesUnknownAndRepeatedOptions) {
     EXPECT_TRUE(read_flags({{"flag", "1"}}));
-    EXPECT_EQ(read_flags({{"flga", "1"}}).error().message, "unknown option 'flga'; those known are flag");
+    EXPECT_EQ(read_flags({{"flga", "1"}}).error().message, "unknown option 'flga'; the options are flag");
     EXPECT_EQ(read_flags({{"flga", "1"}}).error().field, "flga");
     EXPECT_EQ(read_flags({{"flag", "1"}, {"flag", "1"}}).error().message, "flag is given twice");
 }
 
-TEST(OptionReader, TellsOfAllThatIsWrong) {
+TEST(OptionReader, ReportsAllErrors) {
     const auto read = read_flags({{"flag", "x"}, {"flga", "1"}, {"flag", "1"}});
     EXPECT_EQ(read.error().message, "flag must be true or false");
     ASSERT_EQ(read.error().others.size(), 2U);

@@ -50,7 +50,7 @@ TEST(Topology, DecodesQuantizedArcs) {
     EXPECT_TRUE(polygon->features.empty());
 }
 
-TEST(Topology, ReadsTheObjectThatIsAskedFor) {
+TEST(Topology, ReadsTheNamedObject) {
     const std::string objects = "\"two\":" + kTwo + R"(,"a/b":{"type":"Polygon","arcs":[[4]]})";
     EXPECT_EQ(read(topology(objects), "a/b")->parts.size(), 1U);
     const Error several = error_of(topology(objects));
@@ -67,7 +67,7 @@ TEST(Topology, LocatesRings) {
     EXPECT_EQ(polygon->locate("/2"), "/geometry/objects/two/geometries/2/arcs/1");
 }
 
-TEST(Topology, PointsToWhatIsWrong) {
+TEST(Topology, LocatesErrorsByJsonPointer) {
     const auto with = [](const std::string& object, const std::string& arcs = kArcs, const std::string& more = "") {
         return error_of(topology("\"o\":" + object, arcs, more));
     };
@@ -88,13 +88,13 @@ TEST(Topology, PointsToWhatIsWrong) {
     EXPECT_EQ(with(polygon, kArcs, R"("transform":{"scale":[1]},)").field, "/geometry/transform/scale");
 }
 
-TEST(Topology, RefusesWhatHoldsNoPolygon) {
+TEST(Topology, RefusesObjectsWithoutPolygons) {
     EXPECT_EQ(error_of(topology(R"("o":{"type":"GeometryCollection","geometries":[]})")).code, ErrorCode::Unusable);
     EXPECT_EQ(error_of(topology(R"("o":{"type":null})")).code, ErrorCode::Unusable);
     EXPECT_EQ(error_of(topology(R"("o":{"type":"Polygon","arcs":[]})")).code, ErrorCode::Unusable);
 }
 
-TEST(Topology, LimitsCornersOfArcsThatAreUsedOften) {
+TEST(Topology, LimitsTheCornersOfRepeatedArcs) {
     std::string arc = "[[[0,0]", ring = "[0";
     for (int i = 1; i < 2'000; ++i) arc += ",[" + std::to_string(i) + ",1]";
     for (int i = 1; i < 2'000; ++i) ring += ",0";

@@ -36,7 +36,7 @@ TEST(JsonDocument, FindsMembersByName) {
     EXPECT_FALSE(document->root().find("c"));
 }
 
-TEST(JsonDocument, RefusesWhatIsNotJson) {
+TEST(JsonDocument, RefusesInvalidJson) {
     for (const auto* wrong : {"", " ", "{", "[1,]", "{\"a\"}", "nul", "01", "1 2", "\"\x80\"", "[1e999]", "NaN",
                               "{'a':1}", "[1]x", "\"\\ud800\""}) {
         const auto document = JsonDocument::parse(wrong);
@@ -46,7 +46,7 @@ TEST(JsonDocument, RefusesWhatIsNotJson) {
     }
 }
 
-TEST(JsonDocument, RefusesWhatFollowsTheText) {
+TEST(JsonDocument, RefusesTextAfterTheValue) {
     for (const char c : {'\0', '\v', '\f', '\x01', '\x7f', '\xa0', '}', ','}) {
         for (const std::string& text : {std::string("{}") + c, std::string("1") + c, std::string("[1]") + c + " [2]"})
             EXPECT_FALSE(JsonDocument::parse(text)) << static_cast<int>(c);
@@ -56,7 +56,7 @@ TEST(JsonDocument, RefusesWhatFollowsTheText) {
               "the body is not valid JSON: error at byte 4");
 }
 
-TEST(JsonDocument, StopsAtDepth) {
+TEST(JsonDocument, LimitsTheDepth) {
     const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
     EXPECT_TRUE(JsonDocument::parse(nested(JsonDocument::kMaxDepth)));
     EXPECT_FALSE(JsonDocument::parse(nested(JsonDocument::kMaxDepth + 1)));
@@ -66,7 +66,7 @@ TEST(JsonDocument, StopsAtDepth) {
     EXPECT_NE(million.error().message.find("deeper"), std::string::npos);
 }
 
-TEST(JsonDocument, StopsAtTooManyValues) {
+TEST(JsonDocument, LimitsTheNumberOfValues) {
     std::string text = "[";
     for (std::size_t i = 0; i < JsonDocument::kMaxValues; ++i) text += "0,";
     text += "0]";
@@ -75,7 +75,7 @@ TEST(JsonDocument, StopsAtTooManyValues) {
     EXPECT_EQ(document.error().code, ErrorCode::LimitExceeded);
 }
 
-TEST(JsonDocument, RefusesTwoMembersOfOneName) {
+TEST(JsonDocument, RefusesDuplicateMembers) {
     EXPECT_TRUE(JsonDocument::parse(R"({"a":{"a":1},"b":{"a":1}})"));
     for (const auto* wrong : {R"({"a":1,"a":1})", R"([{"b":{"x":1,"y":2,"x":3}}])", R"({"a":1,"\u0061":2})"}) {
         const auto document = JsonDocument::parse(wrong);

@@ -66,7 +66,7 @@ std::size_t write(Body& body, std::string_view text) {
     return written;
 }
 
-TEST(Body, IsHeldWholeAsLongAsItIsSmall) {
+TEST(Body, IsHeldInMemoryIfSmall) {
     const std::string text = numbers(Body::kWhole - 1);
     const Answer before = head();
     Taker taker;
@@ -79,7 +79,7 @@ TEST(Body, IsHeldWholeAsLongAsItIsSmall) {
     EXPECT_TRUE(taker.heads.empty());
 }
 
-TEST(Body, IsHeldWholeIfNobodyTakesIt) {
+TEST(Body, IsHeldInMemoryWithoutReceiver) {
     const std::string text = numbers(2 * Body::kWhole);
     const Answer before = head();
     Body body(before, nullptr, {});
@@ -89,7 +89,7 @@ TEST(Body, IsHeldWholeIfNobodyTakesIt) {
     EXPECT_EQ(answer->body, text);
 }
 
-TEST(Body, IsHandedOnInPiecesOnceItIsLarge) {
+TEST(Body, IsStreamedInPiecesIfLarge) {
     const std::string text = numbers(2 * Body::kWhole + 12'345);
     const Answer before = head();
     Taker taker;
@@ -107,7 +107,7 @@ TEST(Body, IsHandedOnInPiecesOnceItIsLarge) {
     EXPECT_EQ(taker.all(), text);
 }
 
-TEST(Body, EndsOnceNobodyTakesMore) {
+TEST(Body, StopsOnceReceiverStops) {
     const std::string text = numbers(4 * Body::kWhole);
     const Answer before = head();
     Taker taker(20);
@@ -118,7 +118,7 @@ TEST(Body, EndsOnceNobodyTakesMore) {
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
 }
 
-TEST(Body, TellsThatItMayNotRepeatIfItWasHurried) {
+TEST(Body, ReportsIfNotReproducibleBecauseHurried) {
     std::stop_source hurry;
     const Answer before = head();
     Taker taker;

@@ -52,7 +52,7 @@ TEST(JsonWriter, WritesEveryMember) {
     EXPECT_EQ(json.size(), 8U);
 }
 
-TEST(JsonWriter, WritesInksApart) {
+TEST(JsonWriter, WritesEachInkSeparately) {
     const Distribution some = example();
     Distribution none;
     none.trace = {0};
@@ -77,7 +77,7 @@ TEST(JsonWriter, WritesInksApart) {
     EXPECT_EQ(black.at("variation"), 0);
 }
 
-TEST(JsonWriter, TellsThatInksWereStopped) {
+TEST(JsonWriter, MarksStoppedInksAsPartial) {
     const Distribution whole = example();
     Distribution stopped = whole;
     stopped.stopped = true;
@@ -86,7 +86,7 @@ TEST(JsonWriter, TellsThatInksWereStopped) {
     EXPECT_FALSE(nlohmann::json::parse(json_of(std::span<const InkDots>(inks).first(1))).contains("partial"));
 }
 
-TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
+TEST(JsonWriter, WritesVariationOfPolishedPoints) {
     Distribution distribution = example();
     distribution.polished = 0.375;
     const auto json = nlohmann::json::parse(json_of(distribution));
@@ -94,7 +94,7 @@ TEST(JsonWriter, TellsTheVariationOfThePolishedPoints) {
     EXPECT_EQ(json.at("trace").size(), 2U);
 }
 
-TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
+TEST(JsonWriter, WritesNumbersThatRoundTrip) {
     const Distribution distribution = example();
     const auto json = nlohmann::json::parse(json_of(distribution));
     const auto& points = json.at("points");
@@ -105,11 +105,11 @@ TEST(JsonWriter, WritesNumbersThatReadBackTheSame) {
     }
 }
 
-TEST(JsonWriter, WritesTheShortestNumbers) {
+TEST(JsonWriter, WritesShortestNumbers) {
     EXPECT_TRUE(json_of(example(), {}).starts_with("{\"points\":[[0.1,1e+300],"));
 }
 
-TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
+TEST(JsonWriter, RejectsNonFiniteNumbers) {
     for (const double none : {std::nan(""), std::numeric_limits<double>::infinity()}) {
         Distribution distribution = example();
         distribution.trace.back() = none;
@@ -124,7 +124,7 @@ TEST(JsonWriter, NeverWritesWhatJsonDoesNotHave) {
     }
 }
 
-TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
+TEST(JsonWriter, WritesMeshAndPictureSizeIfPresent) {
     Distribution distribution = example();
     distribution.mesh = TriangleMesh{{{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}}, {{0, 1, 2}, {}}};
     const auto json = nlohmann::json::parse(json_of(distribution, {0, 0, PictureSize{640, 480}}));
@@ -135,7 +135,7 @@ TEST(JsonWriter, WritesMeshAndPictureWhereThereIsOne) {
     EXPECT_EQ(json.at("boundary"), nlohmann::json::parse("[[0,1,2],[]]"));
 }
 
-TEST(JsonWriter, WritesAFeatureOfGeoJson) {
+TEST(JsonWriter, WritesGeoJsonFeature) {
     const auto json = nlohmann::json::parse(feature_of(example(), {5, 12.3, {}, "odt"}));
     EXPECT_EQ(json.size(), 3U);
     EXPECT_EQ(json.at("type"), "Feature");
@@ -146,7 +146,7 @@ TEST(JsonWriter, WritesAFeatureOfGeoJson) {
               nlohmann::json::parse(R"({"sites":3,"seed":5,"method":"odt","iterations":1,"variation":0.25})"));
 }
 
-TEST(JsonWriter, TellsOfARunThatWasStopped) {
+TEST(JsonWriter, MarksStoppedRunAsPartial) {
     Distribution distribution = example();
     distribution.stopped = true;
     EXPECT_TRUE(nlohmann::json::parse(feature_of(distribution)).at("properties").at("partial"));

@@ -47,12 +47,12 @@ std::stop_token stopped_token() {
     return source.get_token();
 }
 
-TEST(Csv, HasAHeaderAndTheShortestNumbers) {
+TEST(Csv, HasHeaderAndShortestNumbers) {
     EXPECT_EQ(csv_of(kPoints), "x,y\r\n0.1,1e+300\r\n-0,5e-324\r\n0.3333333333333333,2\r\n");
     EXPECT_EQ(csv_of({}), "x,y\r\n");
 }
 
-TEST(Csv, EndsOnceItIsStopped) {
+TEST(Csv, StopsOnRequest) {
     EXPECT_EQ(csv_of(kPoints, stopped_token()), "x,y\r\n");
 }
 
@@ -63,7 +63,7 @@ TEST(Csv, NamesInks) {
               "x,y,ink\r\n0.1,1e+300,cyan\r\n-0,5e-324,cyan\r\n0.3333333333333333,2,cyan\r\n1,2,#abcdef\r\n");
 }
 
-TEST(Npy, HasTheHeaderThatItsFormatWants) {
+TEST(Npy, HasValidHeader) {
     for (const std::size_t count : {0U, 1U, 9U, 10U, 12'345U}) {
         const std::string file = npy_of(std::vector<Point>(count));
         ASSERT_TRUE(file.starts_with(std::string("\x93NUMPY\x01\x00", 8)));
@@ -86,7 +86,7 @@ TEST(Npy, NumbersInks) {
     EXPECT_EQ(std::memcmp(file.data() + file.size() - sizeof(rows), rows, sizeof(rows)), 0);
 }
 
-TEST(Npy, HoldsTheNumbersThemselves) {
+TEST(Npy, StoresNumbersInBinary) {
     const std::string file = npy_of(kPoints);
     ASSERT_GE(file.size(), 48U);
     EXPECT_EQ(std::memcmp(file.data() + file.size() - 48, kPoints.data(), 48), 0);

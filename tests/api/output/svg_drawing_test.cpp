@@ -14,7 +14,7 @@ std::string drawn(SvgDrawing& svg) {
     return text.substr(start, text.rfind("</svg>") - start);
 }
 
-TEST(SvgDrawing, IsADocumentOnWhite) {
+TEST(SvgDrawing, HasWhiteBackground) {
     EXPECT_EQ(SvgDrawing(30, 20).finish(),
               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"30\" height=\"20\" viewBox=\"0 0 30 20\" "
               "font-family=\"DejaVu Sans, Verdana, sans-serif\">\n"

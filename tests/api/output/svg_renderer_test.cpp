@@ -28,7 +28,7 @@ TEST(SvgRenderer, DrawsAtScale) {
     EXPECT_EQ(png.at(40, 20), kPaper);
 }
 
-TEST(SvgRenderer, DrawsDotsWhereNothingIsCutOff) {
+TEST(SvgRenderer, DrawsDotsInsideClipOnly) {
     SvgDrawing svg(40, 20);
     const std::array<Point, 2> centres = {Point{10, 10}, Point{30, 10}};
     svg.begin_clip({{0, 0}, {30, 20}});
@@ -43,7 +43,7 @@ TEST(SvgRenderer, DrawsDotsWhereNothingIsCutOff) {
     EXPECT_EQ(png.at(32, 10), kPaper) << "beyond the clip";
 }
 
-TEST(SvgRenderer, FindsItsLetters) {
+TEST(SvgRenderer, FindsItsFont) {
     SvgDrawing svg(40, 20);
     svg.text({5, 15}, Anchor::Start, 14, "M");
     const auto png = decode_png(render_svg(svg.finish(), 1).value());
@@ -52,14 +52,14 @@ TEST(SvgRenderer, FindsItsLetters) {
     EXPECT_LT(dark, 120);
 }
 
-TEST(SvgRenderer, IsTheSameEveryTime) {
+TEST(SvgRenderer, IsReproducible) {
     SvgDrawing svg(100, 30);
     svg.text({5, 20}, Anchor::Start, 14.5, "frequency, 3.75");
     const std::string text = svg.finish();
     EXPECT_EQ(render_svg(text, 1.5).value(), render_svg(text, 1.5).value());
 }
 
-TEST(SvgRenderer, RefusesWhatIsNoSvg) {
+TEST(SvgRenderer, RejectsWhatIsNotSvg) {
     for (const std::string text : {"", "dots", "<svg", "<html/>"}) {
         const auto file = render_svg(text, 1);
         ASSERT_FALSE(file) << text;

@@ -41,17 +41,17 @@ TEST(Locate, TakesTheNearestAreaForPointsInNone) {
     EXPECT_EQ(located(areas, {{1, 0.5}, {2.9, 0.5}, {2.1, 0.5}, {-5, 0}, {90, 90}}), (Indices{0, 2, 1, 0, 2}));
 }
 
-TEST(Locate, FindsOnlyOneAreaWithoutLooking) {
+TEST(Locate, ReturnsTheOnlyAreaWithoutASearch) {
     EXPECT_EQ(located({{{box(0, 0, 1, 1), {}}}}, {{0.5, 0.5}, {7, 7}}), (Indices{0, 0}));
 }
 
-TEST(Locate, FindsPlacesInAnyTurnOfTheGlobe) {
+TEST(Locate, FindsPointsInAnyTurnOfTheGlobe) {
     const std::vector<test::Parts> areas = {{{box(170, 0, 30, 10), {}}}, {{box(-540, 0, 10, 10), {}}}};
     EXPECT_EQ(located(areas, {{175, 5}, {-165, 5}, {-175, 5}}, kTurn), (Indices{0, 0, 0}));
     EXPECT_EQ(located({areas[1], areas[0]}, {{175, 5}, {-165, 5}, {-175, 5}}, kTurn), (Indices{1, 1, 0}));
 }
 
-TEST(Locate, FindsPlacesOfAnyMagnitude) {
+TEST(Locate, FindsPointsOfAnyMagnitude) {
     for (const double size : {1e-139, 1e-9, 1e9, 1e139}) {
         const std::vector<test::Parts> areas = {{{box(0, 0, size, size), {}}}, {{box(size, 0, size, size), {}}}};
         EXPECT_EQ(located(areas, {{0.5 * size, 0.5 * size}, {1.5 * size, 0.5 * size}, {size, 0.5 * size}}),
@@ -60,7 +60,7 @@ TEST(Locate, FindsPlacesOfAnyMagnitude) {
     }
 }
 
-TEST(Locate, StopsWhenAsked) {
+TEST(Locate, StopsOnRequest) {
     const Domain area = Domain::rectangle(1, 1).value();
     const std::vector<const Domain*> areas = {&area, &area};
     const std::vector<Point> points = {{0.5, 0.5}};

@@ -9,7 +9,7 @@
 namespace ccdt {
 namespace {
 
-TEST(DiscOnGround, ContainsNearerPointsAndLittleElse) {
+TEST(DiscOnGround, ContainsNearerPointsTightly) {
     const Chart chart(direction_of({10, 50}));
     constexpr double kEquator = 6'378'137, kPole = 6'399'594;  // metres per radian of the conformal sphere
     for (const double metres : {1.0, 1e4, 1e6}) {
@@ -28,13 +28,13 @@ TEST(DiscOnGround, ContainsNearerPointsAndLittleElse) {
     }
 }
 
-TEST(DiscOnGround, CoversThePlaneBeforeItSurroundsTheGlobe) {
+TEST(DiscOnGround, CoversPlaneIfItReachesAroundGlobe) {
     const Chart chart(direction_of({10, 50}));
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 2.1e7).radius, 1e300);
     EXPECT_GT(disc_on_ground(chart, {0, 0}, 1e308).radius, 1e300);
 }
 
-TEST(KeepOffBorder, KeepsTheBufferWithCoarselyBentEdges) {
+TEST(KeepOffBorder, KeepsBufferWithCoarselySubdividedEdges) {
     constexpr double kMetresOfDegree = 111'694;  // along a meridian, at most
     const Ring cap{{-180, 85}, {180, 85}, {180, 90}, {-180, 90}};
     const Domain degrees = Domain::repair({{cap, {}}})->domain;

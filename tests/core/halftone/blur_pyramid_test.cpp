@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSide = 256;
 
-TEST(BlurPyramid, LowersWavesAsAGaussianDoes) {
+TEST(BlurPyramid, AttenuatesWavesLikeGaussian) {
     for (const double sigma : {1.0, 2.0, 3.0, 4.0, 8.0}) {
         const double length = 8 * sigma;
         std::vector<float> wave;
@@ -26,13 +26,13 @@ TEST(BlurPyramid, LowersWavesAsAGaussianDoes) {
     }
 }
 
-TEST(BlurPyramid, KeepsTheMeanOfAnOddImage) {
+TEST(BlurPyramid, PreservesMeanOfImageOfOddSize) {
     const std::vector<float> flat(std::size_t{37} * 5, 0.25F);
     const BlurPyramid means(flat, 37, 5, 100);
     for (const double sigma : {0.0, 1.0, 5.0, 1000.0}) EXPECT_FLOAT_EQ(means.at({36, 1}, sigma), 0.25F);
 }
 
-TEST(BlurPyramid, HidesAPatternThatIsFinerThanTheBlur) {
+TEST(BlurPyramid, RemovesPatternsFinerThanBlur) {
     // A dot every 8 pixels: the mean over a spacing shows no trace of it.
     std::vector<float> dots(std::size_t{kSide} * kSide);
     for (std::size_t y = 3; y < kSide; y += 8) {

@@ -17,7 +17,7 @@ double sum(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-TEST(Blurred, SpreadsAPointByItsSigmaEachWay) {
+TEST(Blurred, SpreadsPointBySigmaInBothDirections) {
     constexpr int kSide = 101, kMiddle = 50;
     std::vector<float> point(kSide * kSide);
     point[kMiddle * kSide + kMiddle] = 1;
@@ -35,7 +35,7 @@ TEST(Blurred, SpreadsAPointByItsSigmaEachWay) {
     }
 }
 
-TEST(Blurred, MirrorsAtTheSides) {
+TEST(Blurred, ReflectsAtBorders) {
     Random random(3, 0);
     std::vector<float> values(40 * 25);
     for (float& value : values) value = static_cast<float>(random.uniform());
@@ -48,7 +48,7 @@ TEST(Blurred, MirrorsAtTheSides) {
     }
 }
 
-TEST(Blurred, TakesPlanesOfAnySize) {
+TEST(Blurred, AcceptsPlanesOfAnySize) {
     EXPECT_EQ(blurred({0.25f}, 1, 1, 7), (std::vector<float>{0.25f}));
     for (const float value : blurred(std::vector<float>(300, 0.5f), 300, 1, 40)) EXPECT_NEAR(value, 0.5f, 1e-6);
     for (const float value : blurred(std::vector<float>(300, 0.5f), 1, 300, 40)) EXPECT_NEAR(value, 0.5f, 1e-6);

@@ -11,7 +11,7 @@ namespace {
 
 using Numbers = BoundedLeastSquares::Numbers;
 
-TEST(BoundedLeastSquares, SolvesOneNumberInClosedForm) {
+TEST(BoundedLeastSquares, SolvesOneVariableExactly) {
     for (const auto& [wanted, expected] : {std::pair{-1.0, 0.0}, {0.5, 0.25}, {2.0, 1.0}, {9.0, 1.0}}) {
         BoundedLeastSquares problem;
         problem.count = 1;
@@ -39,7 +39,7 @@ BoundedLeastSquares random_problem(Random& random, std::size_t count, std::size_
     return problem;
 }
 
-TEST(BoundedLeastSquares, EndsWhereNothingIsGained) {
+TEST(BoundedLeastSquares, SatisfiesOptimalityConditions) {
     Random random(5, 0);
     for (int trial = 0; trial < 3000; ++trial) {
         const std::size_t count = 1 + static_cast<std::size_t>(trial) % BoundedLeastSquares::kMostNumbers;

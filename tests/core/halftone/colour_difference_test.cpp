@@ -15,7 +15,7 @@ double squared(const Lab& difference) {
     return difference[0] * difference[0] + difference[1] * difference[1] + difference[2] * difference[2];
 }
 
-TEST(LabOf, IsThatOfTheTables) {
+TEST(LabOf, MatchesPublishedValues) {
     expect_near(lab_of({1, 1, 1}), {100, 0, 0}, 0.01);
     expect_near(lab_of({0, 0, 0}), {0, 0, 0}, 1e-9);
     expect_near(lab_of({1, 0, 0}), {53.24, 80.09, 67.20}, 0.05);
@@ -23,7 +23,7 @@ TEST(LabOf, IsThatOfTheTables) {
     expect_near(lab_of({0, 0, 1}), {32.30, 79.19, -107.86}, 0.05);
 }
 
-TEST(ColourDifference, IsThatOfCie1994ButForLightness) {
+TEST(ColourDifference, MatchesCie94ExceptForLightness) {
     const Lab wanted{50, 30, 40};
     const ColourDifference difference(wanted);
     expect_near(difference(wanted), {0, 0, 0}, 1e-12);
@@ -33,7 +33,7 @@ TEST(ColourDifference, IsThatOfCie1994ButForLightness) {
     EXPECT_NEAR(squared(difference({50, 34, 37})), hue * hue / 4, 1e-9);
 }
 
-TEST(ColourDifference, IsTheSameAllAroundGreys) {
+TEST(ColourDifference, IsIsotropicAroundGreys) {
     const ColourDifference difference({50, 0, 0});
     for (const double angle : {0.0, 0.7, 2.0, 4.0}) {
         EXPECT_NEAR(squared(difference({50, 6 * std::cos(angle), 6 * std::sin(angle)})), 9, 1e-9);

@@ -29,7 +29,7 @@ double mean(const Raster& raster) {
 
 constexpr double kShares[] = {0.005, 0.1, 0.3, 0.5, 0.7, 0.8, 0.85, 0.9, 0.95, 0.98, 0.995};
 
-TEST(CoverageCurve, IsThatOfPolishedDots) {
+TEST(CoverageCurve, MatchesPolishedDots) {
     constexpr std::size_t kSites = 4096;
     constexpr double kScale = 16;
     const Canvas canvas{static_cast<int>(kScale * kSide), static_cast<int>(kScale * kSide), kScale};
@@ -44,24 +44,24 @@ TEST(CoverageCurve, IsThatOfPolishedDots) {
     }
 }
 
-TEST(CoverageCurve, AddsUpWhereDotsDoNotTouch) {
+TEST(CoverageCurve, IsLinearWhereDotsDoNotOverlap) {
     for (const double share : {0.0, 0.001, 0.25, 0.6}) EXPECT_NEAR(CoverageCurve().dots(share), share, 1e-5);
 }
 
-TEST(CoverageCurve, TakesMoreDotsForMore) {
+TEST(CoverageCurve, IsMonotonic) {
     const CoverageCurve curve;
     for (int i = 0; i < 1000; ++i) EXPECT_LT(curve.dots(i / 1000.0), curve.dots((i + 1) / 1000.0)) << i;
     EXPECT_EQ(curve.dots(1.5), curve.dots(1));
     EXPECT_EQ(curve.dots(-1), 0);
 }
 
-TEST(CoverageCurve, EndsWhereAnAreaIsSolid) {
+TEST(CoverageCurve, EndsAtSolidCoverage) {
     EXPECT_GT(CoverageCurve().solid(), 0.9995);
     EXPECT_NEAR(CoverageCurve().dots(1), 1.6, 0.05) << "times the dots that would do without overlaps";
 }
 
 /// Soft dots, and binary ones from samples.
-TEST(DrawDots, CoversWhatDiscsCover) {
+TEST(DrawDots, MatchesRasterizedDiscs) {
     const std::vector<Point> dots = flat(4096, Quality::Standard);
     for (const auto& [radius, samples] : {std::pair{6.0, 1}, {3.0, 1}, {1.0, 3}, {0.5, 6}}) {
         for (const double share : kShares) {

@@ -7,7 +7,7 @@ namespace {
 
 const Picture kPicture{4, 3, {0, 1, 2, 3, 10, 11, 12, 13, 20, 21, 22, 23}, {}};
 
-TEST(Crop, ReturnsTheMiddle) {
+TEST(Crop, ReturnsMiddle) {
     const Picture part = middle_of(kPicture, 2, 1);
     EXPECT_EQ(part.width, 2);
     EXPECT_EQ(part.height, 1);
@@ -15,15 +15,15 @@ TEST(Crop, ReturnsTheMiddle) {
     EXPECT_TRUE(part.alpha.empty());
 }
 
-TEST(Crop, LeavesOneMoreOnTheRightAndAtTheBottom) {
+TEST(Crop, RoundsTowardsUpperLeft) {
     EXPECT_EQ(middle_of(kPicture, 3, 2).luminance, (Plane{0, 1, 2, 10, 11, 12}));
 }
 
-TEST(Crop, OfAWholePictureIsThePicture) {
+TEST(Crop, KeepsWholePicture) {
     EXPECT_EQ(middle_of(kPicture, 4, 3).luminance, kPicture.luminance);
 }
 
-TEST(Crop, TakesEachPlaneOfColours) {
+TEST(Crop, CropsEachPlaneOfColour) {
     const ColourPicture picture{3, 1, {0, 1, 2}, {3, 4, 5}, {6, 7, 8}, {9, 10, 11}};
     const ColourPicture part = middle_of(picture, 1, 1);
     EXPECT_EQ(part.red, (Plane{1}));

@@ -18,7 +18,7 @@ double sum(const Shares& shares) {
     return std::accumulate(shares.begin(), shares.end(), 0.0);
 }
 
-TEST(Diffuse, KeepsTheSum) {
+TEST(Diffuse, PreservesSum) {
     Random random(1, 0);
     for (const auto& [width, height] : {std::pair{64, 48}, {1, 200}, {200, 1}}) {
         Shares shares(static_cast<std::size_t>(width * height));
@@ -30,7 +30,7 @@ TEST(Diffuse, KeepsTheSum) {
     }
 }
 
-TEST(Diffuse, KeepsTheSumOfEachPart) {
+TEST(Diffuse, PreservesLocalSums) {
     constexpr int kSide = 64;
     Shares shares(kSide * kSide);
     for (std::size_t i = 0; i < shares.size(); ++i) shares[i] = static_cast<std::uint8_t>(1 + 3 * (i % kSide));
@@ -47,7 +47,7 @@ TEST(Diffuse, KeepsTheSumOfEachPart) {
     }
 }
 
-TEST(Diffuse, LeavesEmptyAndFullPixelsAlone) {
+TEST(Diffuse, LeavesEmptyAndFullPixelsUnchanged) {
     Random random(2, 0);
     Shares shares(50 * 40);
     for (auto& share : shares) {
@@ -64,7 +64,7 @@ TEST(Diffuse, LeavesEmptyAndFullPixelsAlone) {
     EXPECT_NEAR(sum(result), sum(shares), 2 * 255);
 }
 
-TEST(Diffuse, HandsErrorsOverWhatCannotTakeThem) {
+TEST(Diffuse, PassesErrorsOverEmptyAndFullPixels) {
     Shares shares{128, 0, 255, 0, 128, 255};
     diffuse(shares, 6, 1);
     EXPECT_EQ(shares, (Shares{255, 0, 255, 0, 0, 255}));

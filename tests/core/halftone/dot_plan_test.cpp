@@ -33,7 +33,7 @@ double sum(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-TEST(PlanDots, MakesDotsOfTheSizeThatTheirNumberNeeds) {
+TEST(PlanDots, DerivesRadiusFromNumberOfDots) {
     // Without overlaps the discs' areas add up to what is to be covered.
     const DotPlan light = plan_dots({flat(0.3f)}, kSide, kSide, {.sites = 500, .radius = {}});
     EXPECT_NEAR(500 * kPi * light.radius * light.radius, 0.3 * kSide * kSide, 1);
@@ -44,7 +44,7 @@ TEST(PlanDots, MakesDotsOfTheSizeThatTheirNumberNeeds) {
     for (const auto& plan : {light, black}) EXPECT_NEAR(sum(plan.dots), 500, 0.01);
 }
 
-TEST(PlanDots, MakesAsManyDotsAsTheirSizeNeeds) {
+TEST(PlanDots, DerivesNumberOfDotsFromRadius) {
     const DotPlan by_sites = plan_dots({ramp()}, kSide, kSide, {.sites = 700, .radius = {}});
     const DotPlan by_radius = plan_dots({ramp()}, kSide, kSide, {.sites = {}, .radius = by_sites.radius});
     EXPECT_NEAR(sum(by_radius.dots), 700, 0.5);
@@ -52,7 +52,7 @@ TEST(PlanDots, MakesAsManyDotsAsTheirSizeNeeds) {
     EXPECT_NEAR(by_radius.tone, 1, 1e-3);
 }
 
-TEST(PlanDots, ChangesAllByOneFactorIfBothAreSettled) {
+TEST(PlanDots, ScalesToneIfNumberAndRadiusAreGiven) {
     const double radius = std::sqrt(0.2 * kSide * kSide / (kPi * 500));
     const DotPlan half = plan_dots({flat(0.4f)}, kSide, kSide, {.sites = 500, .radius = radius});
     EXPECT_NEAR(half.tone, 0.5, 1e-3);
@@ -64,7 +64,7 @@ TEST(PlanDots, ChangesAllByOneFactorIfBothAreSettled) {
     EXPECT_NEAR(all.tone, 2, 0.05) << "all is solid";
 }
 
-TEST(PlanDots, TakesMoreDotsWhereTheyOverlap) {
+TEST(PlanDots, CompensatesOverlapWithMoreDots) {
     const DotPlan plan = plan_dots({ramp()}, kSide, kSide, {.sites = 700, .radius = {}});
     const double area = kPi * plan.radius * plan.radius;
     const auto dots_at = [&](int x) {
@@ -76,7 +76,7 @@ TEST(PlanDots, TakesMoreDotsWhereTheyOverlap) {
     EXPECT_EQ(dots_at(0), 0) << "none on white";
 }
 
-TEST(PlanDots, TellsTextureFromTone) {
+TEST(PlanDots, DistinguishesTextureFromTone) {
     // Finer than dots, black and white squares look grey, and take as many dots as grey does.
     Cover squares;
     for (int i = 0; i < kSide * kSide; ++i) squares.push_back((i % kSide + i / kSide) % 2 == 0 ? 1.0f : 0.0f);
@@ -85,7 +85,7 @@ TEST(PlanDots, TellsTextureFromTone) {
     EXPECT_EQ(fine.density[0][1], 0) << "but none stand on white";
 }
 
-TEST(PlanDots, MakesTheDotsOfAllInksAlike) {
+TEST(PlanDots, UsesOneRadiusForAllInks) {
     const DotPlan plan = plan_dots({flat(0.4f), flat(0.1f), flat(0)}, kSide, kSide, {.sites = 500, .radius = {}});
     ASSERT_EQ(plan.dots.size(), 3U);
     EXPECT_NEAR(plan.dots[0], 400, 0.5);
@@ -93,7 +93,7 @@ TEST(PlanDots, MakesTheDotsOfAllInksAlike) {
     EXPECT_EQ(plan.dots[2], 0);
 }
 
-TEST(PlanDots, TakesAnyNumberAndSize) {
+TEST(PlanDots, AcceptsExtremeNumbersAndRadii) {
     Random random(1, 0);
     Cover cover = flat(0);
     for (float& share : cover) share = static_cast<float>(random.uniform());
@@ -108,7 +108,7 @@ TEST(PlanDots, TakesAnyNumberAndSize) {
     }
 }
 
-TEST(PlanDots, EndsWhenStopped) {
+TEST(PlanDots, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const DotPlan plan = plan_dots({ramp()}, kSide, kSide, {.sites = 10, .radius = {}}, source.get_token());

@@ -25,7 +25,7 @@ double ink_of(const Raster& raster) {
     return std::accumulate(raster.coverage.begin(), raster.coverage.end(), 0.0) / 255;
 }
 
-TEST(DrawDots, HasTheMeanCoverageAskedFor) {
+TEST(DrawDots, HasRequestedMeanCoverage) {
     // Overlaps are many here, and count once.
     const Canvas canvas{150, 100, 1};
     const auto dots = scattered(300, 150, 100);
@@ -39,7 +39,7 @@ TEST(DrawDots, HasTheMeanCoverageAskedFor) {
     }
 }
 
-TEST(DrawDots, FillsTheCanvas) {
+TEST(DrawDots, HasSizeOfCanvas) {
     const Raster raster = draw_dots(scattered(300, 150, 100), {150, 100, 1}, {.mean_coverage = 0.3});
     EXPECT_EQ(raster.width, 150);
     EXPECT_EQ(raster.height, 100);
@@ -48,7 +48,7 @@ TEST(DrawDots, FillsTheCanvas) {
         std::all_of(raster.coverage.begin(), raster.coverage.end(), [](std::uint8_t c) { return c == 0 || c == 255; }));
 }
 
-TEST(DrawDots, DrawsADiscOfTheRadiusAskedFor) {
+TEST(DrawDots, DrawsDiscOfRequestedRadius) {
     const Point dot{50.3, 49.8};
     for (const double radius : {3.0, 10.5, 40.0}) {
         for (const bool antialias : {false, true}) {
@@ -60,14 +60,14 @@ TEST(DrawDots, DrawsADiscOfTheRadiusAskedFor) {
     }
 }
 
-TEST(DrawDots, CoversPixelsByTheirCentres) {
+TEST(DrawDots, CoversPixelsWhoseCentresAreInside) {
     const Point dot{2.5, 1.5};
     const Raster raster = draw_dots(std::span(&dot, 1), {5, 3, 1}, {.radius = 1.0});
     const std::vector<std::uint8_t> cross{0, 0, 255, 0, 0, 0, 255, 255, 255, 0, 0, 0, 255, 0, 0};
     EXPECT_EQ(raster.coverage, cross);
 }
 
-TEST(DrawDots, ScalesItsDots) {
+TEST(DrawDots, ScalesDots) {
     const auto dots = scattered(50, 20, 10);
     std::vector<Point> large(dots);
     for (Point& dot : large) dot = 4 * dot;
@@ -75,7 +75,7 @@ TEST(DrawDots, ScalesItsDots) {
               draw_dots(large, {80, 40, 1}, {.mean_coverage = 0.4}).coverage);
 }
 
-TEST(DrawDots, CoversLikeDiscsWithSeveralSamples) {
+TEST(DrawDots, MatchesAreaOfDiscsBySupersampling) {
     // Of dots smaller than a pixel, some of which overlap.
     const Canvas canvas{150, 100, 1};
     const auto dots = scattered(6000, 150, 100);
@@ -90,7 +90,7 @@ TEST(DrawDots, CoversLikeDiscsWithSeveralSamples) {
     }
 }
 
-TEST(SamplesFor, DotsThatAreSmall) {
+TEST(SamplesFor, IncreaseForSmallDots) {
     const Canvas canvas{1000, 1000, 1};
     EXPECT_EQ(samples_for(3, canvas, true), 1);
     EXPECT_EQ(samples_for(2.9, canvas, true), 2);
@@ -108,7 +108,7 @@ TEST(DrawDots, CountsOverlapsOnce) {
     EXPECT_NEAR(draw_dots(twice, canvas, {.mean_coverage = 0.3}).radius, std::sqrt(0.3 * 1600 / kPi), 0.2);
 }
 
-TEST(DrawDots, LetsDotsOutsideReachIn) {
+TEST(DrawDots, DrawsPartsOfDotsCentredOutside) {
     const Point outside{-3, 20.3};
     const Canvas canvas{40, 40, 1};
     EXPECT_EQ(ink_of(draw_dots(std::span(&outside, 1), canvas, {.radius = 2.0})), 0);
@@ -118,14 +118,14 @@ TEST(DrawDots, LetsDotsOutsideReachIn) {
     EXPECT_EQ(ink_of(draw_dots(std::span(&far, 1), canvas, {.radius = 6.0})), 0);
 }
 
-TEST(DrawDots, CoversWithASingleDot) {
+TEST(DrawDots, ReachesAnyCoverageWithOneDot) {
     const Point dot{13.37, 22.11};
     for (const double wanted : {0.0, 0.001, 0.5, 0.99, 1.0}) {
         EXPECT_NEAR(ink_of(draw_dots(std::span(&dot, 1), {40, 30, 1}, {.mean_coverage = wanted})), wanted * 1200, 1);
     }
 }
 
-TEST(DrawDots, DrawsNothingOfNoDots) {
+TEST(DrawDots, DrawsNothingWithoutDots) {
     for (const bool antialias : {false, true}) {
         const Raster raster = draw_dots({}, {8, 8, 1}, {.radius = 2.0, .antialias = antialias});
         EXPECT_EQ(ink_of(raster), 0);

@@ -21,7 +21,7 @@ Picture drawn(const Lightness& lightness) {
     return {kSide, kSide, Plane(light, kSide * kSide), {}};
 }
 
-TEST(Fineness, IsTheShareThatSquaresOfFourPixelsLose) {
+TEST(Fineness, IsVarianceLostByAveragingTwoByTwoPixels) {
     EXPECT_NEAR(fineness(drawn([](int x, int y) { return (x + y) % 2; })), 1, 1e-6);
     EXPECT_NEAR(fineness(drawn([](int x, int) { return x / 2 % 2; })), 0, 1e-6);
     EXPECT_NEAR(fineness(drawn([](int x, int) { return (x + 1) / 2 % 2; })), 1, 1e-6);
@@ -30,7 +30,7 @@ TEST(Fineness, IsTheShareThatSquaresOfFourPixelsLose) {
     EXPECT_NEAR(fineness(wave), std::pow(std::sin(3.141592653589793 / 16), 2), 1e-5);
 }
 
-TEST(Fineness, OfAFlatPictureIsNone) {
+TEST(Fineness, IsZeroForFlatPictures) {
     for (const double light : {0.0, 0.3, 1.0}) EXPECT_EQ(fineness(drawn([&](int, int) { return light; })), 0);
     EXPECT_EQ(fineness(Picture{1, 3, {0, 1, 0}, {}}), 0);
     EXPECT_EQ(fineness(Picture{1, 1, {0.5F}, {}}), 0);
@@ -43,18 +43,18 @@ TEST(Fineness, DoesNotDependOnContrast) {
     EXPECT_NEAR(of_contrast(0.1), of_contrast(0.01), 1e-4);
 }
 
-TEST(Fineness, SeesWhatIsTransparentAsWhite) {
+TEST(Fineness, TreatsTransparentPixelsAsWhite) {
     const Picture shown{4, 2, {0, 1, 0, 0, 0, 1, 1, 1}, {}};
     const Picture veiled{4, 2, {0, 0, 0, 0, 0, 0, 1, 1}, {1, 0, 1, 1, 1, 0, 1, 1}};
     EXPECT_DOUBLE_EQ(fineness(veiled), fineness(shown));
 }
 
-TEST(Fineness, OfColoursIsThatOfTheirLuminance) {
+TEST(Fineness, UsesLuminanceOfColours) {
     const Plane light{0, 1, 0.5F, 0, 0.25F, 1, 1, 1};
     EXPECT_NEAR(fineness(ColourPicture{4, 2, light, light, light, {}}), fineness(Picture{4, 2, light, {}}), 1e-6);
 }
 
-TEST(Fineness, BearsAnyNumbers) {
+TEST(Fineness, AcceptsNonFiniteNumbers) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const Plane odd{-1, 2, kInfinity, std::numeric_limits<float>::quiet_NaN()};
     EXPECT_DOUBLE_EQ(fineness(Picture{2, 2, odd, {}}), fineness(Picture{2, 2, {0, 1, 1, 0}, {}}));

@@ -44,7 +44,7 @@ double disc(double x, double y) {
     return std::clamp((9 - std::hypot(x - 20, y - 15)) / 2 + 0.5, 0.0, 1.0);
 }
 
-TEST(Ground, PlacesTheBoundaryWithinAFractionOfACell) {
+TEST(Ground, PlacesBoundaryWithSubcellPrecision) {
     const Ground ground(cells(disc), kCells);
     for (int k = 0; k < 360; k += 7) {
         const Point way{std::cos(k * 0.0174533), std::sin(k * 0.0174533)};
@@ -76,7 +76,7 @@ Ground divide(const std::vector<float>& light, const CellGrid& cells, double rad
     return divide_ground({&light, 1}, cells, radius, detail).front();
 }
 
-TEST(Ground, FollowsARampWithoutSpecks) {
+TEST(Ground, DividesNoisyRampWithoutIslands) {
     Random random(1, 0);
     const auto ramp = cells([&](double x, double) { return x / kCells.columns + 0.12 * (random.uniform() - 0.5); });
     const Ground ground = divide(ramp, kCells, 3, 0);
@@ -87,14 +87,14 @@ TEST(Ground, FollowsARampWithoutSpecks) {
     }
 }
 
-TEST(Ground, DrawsThinStrokesIfDetailIsWanted) {
+TEST(Ground, KeepsThinStrokesIfDetailIsRequested) {
     // A grey stroke two cells wide on light paper, as small text has them.
     const auto stroke = cells([](double x, double) { return std::abs(x - 24) < 1 ? 0.45 : 0.85; });
     EXPECT_TRUE(divide(stroke, kCells, 1, 0).is_white({24, 16}));
     EXPECT_FALSE(divide(stroke, kCells, 1, 1).is_white({24, 16}));
 }
 
-TEST(Ground, IsThePictureForDotsOfNoSize) {
+TEST(Ground, IsThresholdedPictureForZeroRadius) {
     Random random(2, 0);
     const auto noise = cells([&](double, double) { return random.uniform() < 0.5 ? 0.0 : 1.0; });
     for (const double radius : {0.0, 5e-324}) {
@@ -108,7 +108,7 @@ TEST(Ground, IsThePictureForDotsOfNoSize) {
     }
 }
 
-TEST(GroundOutline, EnclosesTheBlackGround) {
+TEST(GroundOutline, EnclosesBlackGround) {
     const double all = kCells.columns * kCells.rows;
     EXPECT_NEAR(black_area(Ground(cells(disc), kCells)), all - std::acos(-1.0) * 81, 1);
     EXPECT_NEAR(black_area(Ground(cells([](double x, double y) { return 1 - disc(x, y); }), kCells)),
@@ -117,7 +117,7 @@ TEST(GroundOutline, EnclosesTheBlackGround) {
     EXPECT_TRUE(outline_of(Ground(cells([](double, double) { return 1; }), kCells)).empty());
 }
 
-TEST(GroundOutline, KeepsRingsApartWhereCornersMeet) {
+TEST(GroundOutline, SeparatesRingsThatTouchAtCorners) {
     Random random(9, 0);
     const Ground ground(cells([&](double, double) { return random.uniform(); }), kCells);
     const auto rings = outline_of(ground);
@@ -133,7 +133,7 @@ TEST(GroundOutline, KeepsRingsApartWhereCornersMeet) {
     }
 }
 
-TEST(GroundOutline, TakesASingleCell) {
+TEST(GroundOutline, AcceptsSingleCell) {
     EXPECT_DOUBLE_EQ(std::abs(area(outline_of(Ground({0.0F}, {1, 1})).at(0))), 1);
 }
 

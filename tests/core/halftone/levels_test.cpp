@@ -21,7 +21,7 @@ Picture greys() {
     return {256, 1, Plane(light, 256), {}};
 }
 
-TEST(Levels, StretchWhatIsEncoded) {
+TEST(Levels, StretchEncodedValues) {
     const Plane made = with_levels(greys(), {51 / 255.0, 204 / 255.0, 1}).luminance;
     for (const int level : {0, 30, 51}) EXPECT_EQ(made[static_cast<std::size_t>(level)], 0) << level;
     for (const int level : {204, 230, 255}) EXPECT_EQ(made[static_cast<std::size_t>(level)], 1) << level;
@@ -30,7 +30,7 @@ TEST(Levels, StretchWhatIsEncoded) {
     }
 }
 
-TEST(Levels, BendWhatLiesBetween) {
+TEST(Levels, ApplyGammaBetweenBlackAndWhite) {
     for (const double gamma : {0.1, 0.5, 2.0, 10.0}) {
         const Plane made = with_levels(greys(), {.gamma = gamma}).luminance;
         EXPECT_EQ(made[0], 0) << gamma;
@@ -42,14 +42,14 @@ TEST(Levels, BendWhatLiesBetween) {
     }
 }
 
-TEST(Levels, LeaveAPictureAsItIsUnlessGiven) {
+TEST(Levels, KeepPictureByDefault) {
     const Picture picture{2, 1, {0.3F, 0.7F}, {0.5F, 1.0F}};
     const Picture same = with_levels(picture, {});
     EXPECT_EQ(same.luminance.begin(), picture.luminance.begin());
     EXPECT_EQ(same.alpha.begin(), picture.alpha.begin());
 }
 
-TEST(Levels, AreThoseOfEachChannel) {
+TEST(Levels, ApplyToEachChannel) {
     const Levels levels{0.2, 0.9, 1.5};
     const ColourPicture made = with_levels(ColourPicture{2, 1, {0.1F, 0.2F}, {0.3F, 0.4F}, {0.5F, 0.6F}, {}}, levels);
     const Picture red{2, 1, {0.1F, 0.2F}, {}}, green{2, 1, {0.3F, 0.4F}, {}}, blue{2, 1, {0.5F, 0.6F}, {}};
@@ -59,7 +59,7 @@ TEST(Levels, AreThoseOfEachChannel) {
     EXPECT_TRUE(made.alpha.empty());
 }
 
-TEST(Levels, BearAnyNumbers) {
+TEST(Levels, AcceptNonFiniteNumbers) {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const Picture odd{4, 1, {-1, 2, kInfinity, std::numeric_limits<float>::quiet_NaN()}, {}};
     EXPECT_EQ(with_levels(odd, {.gamma = 2}).luminance, Plane({0, 1, 1, 0}));

@@ -21,25 +21,25 @@ void expect_near(const Channels& light, const Channels& expected, double toleran
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(light[c], expected[c], tolerance) << "channel " << c;
 }
 
-TEST(Overprint, ShowsThePaperBetweenDotsOfOneInk) {
+TEST(Overprint, ShowsPaperBetweenDotsOfOneInk) {
     const Overprint print({{{0.2f, 0.5f, 1}}, {1, 0.8f, 0.5f}, false});
     expect_near(print.light({0}), {1, 0.8, 0.5}, 1e-6);
     expect_near(print.light({0.25}), {0.8, 0.7, 0.5}, 1e-6);
     expect_near(print.light({1}), {0.2, 0.4, 0.5}, 1e-6);
 }
 
-TEST(Overprint, AddsWhatInksTakeWhereThereIsRoomAndMultipliesWhereThereIsNone) {
+TEST(Overprint, AddsAbsorptionOfSparseInksAndMultipliesDenseInks) {
     const Overprint print(test::cmyk_inks());
     expect_near(print.light({0.1, 0, 0, 0.1}), {0.8, 0.9, 0.9}, 1e-4);
     expect_near(print.light({0.99, 0.95, 0, 0}), {0.01, 0.05, 1}, 0.02);
     expect_near(print.light({0.97, 0.97, 0.97, 0.97}), {0.001, 0.001, 0.001}, 0.002);
 }
 
-TEST(Overprint, AddsLamps) {
+TEST(Overprint, AddsLightOfLamps) {
     expect_near(Overprint(test::rgb_inks()).light({0.3, 1, 0}), {0.3, 1, 0}, 1e-3);
 }
 
-TEST(Overprint, HasNoLightBelowNone) {
+TEST(Overprint, HasNoNegativeLight) {
     const Overprint print(test::cmyk_inks());
     for (double a = 0; a <= 1; a += 0.1) {
         for (double b = 0; b <= 1; b += 0.1) {
@@ -77,7 +77,7 @@ Channels dotted(const InkSet& inks, const std::vector<double>& cover) {
     return sum;
 }
 
-TEST(Overprint, IsWhatDotsShow) {
+TEST(Overprint, MatchesRasterizedDots) {
     const InkSet inks = test::cmyk_inks();
     const Overprint print(inks);
     for (const std::array<double, 4>& cover : {std::array<double, 4>{0.2, 0, 0, 0.2},

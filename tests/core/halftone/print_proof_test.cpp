@@ -32,25 +32,25 @@ PrintProof proof_of(const LightPlanes& light, double radius = 4) {
     return PrintProof(light, {kSide, kSide}, kSide, kSide, test::cmyk_inks(), radius, 200);
 }
 
-TEST(PrintProof, MovesDotsOffOthersWhereItIsTooLight) {
+TEST(PrintProof, MovesDotsApartWherePrintIsTooLight) {
     const auto moves = proof_of(flat(0.3f, 0.5f, 0.5f)).moves(pair_of_dots());
     EXPECT_LT(moves[0][0].x, -0.01);
     EXPECT_GT(moves[3][0].x, 0.01);
     EXPECT_NEAR(moves[0][0].y, 0, 0.02);
 }
 
-TEST(PrintProof, MovesDotsOntoOthersWhereItIsTooDark) {
+TEST(PrintProof, MovesDotsTogetherWherePrintIsTooDark) {
     const auto moves = proof_of(flat(1, 1, 1)).moves(pair_of_dots());
     EXPECT_GT(moves[0][0].x, 0.001);
     EXPECT_LT(moves[3][0].x, -0.001);
 }
 
-TEST(PrintProof, TakesTheLightOfCells) {
+TEST(PrintProof, AcceptsCoarseGridOfLight) {
     const PrintProof coarse(flat(0.3f, 0.5f, 0.5f, 20), {20, 20}, kSide, kSide, test::cmyk_inks(), 4, 200);
     EXPECT_EQ(coarse.moves(pair_of_dots()), proof_of(flat(0.3f, 0.5f, 0.5f)).moves(pair_of_dots()));
 }
 
-TEST(PrintProof, LeavesDotsThatMeetNone) {
+TEST(PrintProof, LeavesIsolatedDots) {
     const auto moves =
         proof_of(flat(0.3f, 0.3f, 0.3f)).moves(std::vector<std::vector<Point>>{{{15, 15}}, {}, {}, {{40, 40}}});
     for (const auto& ink : moves) {
@@ -58,18 +58,18 @@ TEST(PrintProof, LeavesDotsThatMeetNone) {
     }
 }
 
-TEST(PrintProof, MovesNoDotFar) {
+TEST(PrintProof, LimitsLengthOfMoves) {
     const auto moves = proof_of(flat(0, 0, 0)).moves(pair_of_dots());
     for (const auto& ink : moves) {
         for (const Point& move : ink) EXPECT_LE(std::hypot(move.x, move.y), 0.15 * 4 + 1e-9);
     }
 }
 
-TEST(PrintProof, LeavesDotsThatAreFewOnALargePicture) {
+TEST(PrintProof, LeavesSparseDots) {
     EXPECT_EQ(proof_of(flat(0.3f, 0.5f, 0.5f), 0.4).moves(pair_of_dots())[0][0], Point{});
 }
 
-TEST(PrintProof, EndsWhenStopped) {
+TEST(PrintProof, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const auto moves = proof_of(flat(0.3f, 0.5f, 0.5f)).moves(pair_of_dots(), source.get_token());
@@ -97,7 +97,7 @@ double blotches(const std::vector<Distribution>& runs, const InkSet& inks, const
     return sum / static_cast<double>(green.size());
 }
 
-TEST(PrintProof, TakesBlotchesOutOfATint) {
+TEST(PrintProof, ReducesBlotchesOfTint) {
     constexpr int kTint = 120;
     constexpr std::size_t kSites = 3000;
     const InkSet inks = test::cmyk_inks();

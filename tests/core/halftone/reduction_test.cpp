@@ -21,13 +21,13 @@ double sum(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-TEST(Reduction, TakesMeansOfWholePixels) {
+TEST(Reduction, AveragesWholePixels) {
     const std::vector<float> picture = {0, 1, 0.5F, 0.5F,  //
                                         1, 0, 0.5F, 0.25F};
     EXPECT_EQ(reduced(picture, 4, 2, {2, 1}), (std::vector<float>{0.5F, 0.4375F}));
 }
 
-TEST(Reduction, SharesPixelsThatLieInTwoCells) {
+TEST(Reduction, SplitsPixelsBetweenCells) {
     // Cells of a pixel and a half, each way.
     const std::vector<float> picture = {1, 0, 0,  //
                                         0, 1, 0,  //
@@ -37,7 +37,7 @@ TEST(Reduction, SharesPixelsThatLieInTwoCells) {
     for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_FLOAT_EQ(means[i], expected[i]) << "cell " << i;
 }
 
-TEST(Reduction, KeepsSums) {
+TEST(Reduction, PreservesSums) {
     for (const CellGrid cells :
          {CellGrid{20, 30}, CellGrid{37, 41}, CellGrid{1, 1}, CellGrid{96, 1}, CellGrid{97, 61}}) {
         const auto picture = values(97 * 61);
@@ -48,17 +48,17 @@ TEST(Reduction, KeepsSums) {
     }
 }
 
-TEST(Reduction, LeavesFlatPicturesAsTheyAre) {
+TEST(Reduction, LeavesFlatPicturesUnchanged) {
     for (const float value : {0.0F, 0.3F, 1.0F}) {
         for (const float mean : reduced(std::vector<float>(97 * 61, value), 97, 61, {37, 23})) EXPECT_EQ(mean, value);
     }
 }
 
-TEST(Reduction, OfPixelsIsThePicture) {
+TEST(Reduction, IsIdentityIfCellsArePixels) {
     EXPECT_EQ(reduced(values(12), 4, 3, {4, 3}), values(12));
 }
 
-TEST(Reduction, CountsPixelsByTheirAlpha) {
+TEST(Reduction, WeightsPixelsByAlpha) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const ColourPicture picture{4, 1, {1, 0.5F, nan, 1}, {0, 0.5F, 0, 1}, {1, 1, 0, 7}, {0.25F, 0.75F, 0, nan}};
     const ColourPicture half = reduced(picture, {2, 1});
@@ -70,27 +70,27 @@ TEST(Reduction, CountsPixelsByTheirAlpha) {
     EXPECT_EQ(half.blue, (Plane{1, 0}));
 }
 
-TEST(Reduction, OfOpaquePicturesIsOpaque) {
+TEST(Reduction, KeepsOpaquePicturesOpaque) {
     const ColourPicture half = reduced({2, 1, {1, 0}, {0, 0}, {3, -1}, {}}, {1, 1});
     EXPECT_TRUE(half.alpha.empty());
     EXPECT_EQ(half.red, Plane{0.5F});
     EXPECT_EQ(half.blue, Plane{0.5F});
 }
 
-TEST(ResolvedCells, AreHalfARadius) {
+TEST(ResolvedCells, AreHalfRadiusWide) {
     EXPECT_EQ(resolved_cells(6000, 4000, 10), (CellGrid{1200, 800}));
     EXPECT_EQ(resolved_cells(6001, 4000, 10), (CellGrid{1201, 800}));
     EXPECT_EQ(resolved_cells(6000, 4000, 5.1), (CellGrid{2400, 1600}));
 }
 
-TEST(ResolvedCells, ArePixelsWhereDotsAreFine) {
+TEST(ResolvedCells, ArePixelsIfDotsAreSmall) {
     for (const double radius : {0.0, 1e-308, 3.9})
         EXPECT_EQ(resolved_cells(6000, 4000, radius), (CellGrid{6000, 4000}));
     EXPECT_EQ(resolved_cells(100, 4000, 50), (CellGrid{100, 4000}));
     EXPECT_EQ(resolved_cells(1, 1, 1e308), (CellGrid{1, 1}));
 }
 
-TEST(ResolvedCells, AreNoFewerThan64AcrossThePicture) {
+TEST(ResolvedCells, AreAtLeast64AcrossPicture) {
     EXPECT_EQ(resolved_cells(6400, 640, 1e308), (CellGrid{640, 64}));
 }
 

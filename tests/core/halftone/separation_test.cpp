@@ -32,7 +32,7 @@ void expect_near(const std::vector<float>& cover, const std::vector<float>& expe
     for (std::size_t i = 0; i < cover.size(); ++i) EXPECT_NEAR(cover[i], expected[i], tolerance) << "ink " << i;
 }
 
-TEST(Separation, CoversWithOneInkWhereThePictureHasItsColour) {
+TEST(Separation, UsesSingleInkForItsOwnColour) {
     const InkSet inks = test::cmyk_inks();
     expect_near(mix({1, 1, 1}, inks), {0, 0, 0, 0}, 1e-6f);
     expect_near(mix({0, 0, 0}, inks), {0, 0, 0, 1}, 1e-3f);
@@ -41,14 +41,14 @@ TEST(Separation, CoversWithOneInkWhereThePictureHasItsColour) {
     expect_near(mix({1, 1, 0}, inks), {0, 0, 1, 0}, 5e-3f);
 }
 
-TEST(Separation, LeavesTransparentPixelsToThePaper) {
+TEST(Separation, LeavesPaperUnderTransparentPixels) {
     const ColourPicture picture{3,         1,         {0, 0, 0},
                                 {0, 0, 0}, {0, 0, 0}, {0, 0.5f, std::numeric_limits<float>::quiet_NaN()}};
     const Covers covers = separate(picture, test::cmyk_inks(), Tone::Linear).coverage;
     expect_near(covers[3], {0, 0.5f, 0}, 1e-3f);
 }
 
-TEST(Separation, MakesGreysOfBlackAlone) {
+TEST(Separation, UsesBlackOnlyForGreys) {
     for (const float grey : {0.0f, 0.03f, 0.18f, 0.5f, 0.7f, 0.95f}) {
         const std::vector<float> cover = mix({grey, grey, grey}, test::cmyk_inks());
         for (std::size_t ink = 0; ink < 3; ++ink) EXPECT_EQ(cover[ink], 0) << "ink " << ink << " of grey " << grey;
@@ -67,13 +67,13 @@ TEST(Separation, PrintsOneBlackInkAsGrey) {
                 ink_coverage({1, 1, {grey}, {}}, Tone::Perceptual, false), 3e-3f);
 }
 
-TEST(Separation, TakesInksAsTheyAreAlsoIfPerceptual) {
+TEST(Separation, ReproducesInkColoursWithPerceptualTone) {
     const InkSet inks{{{1, 0.3f, 0}, {0, 0.1f, 0.4f}}, {1, 1, 1}, false};
     expect_near(mix({1, 0.3f, 0}, inks, Tone::Perceptual), {1, 0}, 3e-2f);
     expect_near(mix({0, 0.1f, 0.4f}, inks, Tone::Perceptual), {0, 1}, 3e-2f);
 }
 
-TEST(Separation, TakesWhatIsNoNumberForNone) {
+TEST(Separation, ClampsInvalidLight) {
     const float none = std::numeric_limits<float>::quiet_NaN();
     expect_near(mix({none, none, none}, test::cmyk_inks()), {0, 0, 0, 1}, 1e-3f);
     expect_near(mix({2, -1, 2}, test::cmyk_inks()), {0, 1, 0, 0}, 1e-3f);
@@ -101,7 +101,7 @@ float furthest(const Light& a, const Light& b) {
     return std::max({std::abs(a.red - b.red), std::abs(a.green - b.green), std::abs(a.blue - b.blue)});
 }
 
-TEST(Separation, LooksLikeThePicture) {
+TEST(Separation, MatchesColoursOfPicture) {
     constexpr int kSide = 12;
     std::vector<Light> lights;
     for (int i = 0; i < kSide * kSide * kSide; ++i) {
@@ -119,7 +119,7 @@ TEST(Separation, LooksLikeThePicture) {
     }
 }
 
-TEST(Separation, KeepsDarkColours) {
+TEST(Separation, ReproducesDarkColours) {
     for (const Light& light : {Light{0.03f, 0.005f, 0.005f}, {0.004f, 0.012f, 0.02f}, {0.02f, 0.018f, 0.004f}}) {
         const InkSet inks = test::cmyk_inks();
         const Light seen = halftoned(inks, mix(light, inks));
@@ -128,13 +128,13 @@ TEST(Separation, KeepsDarkColours) {
     }
 }
 
-TEST(Separation, LeavesOutDotsThatBlackHides) {
+TEST(Separation, OmitsInksHiddenByBlack) {
     const std::vector<float> cover = mix({0.0022f, 0.0018f, 0.0015f}, test::cmyk_inks());
     EXPECT_GT(cover[3], 0.99f);
     for (std::size_t ink = 0; ink < 3; ++ink) EXPECT_LT(cover[ink], 0.2f) << ink;
 }
 
-TEST(Separation, TakesTheNearestOfColoursThatInksCannotMake) {
+TEST(Separation, MapsToNearestPrintableColour) {
     const InkSet inks{{{0.8f, 0.05f, 0.02f}, {0, 0, 0}}, {1, 1, 1}, false};
     const std::vector<float> blue = mix({0.05f, 0.1f, 0.6f}, inks), grey = mix({0.2f, 0.2f, 0.2f}, inks);
     EXPECT_LT(blue[0], 0.05f) << "red is no hue of blue";
@@ -142,7 +142,7 @@ TEST(Separation, TakesTheNearestOfColoursThatInksCannotMake) {
     EXPECT_NEAR(grey[1], 0.8f, 5e-3f);
 }
 
-TEST(Separation, FindsThePalettesMixtures) {
+TEST(Separation, RecoversMixturesOfPalette) {
     const InkSet inks{{{0.02f, 0.05f, 0.2f}, {0.7f, 0.06f, 0.03f}, {0.9f, 0.6f, 0.05f}}, {1, 0.98f, 0.9f}, false};
     for (const std::vector<float>& cover : {std::vector<float>{0.2f, 0.3f, 0.1f}, {0.6f, 0, 0.4f}, {0, 0.05f, 0.9f}}) {
         expect_near(mix(halftoned(inks, cover), inks), cover, 0.05f);
@@ -172,7 +172,7 @@ TEST(Separation, IsContinuousInTheColour) {
     }
 }
 
-TEST(Separation, EndsWhenStopped) {
+TEST(Separation, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     const auto covers =
@@ -180,23 +180,23 @@ TEST(Separation, EndsWhenStopped) {
     EXPECT_EQ(covers, Covers(4, {0}));
 }
 
-TEST(Separation, TakesRedGreenAndBlueAsTheyAre) {
+TEST(Separation, UsesRgbValuesDirectly) {
     expect_near(mix({0.25f, 0.5f, 0.75f}, test::rgb_inks()), {0.25f, 0.5f, 0.75f}, 0.012f);
 }
 
-TEST(ShareSites, GivesEachInkItsPartByLargestRemainders) {
+TEST(ShareSites, ApportionsByLargestRemainder) {
     EXPECT_EQ(share_sites(std::vector<double>{3, 2, 1}, 600), (std::vector<std::size_t>{300, 200, 100}));
     EXPECT_EQ(share_sites(std::vector<double>{1.5, 2.7, 5.8}, 10), (std::vector<std::size_t>{1, 3, 6}));
 }
 
-TEST(ShareSites, GivesOneToEachInkThatCovers) {
+TEST(ShareSites, GivesAtLeastOneToEachUsedInk) {
     EXPECT_EQ(share_sites(std::vector<double>{1000, 0, 1e-9}, 100), (std::vector<std::size_t>{99, 0, 1}));
     EXPECT_EQ(share_sites(std::vector<double>{1, 3, 2}, 2), (std::vector<std::size_t>{0, 1, 1}))
         << "not enough for all";
     EXPECT_EQ(share_sites(std::vector<double>{0, 0}, 5), (std::vector<std::size_t>{0, 0}));
 }
 
-TEST(ShareSites, SharesExactlyAsManyAsThereAre) {
+TEST(ShareSites, DistributesAllSites) {
     const std::vector<double> sums{1e-12, 17, 1.0 / 3, 1e9, 5, 5};
     for (std::size_t sites = 0; sites < 300; ++sites) {
         const auto shares = share_sites(sums, sites);

@@ -33,7 +33,7 @@ double distance(const std::vector<float>& a, const std::vector<float>& b) {
     return std::sqrt(squares / static_cast<double>(a.size()));
 }
 
-TEST(Sharpened, LooksMoreAsItDidOnceItIsBlurred) {
+TEST(Sharpened, CompensatesForBlur) {
     const auto check = [](const std::vector<float>& cover, double most) {
         const std::vector<float> sharp = sharpened(cover, kWidth, kHeight, 1.5);
         const double before = distance(blurred(cover, kWidth, kHeight, 1.5), cover);
@@ -47,7 +47,7 @@ TEST(Sharpened, LooksMoreAsItDidOnceItIsBlurred) {
     check(waves, 0.9);
 }
 
-TEST(Sharpened, KeepsItsSums) {
+TEST(Sharpened, PreservesSums) {
     Random random(5, 0);
     std::vector<float> cover(kPixels);
     for (float& each : cover) each = static_cast<float>(0.6 * random.uniform());
@@ -56,7 +56,7 @@ TEST(Sharpened, KeepsItsSums) {
     EXPECT_LT(distance(blurred(sharp, kWidth, kHeight, 8), blurred(cover, kWidth, kHeight, 8)), 0.002);
 }
 
-TEST(Sharpened, LeavesWhatIsFlatOrBare) {
+TEST(Sharpened, LeavesFlatAndEmptyAreasUnchanged) {
     const std::vector<float> flat(kPixels, 0.3F);
     const std::vector<float> sharp = sharpened(flat, kWidth, kHeight, 2);
     for (const float each : sharp) EXPECT_NEAR(each, 0.3F, 1e-6F);
@@ -68,17 +68,17 @@ TEST(Sharpened, LeavesWhatIsFlatOrBare) {
     }
 }
 
-TEST(Sharpened, LeavesBlackOnWhite) {
+TEST(Sharpened, LeavesBlackOnWhiteUnchanged) {
     const std::vector<float> cover = edge(0, 1);
     EXPECT_EQ(sharpened(cover, kWidth, kHeight, 2), cover);
 }
 
-TEST(Sharpened, IsTheSameWithoutABlur) {
+TEST(Sharpened, IsIdentityForZeroBlur) {
     const std::vector<float> cover = edge(0.1F, 0.8F);
     EXPECT_EQ(sharpened(cover, kWidth, kHeight, 0), cover);
 }
 
-TEST(Sharpened, BearsNextToNothing) {
+TEST(Sharpened, AcceptsTinyCoverage) {
     for (const float least : {1e-45F, 1e-20F, 1e-7F}) {
         std::vector<float> cover(kPixels, 0.0F);
         cover[777] = least;

@@ -5,13 +5,13 @@
 namespace ccdt {
 namespace {
 
-TEST(Softening, SpreadsAPixelByTheBinomialWeights) {
+TEST(Softening, SpreadsPixelByBinomialWeights) {
     Raster raster{4, 3, 1, {0, 0, 0, 0, 0, 160, 0, 0, 0, 0, 0, 0}};
     soften(raster);
     EXPECT_EQ(raster.coverage, (std::vector<std::uint8_t>{10, 20, 10, 0, 20, 40, 20, 0, 10, 20, 10, 0}));
 }
 
-TEST(Softening, LeavesEvenAreasToTheBorder) {
+TEST(Softening, LeavesUniformAreasUnchangedUpToBorder) {
     for (const auto& [width, height] : {std::pair(1, 1), {5, 1}, {1, 5}, {7, 6}}) {
         const std::vector<std::uint8_t> even(static_cast<std::size_t>(width * height), 201);
         Raster raster{width, height, 1, even};

@@ -9,19 +9,19 @@
 namespace ccdt {
 namespace {
 
-TEST(InkCoverage, IsWhatPaperDoesNotReflect) {
+TEST(InkCoverage, IsComplementOfReflectance) {
     const Picture picture{2, 2, {0, 1, 0.25f, 0.75f}, {}};
     EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{1, 0, 0.75f, 0.25f}));
     EXPECT_EQ(ink_coverage(picture, Tone::Linear, true), (std::vector<float>{0, 1, 0.25f, 0.75f}));
 }
 
-TEST(InkCoverage, LeavesTransparentPixelsToThePaper) {
+TEST(InkCoverage, LeavesPaperUnderTransparentPixels) {
     const Picture picture{2, 2, {0, 0, 0.5f, 1}, {0, 0.5f, 0.5f, 0}};
     EXPECT_EQ(ink_coverage(picture, Tone::Linear, false), (std::vector<float>{0, 0.5f, 0.25f, 0}));
     EXPECT_EQ(ink_coverage(picture, Tone::Linear, true), (std::vector<float>{0, 0, 0.25f, 0}));
 }
 
-TEST(InkCoverage, FollowsLightnessIfPerceptual) {
+TEST(InkCoverage, FollowsLightnessForPerceptualTone) {
     // CIE L* is 50 at Y = 0.184187, 8 at the end of its straight piece, Y = 216 / 24389.
     const Picture picture{5, 1, {0, 1, 0.18418651f, 216.0f / 24389.0f, 108.0f / 24389.0f}, {}};
     const auto coverage = ink_coverage(picture, Tone::Perceptual, false);
@@ -33,7 +33,7 @@ TEST(InkCoverage, FollowsLightnessIfPerceptual) {
     EXPECT_NEAR(ink_coverage(picture, Tone::Perceptual, true)[2], 0.5, 1e-6);
 }
 
-TEST(Luminance, IsThatOfALightness) {
+TEST(Luminance, InvertsLightness) {
     for (const float light : {0.0f, 0.004f, 0.0089f, 0.18f, 1.0f})
         EXPECT_NEAR(luminance(lightness(light)), light, 1e-6);
 }
@@ -47,7 +47,7 @@ TEST(InkCoverage, ClampsValues) {
     EXPECT_EQ(ink_coverage(glass, Tone::Linear, false), (std::vector<float>{0, 1, 0}));
 }
 
-TEST(SitesOfDrawing, GrowWithTheRootOfItsPixels) {
+TEST(SitesOfDrawing, GrowWithSquareRootOfPixels) {
     const auto sites = [](double scale) {
         return sites_of_drawing(250'000, 0, scale, 1e6 * scale * scale, std::numeric_limits<std::size_t>::max());
     };
@@ -56,7 +56,7 @@ TEST(SitesOfDrawing, GrowWithTheRootOfItsPixels) {
     EXPECT_EQ(sites(0.1), static_cast<std::size_t>(2'500 / 3.14159265358979)) << "of a radius of 1 at least";
 }
 
-TEST(SitesOfDrawing, AreMoreForFineDetailUpToFourTimes) {
+TEST(SitesOfDrawing, IncreaseUpToFourfoldForFineDetail) {
     const auto sites = [](double fineness) { return sites_of_drawing(250'000, fineness, 1, 1e6, 1'000'000); };
     EXPECT_EQ(sites(0.05), sites(0));
     EXPECT_NEAR(static_cast<double>(sites(0.12)) / static_cast<double>(sites(0)), 2, 0.001);
@@ -77,12 +77,12 @@ std::vector<float> ink(std::size_t pixels, float coverage) {
 
 constexpr std::size_t kNoLimit = 1'000'000;
 
-TEST(DefaultSites, IsOneForEightPixelsOfInk) {
+TEST(DefaultSites, IsOnePerEightPixelsOfInk) {
     EXPECT_EQ(default_sites(80'000, 0, kNoLimit), 10'000u);
     EXPECT_EQ(default_sites(80'000, 0.02, kNoLimit), 10'000u);
 }
 
-TEST(DefaultSites, IsMoreForFinerDetail) {
+TEST(DefaultSites, IncreasesForFineDetail) {
     EXPECT_EQ(default_sites(80'000, 0.04, kNoLimit), 20'000u);
     EXPECT_EQ(default_sites(80'000, 0.1, kNoLimit), 50'000u);
     EXPECT_EQ(default_sites(80'000, 1, kNoLimit), 100'000u) << "at most 100,000";
@@ -90,7 +90,7 @@ TEST(DefaultSites, IsMoreForFinerDetail) {
     EXPECT_EQ(default_sites(16'000, 0.03, kNoLimit), 4096u) << "but as many as without";
 }
 
-TEST(DefaultSites, StaysInItsRange) {
+TEST(DefaultSites, StaysInRange) {
     EXPECT_EQ(default_sites(5'000, 0, kNoLimit), 4096u) << "at least 4,096";
     EXPECT_EQ(default_sites(500, 0, kNoLimit), 500u) << "no more than one a pixel of ink";
     EXPECT_EQ(default_sites(2'000'000, 0, kNoLimit), 100'000u) << "at most 100,000";
@@ -99,14 +99,14 @@ TEST(DefaultSites, StaysInItsRange) {
     EXPECT_EQ(default_sites(100, 1, 0), 1u);
 }
 
-TEST(DefaultScale, GivesDotsOfThreePixels) {
+TEST(DefaultScale, GivesDotRadiusOfThreePixels) {
     // Dots of 2 pixels of ink have a radius of sqrt(2 / pi) = 0.798 pixels.
     EXPECT_EQ(default_scale(ink(10'000, 0.5f), 2500), 4);
     // Dots that are larger in the picture stay as they are.
     EXPECT_EQ(default_scale(ink(10'000, 1), 100), 1);
 }
 
-TEST(DefaultScale, StaysInItsRange) {
+TEST(DefaultScale, StaysInRange) {
     EXPECT_EQ(default_scale(ink(100, 0), 10), 16);
     EXPECT_EQ(default_scale(ink(100, 0.01f), 100), 16);
     EXPECT_EQ(default_scale(ink(1'000'000, 1), 1), 1);

@@ -25,7 +25,7 @@ float at(const std::vector<float>& values, int x, int y) {
     return values[static_cast<std::size_t>(y) * kSide + static_cast<std::size_t>(x)];
 }
 
-TEST(TotalVariation, LowersTheContrastOfADiscByTwiceStrengthOverRadius) {
+TEST(TotalVariation, LowersContrastOfDiscByTwiceStrengthOverRadius) {
     constexpr double kRadius = 12;
     const auto disc = image([](int x, int y) { return std::hypot(x - 31.5, y - 31.5) < kRadius ? 1 : 0; });
     const auto smooth = denoised(disc, kSide, kSide, 1.2F, 300);

@@ -101,7 +101,7 @@ double grain(const Drawing& drawing, std::size_t sites) {
     return std::sqrt(std::max(squares / count - sum / count * (sum / count), 0.0));
 }
 
-TEST(TwoSided, KeepsTheToneOfFlatGreysWithoutGrain) {
+TEST(TwoSided, PreservesToneOfFlatGreysWithoutGrain) {
     constexpr CellGrid kCells = {80, 80};
     constexpr std::size_t kSites = 1500;
     for (const float light : {0.014F, 0.05F, 0.1F, 0.3F, 0.49F, 0.51F, 0.8F, 0.94F}) {
@@ -114,7 +114,7 @@ TEST(TwoSided, KeepsTheToneOfFlatGreysWithoutGrain) {
     }
 }
 
-TEST(TwoSided, ShowsNoSeamWhereTheGroundChanges) {
+TEST(TwoSided, HasNoSeamWhereGroundChanges) {
     constexpr CellGrid kCells = {160, 60};
     constexpr std::size_t kSites = 2400;
     std::vector<float> ramp;
@@ -141,7 +141,7 @@ TEST(TwoSided, ShowsNoSeamWhereTheGroundChanges) {
     EXPECT_LT(error_within(0.1, 0.9), 0.12);
 }
 
-TEST(TwoSided, CorrectsTheToneAlongTheBoundary) {
+TEST(TwoSided, CorrectsToneAlongBoundary) {
     constexpr CellGrid kCells = {120, 120};
     constexpr std::size_t kSites = 2000;
     std::vector<float> waves;
@@ -168,7 +168,7 @@ TEST(TwoSided, CorrectsTheToneAlongTheBoundary) {
     EXPECT_LT(error(true), 0.4 * error(false));
 }
 
-TEST(TwoSided, LeavesNothingToDotsWhereThePictureIsBlackAndWhite) {
+TEST(TwoSided, NeedsNoDotsForBlackAndWhite) {
     constexpr CellGrid kCells = {40, 40};
     std::vector<float> halves;
     for (int i = 0; i < kCells.columns * kCells.rows; ++i) halves.push_back(i % kCells.columns < 20 ? 0.0F : 1.0F);
@@ -178,7 +178,7 @@ TEST(TwoSided, LeavesNothingToDotsWhereThePictureIsBlackAndWhite) {
     EXPECT_TRUE(plan.channels.front().ground.is_white({20.1, 20}));
 }
 
-TEST(TwoSided, MakesDotsSmallerInShadowsButNoneBelowTheLeastRadius) {
+TEST(TwoSided, ShrinksDotsInShadowsDownToMinimumRadius) {
     constexpr CellGrid kCells = {80, 40};
     std::vector<float> light;
     for (int i = 0; i < kCells.columns * kCells.rows; ++i) light.push_back(i % kCells.columns < 40 ? 0.02F : 0.4F);
@@ -191,7 +191,7 @@ TEST(TwoSided, MakesDotsSmallerInShadowsButNoneBelowTheLeastRadius) {
     EXPECT_GT(smallest(0.6).first, 0.57F);
 }
 
-TEST(TwoSided, CountsTheDotsOfARadius) {
+TEST(TwoSided, DerivesNumberOfDotsFromRadius) {
     constexpr CellGrid kCells = {64, 64};
     const auto grey = flat(kCells, 0.5F);
     const TwoSidedPlan plan = plan_two_sided({grey}, kCells, {{}, 1.0, 0, 0});
@@ -199,14 +199,14 @@ TEST(TwoSided, CountsTheDotsOfARadius) {
     EXPECT_DOUBLE_EQ(plan.radius, 1.0);
 }
 
-TEST(TwoSided, CountsDotsOfNextToNoRadius) {
+TEST(TwoSided, AcceptsTinyRadius) {
     constexpr CellGrid kCells = {8, 8};
     const double dots = plan_two_sided({flat(kCells, 0.5F)}, kCells, {{}, 1e-308, 0, 0}).dots;
     EXPECT_GT(dots, 1e12);
     EXPECT_TRUE(std::isfinite(dots));
 }
 
-TEST(TwoSided, TakesPicturesOfOnePixel) {
+TEST(TwoSided, AcceptsPicturesOfOnePixel) {
     for (const float light : {0.0F, 0.3F, 1.0F}) {
         const TwoSidedPlan plan = plan_two_sided({{light}}, {1, 1}, {1, {}, 1, 0});
         const std::vector<std::vector<Point>> site = {{{0.5, 0.5}}};
@@ -244,7 +244,7 @@ std::array<float, 3> flipped_in(const TwoSidedPlan& plan, std::size_t cell, floa
     return flipped;
 }
 
-TEST(TwoSided, NestsWhatTheChannelsFlip) {
+TEST(TwoSided, NestsFlippedChannels) {
     constexpr CellGrid kCells = {120, 90};
     const Planes light = colours(kCells);
     const TwoSidedPlan plan = plan_two_sided(light, kCells, {3000, {}, 0, 0});
@@ -266,7 +266,7 @@ TEST(TwoSided, NestsWhatTheChannelsFlip) {
     EXPECT_LT(off / static_cast<double>(3 * light.front().size()), 0.01) << "all but cells of thin ground and boundary";
 }
 
-TEST(TwoSided, KeepsTheMeanOfEachChannel) {
+TEST(TwoSided, PreservesMeanOfEachChannel) {
     constexpr CellGrid kCells = {100, 100};
     for (const auto& colour : {std::array{0.01F, 0.03F, 0.09F}, std::array{0.6F, 0.2F, 0.05F},
                                std::array{0.9F, 0.5F, 0.3F}, std::array{0.45F, 0.45F, 0.45F}}) {
@@ -278,7 +278,7 @@ TEST(TwoSided, KeepsTheMeanOfEachChannel) {
     }
 }
 
-TEST(TwoSided, FollowsEachChannelOfAPicture) {
+TEST(TwoSided, FollowsEachChannel) {
     constexpr CellGrid kCells = {120, 90};
     constexpr std::size_t kSites = 3000;
     const Planes light = colours(kCells);
@@ -300,7 +300,7 @@ TEST(TwoSided, FollowsEachChannelOfAPicture) {
     }
 }
 
-TEST(TwoSided, DrawsGreysByDotsThatFlipAllChannels) {
+TEST(TwoSided, DrawsGreysWithDotsFlippingAllChannels) {
     constexpr CellGrid kCells = {60, 60};
     std::vector<float> grey;
     for (int i = 0; i < kCells.columns * kCells.rows; ++i)
@@ -314,7 +314,7 @@ TEST(TwoSided, DrawsGreysByDotsThatFlipAllChannels) {
         EXPECT_NEAR(colour.kinds.back().density[i], alone.kinds.front().density[i], 1e-3F) << i;
 }
 
-TEST(TwoSided, MakesDotsEvenByThemselvesAndTogether) {
+TEST(TwoSided, DistributesDotsEvenlyPerKindAndTogether) {
     constexpr CellGrid kCells = {100, 100};
     constexpr std::size_t kSites = 3000;
     // Red ground, on which dots bring green, or green and blue.

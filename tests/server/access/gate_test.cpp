@@ -30,7 +30,7 @@ protected:
     RateLimiter::Rate rate_;
 };
 
-TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
+TEST_F(GateTest, RequiresAKeyIfKeysAreConfigured) {
     write("alice:" + kKey);
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
@@ -42,7 +42,7 @@ TEST_F(GateTest, AsksForAKeyIfThereAreAny) {
         EXPECT_FALSE(gate.check(request("", line), "a").admission) << line;
 }
 
-TEST_F(GateTest, LetsPassWhatIsFree) {
+TEST_F(GateTest, AdmitsRequestsThatNeedNoCredential) {
     write("alice:" + kKey);
     rate_ = {.per_second = 0.001, .burst = 1};
     Gate gate(keys_, rate_);
@@ -55,7 +55,7 @@ TEST_F(GateTest, LetsPassWhatIsFree) {
     }
 }
 
-TEST_F(GateTest, LetsPreflightsPass) {
+TEST_F(GateTest, AdmitsPreflightsWithoutAKey) {
     write("alice:" + kKey);
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
@@ -70,7 +70,7 @@ TEST_F(GateTest, LetsPreflightsPass) {
     EXPECT_FALSE(passes("POST", origin + asked));
 }
 
-TEST_F(GateTest, CountsPreflightsByAddress) {
+TEST_F(GateTest, LimitsTheRateOfPreflightsByAddress) {
     write("alice:" + kKey);
     rate_ = {.per_second = 0.001, .burst = 2};
     Gate gate(keys_, rate_);
@@ -85,7 +85,7 @@ TEST_F(GateTest, CountsPreflightsByAddress) {
     EXPECT_TRUE(gate.check(request(kKey), "a").admission) << "a key has its own count";
 }
 
-TEST_F(GateTest, LetsEverybodyPassWithoutAFile) {
+TEST_F(GateTest, AdmitsEverybodyWithoutAKeyFile) {
     keys_.clear();
     Gate gate(keys_, rate_);
     EXPECT_TRUE(gate.read_keys());
@@ -105,7 +105,7 @@ TEST_F(GateTest, KeepsItsKeysIfTheFileIsBroken) {
     EXPECT_EQ(gate.check(request(kKey), "a").key, "bob");
 }
 
-TEST_F(GateTest, CountsByKeyAndElseByAddress) {
+TEST_F(GateTest, LimitsTheRateByKeyOrAddress) {
     write("alice:" + kKey);
     rate_ = {.per_second = 0.001, .burst = 1};
     Gate gate(keys_, rate_);
@@ -119,12 +119,12 @@ TEST_F(GateTest, CountsByKeyAndElseByAddress) {
 
 const std::string kSigningKey = "0123456789abcdef0123456789abcdef";
 
-/// A request for a URL that was signed with that key.
+/// Returns a request for a URL that is signed with `key`.
 Request signed_request(const std::string& key, const std::string& text, const std::string& method = "GET") {
     return *parse_head(method + ' ' + text + "&signature=" + sign(key, text) + " HTTP/1.1\r\n\r\n");
 }
 
-TEST_F(GateTest, TakesASignatureInsteadOfAKey) {
+TEST_F(GateTest, AcceptsASignatureInsteadOfAKey) {
     write("alice:" + kKey);
     Gate gate(keys_, rate_, nullptr, {{}, kSigningKey});
     ASSERT_TRUE(gate.read_keys());
@@ -140,7 +140,7 @@ TEST_F(GateTest, TakesASignatureInsteadOfAKey) {
     EXPECT_EQ(gate.check(elsewhere, "a", Gate::Credential::Key).admission.error().status, 401);
 }
 
-TEST_F(GateTest, AsksForAKeyWhereNothingIsSigned) {
+TEST_F(GateTest, RequiresAKeyIfSigningIsNotConfigured) {
     write("alice:" + kKey);
     Gate gate(keys_, rate_);
     ASSERT_TRUE(gate.read_keys());
@@ -148,7 +148,7 @@ TEST_F(GateTest, AsksForAKeyWhereNothingIsSigned) {
     EXPECT_EQ(gate.check(request(kKey), "a", Gate::Credential::Signature).key, "alice");
 }
 
-TEST_F(GateTest, CountsSignedUrlsByAddress) {
+TEST_F(GateTest, LimitsTheRateOfSignedUrlsByAddress) {
     rate_ = {.per_second = 0.001, .burst = 1};
     Gate gate({}, rate_, nullptr, {{}, kSigningKey});
     ASSERT_TRUE(gate.read_keys());
@@ -164,7 +164,7 @@ TEST_F(GateTest, CountsSignedUrlsByAddress) {
     EXPECT_EQ(status(kKey, "c"), 429) << "signatures cannot be guessed fast";
 }
 
-TEST_F(GateTest, ReadsSigningKeysAgain) {
+TEST_F(GateTest, ReloadsSigningKeys) {
     Gate gate({}, rate_, nullptr, {file_, {}});
     const std::string second = kSigningKey + "B";
     const auto signer = [&](const std::string& key) {
@@ -184,7 +184,7 @@ TEST_F(GateTest, ReadsSigningKeysAgain) {
     EXPECT_EQ(signer(second), "new");
 }
 
-TEST_F(GateTest, NamesTheVariableOfAWrongSigningKeyButNotTheKey) {
+TEST_F(GateTest, ReportsTheVariableOfAnInvalidSigningKeyButNotTheKey) {
     for (const std::string& key : {kKey, kSigningKey + " ", kSigningKey + "\nb:" + kSigningKey}) {
         const auto read = Gate({}, rate_, nullptr, {{}, key}).read_keys();
         ASSERT_FALSE(read);

@@ -7,7 +7,7 @@ namespace {
 
 const std::string kKey = "0123456789abcdef";
 
-TEST(KeyRing, KnowsWhoseAKeyIs) {
+TEST(KeyRing, FindsTheOwnerOfAKey) {
     const auto ring =
         KeyRing::parse("# comment\r\n\r\nalice:" + kKey + "A\r\n  bob\t" + kKey + "B  \nbob: " + kKey + ":C");
     ASSERT_TRUE(ring) << ring.error().message;
@@ -16,7 +16,7 @@ TEST(KeyRing, KnowsWhoseAKeyIs) {
     EXPECT_EQ(ring->find(kKey + ":C"), "bob");
 }
 
-TEST(KeyRing, KnowsNobodyElse) {
+TEST(KeyRing, FindsNoOwnerOfUnknownKeys) {
     const auto ring = KeyRing::parse("alice:" + kKey);
     ASSERT_TRUE(ring);
     for (const std::string& key : {std::string(), kKey.substr(1), kKey + "x", kKey + std::string(1, '\0'),
@@ -25,7 +25,7 @@ TEST(KeyRing, KnowsNobodyElse) {
     EXPECT_EQ(ring->find(kKey + std::string(1000, '\0')), std::nullopt);
 }
 
-TEST(KeyRing, NamesTheLineThatIsWrongButNotTheKey) {
+TEST(KeyRing, ReportsTheInvalidLineButNotTheKey) {
     for (const std::string& line : {std::string("alice"), std::string("alice:short"), "a/b:" + kKey, ":" + kKey,
                                     "alice:" + kKey + " more", "alice:" + std::string(257, 'x'), "bob:" + kKey}) {
         const auto ring = KeyRing::parse("carol:" + kKey + "\n" + line + "\n");
@@ -35,13 +35,13 @@ TEST(KeyRing, NamesTheLineThatIsWrongButNotTheKey) {
     }
 }
 
-TEST(KeyRing, NeedsAKey) {
+TEST(KeyRing, RequiresAtLeastOneKey) {
     EXPECT_FALSE(KeyRing::parse(""));
     EXPECT_FALSE(KeyRing::parse("# alice:" + kKey));
     EXPECT_FALSE(KeyRing::read("/nowhere"));
 }
 
-TEST(BearerKey, IsTakenFromItsSchemeOnly) {
+TEST(BearerKey, IsReadOnlyFromTheBearerScheme) {
     EXPECT_EQ(bearer_key("Bearer abc"), "abc");
     EXPECT_EQ(bearer_key("bearer  abc "), "abc");
     for (const char* header : {"", "Bearer", "Bearer ", "Basic abc", "Bearerabc", "abc"})

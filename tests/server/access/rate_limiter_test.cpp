@@ -10,7 +10,7 @@ using std::chrono::seconds;
 
 const RateLimiter::Clock::time_point kStart{};
 
-TEST(RateLimiter, LetsABurstPassAndThenASteadyRate) {
+TEST(RateLimiter, AdmitsABurstAndThenASteadyRate) {
     RateLimiter limiter({.per_second = 2, .burst = 3});
     for (int i = 0; i < 3; ++i) EXPECT_EQ(limiter.take("a", kStart), seconds(0));
     EXPECT_EQ(limiter.take("a", kStart), seconds(1));
@@ -21,14 +21,14 @@ TEST(RateLimiter, LetsABurstPassAndThenASteadyRate) {
     EXPECT_NE(limiter.take("a", kStart + seconds(100)), seconds(0)) << "a bucket holds no more than the burst";
 }
 
-TEST(RateLimiter, TellsHowLongToWait) {
+TEST(RateLimiter, ReturnsTheTimeToWait) {
     RateLimiter limiter({.per_second = 0.1, .burst = 1});
     limiter.take("a", kStart);
     EXPECT_EQ(limiter.take("a", kStart), seconds(10));
     EXPECT_EQ(limiter.take("a", kStart + milliseconds(8'500)), seconds(2));
 }
 
-TEST(RateLimiter, CountsClientsApart) {
+TEST(RateLimiter, LimitsEachClientSeparately) {
     RateLimiter limiter({.per_second = 1, .burst = 1});
     EXPECT_EQ(limiter.take("a", kStart), seconds(0));
     EXPECT_EQ(limiter.take("b", kStart), seconds(0));
@@ -41,7 +41,7 @@ TEST(RateLimiter, IsOffWithoutARate) {
     EXPECT_EQ(limiter.size(), 0u);
 }
 
-TEST(RateLimiter, ForgetsWhoAskedLongestAgo) {
+TEST(RateLimiter, EvictsTheLeastRecentClient) {
     RateLimiter limiter({.per_second = 0.001, .burst = 1}, 3);
     for (const char* client : {"a", "b", "c", "a", "d"}) limiter.take(client, kStart);
     EXPECT_EQ(limiter.size(), 3u);

@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::seconds;
 
-TEST(SharedRate, IsOneForAllServers) {
+TEST(SharedRate, IsSharedByAllServers) {
     const test::LocalRedis redis;
     RedisClient here(redis.address());
     RedisClient there(redis.address());
@@ -28,7 +28,7 @@ TEST(SharedRate, IsOneForAllServers) {
     EXPECT_EQ(second.take("b"), seconds(0)) << "each client has its own";
 }
 
-TEST(SharedRate, GivesTokensBackInTime) {
+TEST(SharedRate, RefillsTokensOverTime) {
     const test::LocalRedis redis;
     RedisClient client(redis.address());
     SharedRate rate(client, {.per_second = 1000, .burst = 1});
@@ -40,7 +40,7 @@ TEST(SharedRate, GivesTokensBackInTime) {
     EXPECT_LE(left->number, 2) << "a full bucket is none";
 }
 
-TEST(SharedRate, FillsDamagedBuckets) {
+TEST(SharedRate, RefillsDamagedBuckets) {
     const test::LocalRedis redis;
     RedisClient client(redis.address());
     SharedRate rate(client, {.per_second = 0.001, .burst = 1});
@@ -59,7 +59,7 @@ TEST(SharedRate, FillsDamagedBuckets) {
     EXPECT_LE(rate.take("a"), seconds(1000)) << "nobody waits longer than for one token";
 }
 
-TEST(SharedRate, TellsNothingWithoutRedis) {
+TEST(SharedRate, ReturnsNothingWithoutRedis) {
     test::LocalRedis redis;
     RedisClient client(redis.address());
     SharedRate rate(client, {.per_second = 1, .burst = 1});

@@ -11,7 +11,7 @@ using std::chrono::seconds;
 
 const std::string kKey = "0123456789abcdef0123456789abcdef";
 
-/// Status that a path and query get; 200 if they are signed well.
+/// Returns the status for a path and query; 200 if the signature is valid.
 int status(const std::string& resource, std::int64_t now = 1000) {
     const auto keys = KeyRing::parse("old:" + kKey + "\nnew:" + kKey + "B");
     const auto checked = SignedUrl::parse(resource).and_then(
@@ -23,7 +23,7 @@ std::string with_signature(const std::string& text, const std::string& key = kKe
     return text + (text.find('?') == std::string::npos ? '?' : '&') + "signature=" + sign(key, text);
 }
 
-TEST(SignedUrl, IsSignedByAnyOfTheKeys) {
+TEST(SignedUrl, AcceptsSignaturesOfAnyKey) {
     for (const char* text : {"/halftone/cat.jpg", "/halftone/cat.jpg?sites=500", "/halftone/%C3%A4.png?a=b&c=%26",
                              "/halftone/a&signature=b", "/halftone/x?", "/halftone/x?a=b&signature=c"}) {
         EXPECT_EQ(status(with_signature(text)), 200) << text;
@@ -32,7 +32,7 @@ TEST(SignedUrl, IsSignedByAnyOfTheKeys) {
     }
 }
 
-TEST(SignedUrl, TakesNothingElseThanWhatWasSigned) {
+TEST(SignedUrl, RefusesAnyOtherUrlThanTheSignedOne) {
     const std::string good = with_signature("/halftone/cat.jpg?sites=500");
     ASSERT_EQ(status(good), 200);
     for (std::size_t i = 0; i < good.size(); ++i) {
@@ -45,7 +45,7 @@ TEST(SignedUrl, TakesNothingElseThanWhatWasSigned) {
         EXPECT_EQ(status(good + more), 403) << more;
 }
 
-TEST(SignedUrl, NeedsTheSignatureLast) {
+TEST(SignedUrl, RequiresTheSignatureAsTheLastParameter) {
     const std::string text = "/halftone/cat.jpg", signature = "signature=" + sign(kKey, text);
     EXPECT_EQ(status(text + '?' + signature), 200);
     for (const auto& url :
@@ -66,7 +66,7 @@ TEST(SignedUrl, Expires) {
         EXPECT_EQ(status(with_signature("/x?" + std::string(wrong))), 400) << wrong;
 }
 
-TEST(SignedUrl, LeavesTheOptions) {
+TEST(SignedUrl, ReturnsTheRemainingOptions) {
     const auto options = [](const char* resource) { return SignedUrl::parse(resource)->options; };
     EXPECT_EQ(options("/x"), "");
     EXPECT_EQ(options("/x?signature=a"), "");

@@ -29,7 +29,7 @@ protected:
     RedisCache cache_{client_};
 };
 
-TEST_F(RedisCacheTest, GivesWhatItWasGiven) {
+TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
     EXPECT_FALSE(cache_.find("a"));
     const api::Answer answer = whole_answer();
     cache_.keep("a", answer);
@@ -54,7 +54,7 @@ TEST_F(RedisCacheTest, GivesWhatItWasGiven) {
     EXPECT_TRUE(cache_.find("b")->repeats);
 }
 
-TEST_F(RedisCacheTest, KeepsNoLargeAnswers) {
+TEST_F(RedisCacheTest, DoesNotStoreLargeAnswers) {
     api::Answer answer;
     answer.body.assign(RedisCache::kLargest + 1, 'x');
     cache_.keep("a", answer);
@@ -76,14 +76,14 @@ TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
     EXPECT_EQ(client_.counts().damages, 12U);
 }
 
-TEST_F(RedisCacheTest, HasNothingWithoutRedis) {
+TEST_F(RedisCacheTest, FindsNothingWithoutRedis) {
     cache_.keep("a", whole_answer());
     redis_.kill();
     EXPECT_FALSE(cache_.find("a"));
     cache_.keep("b", whole_answer());
 }
 
-TEST_F(RedisCacheTest, IsAskedAfterWhatIsKeptHere) {
+TEST_F(RedisCacheTest, IsQueriedAfterTheLocalCache) {
     ResultCache first(100'000, &client_);
     ResultCache second(100'000, &client_);
     EXPECT_EQ(second.find("a"), nullptr);
@@ -97,7 +97,7 @@ TEST_F(RedisCacheTest, IsAskedAfterWhatIsKeptHere) {
     EXPECT_NE(first.find("a"), nullptr);
 }
 
-TEST_F(RedisCacheTest, IsAskedWhereNothingIsKeptHere) {
+TEST_F(RedisCacheTest, IsQueriedIfTheLocalCacheIsOff) {
     ResultCache first(0, &client_);
     first.keep("a", whole_answer());
     EXPECT_NE(ResultCache(0, &client_).find("a"), nullptr);

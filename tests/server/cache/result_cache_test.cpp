@@ -18,7 +18,7 @@ api::Answer answer_of(std::string body) {
     return answer;
 }
 
-TEST(ResultCache, GivesWhatItWasGiven) {
+TEST(ResultCache, ReturnsStoredAnswers) {
     ResultCache cache(kRoom);
     EXPECT_EQ(cache.find("a"), nullptr);
     cache.keep("a", answer_of("first"));
@@ -32,7 +32,7 @@ TEST(ResultCache, GivesWhatItWasGiven) {
     EXPECT_EQ(cache.load().misses, 1U);
 }
 
-TEST(ResultCache, DropsWhatWasNotAskedForLongest) {
+TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
     ResultCache cache(kRoom);
     const std::string large(kRoom / 5, 'x');
     for (const auto* name : {"a", "b", "c", "d"}) cache.keep(name, answer_of(large));
@@ -42,7 +42,7 @@ TEST(ResultCache, DropsWhatWasNotAskedForLongest) {
     for (const auto* name : {"a", "c", "d", "e"}) EXPECT_NE(cache.find(name), nullptr) << name;
 }
 
-TEST(ResultCache, NeverHoldsMoreThanItMay) {
+TEST(ResultCache, NeverExceedsItsCapacity) {
     ResultCache cache(kRoom);
     for (int i = 0; i < 1000; ++i) {
         cache.keep(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
@@ -51,7 +51,7 @@ TEST(ResultCache, NeverHoldsMoreThanItMay) {
     EXPECT_GT(cache.load().bytes, kRoom / 2);
 }
 
-TEST(ResultCache, LeavesAloneWhatIsTooLarge) {
+TEST(ResultCache, DoesNotStoreAnswersThatAreTooLarge) {
     ResultCache cache(kRoom);
     cache.keep("small", answer_of("x"));
     cache.keep("large", answer_of(std::string(kRoom / 4, 'x')));
@@ -62,7 +62,7 @@ TEST(ResultCache, LeavesAloneWhatIsTooLarge) {
     EXPECT_EQ(none.find("a"), nullptr);
 }
 
-TEST(ResultCache, GivesAnswersThatOutliveIt) {
+TEST(ResultCache, ReturnsAnswersThatOutliveTheCache) {
     auto cache = std::make_unique<ResultCache>(kRoom);
     cache->keep("a", answer_of("kept"));
     const auto answer = cache->find("a");
@@ -70,7 +70,7 @@ TEST(ResultCache, GivesAnswersThatOutliveIt) {
     EXPECT_EQ(answer->body, "kept");
 }
 
-TEST(ResultCache, ServesManyAtOnce) {
+TEST(ResultCache, IsThreadSafe) {
     ResultCache cache(kRoom);
     std::vector<std::jthread> threads;
     for (int thread = 0; thread < 4; ++thread) {

@@ -25,7 +25,7 @@ namespace {
 
 using std::chrono::seconds;
 
-/// Waits for a stop in vain or not.
+/// Waits for a stop; forever, if none can be requested.
 void wait_for_stop(const std::stop_token& stop) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
@@ -33,7 +33,7 @@ void wait_for_stop(const std::stop_token& stop) {
     never.wait(lock, stop, [] { return false; });
 }
 
-/// Whether so many threads work at once: each waits a little for the others.
+/// Returns whether `count` threads work at once: each waits for the others for a short time.
 bool can_meet(Executor& executor, std::size_t count) {
     constexpr std::chrono::milliseconds kLittle{10};
     std::set<std::thread::id> threads;
@@ -48,7 +48,7 @@ bool can_meet(Executor& executor, std::size_t count) {
     return threads.size() == count;
 }
 
-/// Does what the request's path says, in the process that computes.
+/// Acts according to the request's path, in the process that computes.
 Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                          const api::Decode&, const Control& control, api::Timings& timings) {
     timings = {1, 2, 3};
@@ -94,7 +94,7 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     return answer;
 }
 
-/// Becomes what spawn_sibling starts.
+/// Launches a fork server in place of the program that spawn_sibling() would start.
 Result<ChildProgram> launch(UniqueFd orders) {
     const pid_t process = fork();
     if (process != 0) return ChildProgram(process);
@@ -105,7 +105,7 @@ Result<ChildProgram> launch(UniqueFd orders) {
                     [](ComputeFiles files) { run_compute_process(std::move(files), obey); });
 }
 
-/// Takes a body in pieces, and so many of them.
+/// Takes a body in pieces, up to a maximum number of them.
 class Taker : public api::BodyTaker {
 public:
     explicit Taker(int most = 1'000) : most_(most) {}
@@ -160,7 +160,7 @@ protected:
     std::unique_ptr<ComputeBox> box_ = start(seconds(1));
 };
 
-TEST_F(ComputeBoxTest, TellsTheWholeAnswer) {
+TEST_F(ComputeBoxTest, TransfersTheWholeAnswer) {
     const auto answer = box_->compute({"/", "", "type", "coding", "body"}, {.compressed = true}, {}, timings_);
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_EQ(answer->media_type, "type compressed");
@@ -172,7 +172,7 @@ TEST_F(ComputeBoxTest, TellsTheWholeAnswer) {
     EXPECT_EQ(timings_.decode + 10 * timings_.optimise + 100 * timings_.encode, 321);
 }
 
-TEST_F(ComputeBoxTest, HandsPiecesOn) {
+TEST_F(ComputeBoxTest, StreamsPiecesToTheTaker) {
     const std::string piece(200'000, 'x');
     Taker taker;
     const auto answer = box_->compute({"stream", "", "", "", piece}, {.taker = &taker}, {}, timings_);
@@ -184,7 +184,7 @@ TEST_F(ComputeBoxTest, HandsPiecesOn) {
     EXPECT_EQ(taker.body, repeated(piece, 100));
 }
 
-TEST_F(ComputeBoxTest, PutsPiecesTogetherIfNobodyTakesThem) {
+TEST_F(ComputeBoxTest, JoinsPiecesWithoutATaker) {
     const auto answer = ask({"stream", "", "", "", "piece"});
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_FALSE(answer->streamed);
@@ -192,7 +192,7 @@ TEST_F(ComputeBoxTest, PutsPiecesTogetherIfNobodyTakesThem) {
     EXPECT_EQ(answer->body, repeated("piece", 100));
 }
 
-TEST_F(ComputeBoxTest, DoesNotBeginAgainWhatWasHandedOn) {
+TEST_F(ComputeBoxTest, DoesNotRetryAfterStreamingHasBegun) {
     Taker taker;
     const auto died = box_->compute({"stream and die", "", "", "", "piece"}, {.taker = &taker}, {}, timings_);
     ASSERT_FALSE(died);
@@ -205,7 +205,7 @@ TEST_F(ComputeBoxTest, DoesNotBeginAgainWhatWasHandedOn) {
     EXPECT_TRUE(ask({"/", "", "", "", ""}));
 }
 
-TEST_F(ComputeBoxTest, EndsTheProcessOfAnAnswerThatNobodyTakes) {
+TEST_F(ComputeBoxTest, KillsTheProcessOfAnAbandonedAnswer) {
     const pid_t process = process_of_next();
     Taker taker(3);
     const auto left = box_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.taker = &taker}, {}, timings_);
@@ -216,7 +216,7 @@ TEST_F(ComputeBoxTest, EndsTheProcessOfAnAnswerThatNobodyTakes) {
     EXPECT_NE(process_of_next(), process);
 }
 
-TEST_F(ComputeBoxTest, TakesBodiesOfAnySize) {
+TEST_F(ComputeBoxTest, TransfersBodiesOfAnySize) {
     for (const std::size_t size : {0, 1, 16'384, 16'385, 30'000'000}) {
         const auto answer = ask({"/", "", "type", "", std::string(size, 'x')});
         ASSERT_TRUE(answer);
@@ -224,7 +224,7 @@ TEST_F(ComputeBoxTest, TakesBodiesOfAnySize) {
     }
 }
 
-TEST_F(ComputeBoxTest, TellsErrors) {
+TEST_F(ComputeBoxTest, TransfersErrors) {
     const auto refused = ask({"refuse", "", "", "", ""});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
@@ -236,7 +236,7 @@ TEST_F(ComputeBoxTest, TellsErrors) {
     EXPECT_EQ(box_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, TellsEveryStep) {
+TEST_F(ComputeBoxTest, ReportsEveryProgressStep) {
     std::vector<int> steps;
     const Control control{{}, [&](const Progress& progress) { steps.push_back(progress.iteration); }};
     EXPECT_TRUE(ask({"/", "", "", "", ""}, control));
@@ -261,13 +261,13 @@ TEST_F(ComputeBoxTest, LendsThreads) {
     EXPECT_EQ(timings_.threads, 2U);
 }
 
-TEST_F(ComputeBoxTest, LendsThreadsToWhatRunsAlready) {
+TEST_F(ComputeBoxTest, LendsThreadsToARunningComputation) {
     const Control control{{}, [&](const Progress&) { box_->lend(2); }};
     ASSERT_TRUE(ask({"meet", "2", "", "", ""}, control));
     EXPECT_EQ(timings_.threads, 2U);
 }
 
-TEST_F(ComputeBoxTest, UsesProcessesAgain) {
+TEST_F(ComputeBoxTest, ReusesProcesses) {
     const pid_t first = process_of_next();
     EXPECT_EQ(process_of_next(), first);
     std::jthread([&] {
@@ -280,7 +280,7 @@ TEST_F(ComputeBoxTest, UsesProcessesAgain) {
     EXPECT_EQ(process_of_next(), first);
 }
 
-TEST_F(ComputeBoxTest, LosesOnlyTheComputationThatCrashes) {
+TEST_F(ComputeBoxTest, FailsOnlyTheComputationThatCrashes) {
     std::stop_source stop;
     std::jthread other([&] {
         const auto answer = ask({"wait", "", "", "", ""}, {stop.get_token(), [](const Progress&) {}});
@@ -299,7 +299,7 @@ TEST_F(ComputeBoxTest, LosesOnlyTheComputationThatCrashes) {
     stop.request_stop();
 }
 
-TEST_F(ComputeBoxTest, BeginsAgainWhatWasKilledFromOutside) {
+TEST_F(ComputeBoxTest, RetriesAComputationWhoseProcessWasKilled) {
     std::string file = (std::filesystem::path(testing::TempDir()) / "killed-XXXXXX").string();
     ASSERT_NE(mkdtemp(file.data()), nullptr);
     const auto answer = ask({"die", file + "/once", "", "", "body"});
@@ -312,7 +312,7 @@ TEST_F(ComputeBoxTest, BeginsAgainWhatWasKilledFromOutside) {
     EXPECT_EQ(box_->counts().crashes, 3U);
 }
 
-TEST_F(ComputeBoxTest, ReplacesProcessesThatDiedAtRest) {
+TEST_F(ComputeBoxTest, ReplacesIdleProcessesThatDied) {
     const pid_t process = process_of_next();
     kill(process, SIGKILL);
     while (kill(process, 0) == 0) std::this_thread::yield();  // until it is reaped
@@ -320,7 +320,7 @@ TEST_F(ComputeBoxTest, ReplacesProcessesThatDiedAtRest) {
     EXPECT_EQ(box_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, EndsWhatDoesNotStop) {
+TEST_F(ComputeBoxTest, KillsProcessesThatDoNotStop) {
     std::stop_source stop;
     const Control control{stop.get_token(), {}};
     const pid_t process = process_of_next();
@@ -333,7 +333,7 @@ TEST_F(ComputeBoxTest, EndsWhatDoesNotStop) {
     EXPECT_EQ(box_->counts().overdue, 1U);
 }
 
-TEST_F(ComputeBoxTest, EndsSoonWhatNobodyWants) {
+TEST_F(ComputeBoxTest, KillsUnwantedComputationsSoon) {
     box_ = start(std::chrono::hours(1));
     const pid_t process = process_of_next();
     std::stop_source stop, unwanted;
@@ -349,7 +349,7 @@ TEST_F(ComputeBoxTest, EndsSoonWhatNobodyWants) {
     EXPECT_EQ(box_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, DoesNotEndTheNextComputationByALateStop) {
+TEST_F(ComputeBoxTest, DoesNotStopTheNextComputationByALateStop) {
     for (int i = 0; i < 200; ++i) {
         std::stop_source stop;
         std::jthread late([&] { stop.request_stop(); });
@@ -359,7 +359,7 @@ TEST_F(ComputeBoxTest, DoesNotEndTheNextComputationByALateStop) {
     }
 }
 
-TEST_F(ComputeBoxTest, EndsItsProcesses) {
+TEST_F(ComputeBoxTest, KillsItsProcessesOnDestruction) {
     const pid_t process = process_of_next();
     box_.reset();
     while (is_there(process)) std::this_thread::yield();

@@ -71,7 +71,7 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
-TEST(Config, LetsPagesOfThisMachineCallWhatOnlyItCanReach) {
+TEST(Config, AllowsLoopbackOriginsIfBoundToLoopback) {
     const auto origins = [](const std::vector<const char*>& flags) { return parse(flags)->config.cors_origins; };
     for (const char* bind : {"127.0.0.1", "::1", "localhost"})
         EXPECT_EQ(origins({"--bind", bind}), std::vector<std::string>{"loopback"}) << bind;
@@ -81,7 +81,7 @@ TEST(Config, LetsPagesOfThisMachineCallWhatOnlyItCanReach) {
     EXPECT_EQ(origins({"--cors-origin=https://a.example"}), std::vector<std::string>{"https://a.example"});
 }
 
-TEST(Config, AllowsHostsOfLoopbackAloneIfBoundToIt) {
+TEST(Config, AllowsOnlyLoopbackHostsIfBoundToLoopback) {
     using Hosts = std::vector<std::string>;
     const auto hosts = [](const std::vector<const char*>& flags) { return parse(flags)->config.allowed_hosts; };
     for (const char* bind : {"127.0.0.1", "::1", "localhost"})
@@ -121,7 +121,7 @@ TEST(Config, ReadsTheEnvironment) {
     EXPECT_EQ(config.log_format, LogFormat::Json);
 }
 
-TEST(Config, ReadsWhatKeepsClientsInBounds) {
+TEST(Config, ReadsTheLimitsOnClients) {
     const auto parsed = parse({"--header-timeout=1", "--body-timeout=2", "--idle-timeout=0.5", "--max-connections=7",
                                "--max-streams=0", "--max-connections-per-address=0", "--max-body=1GiB",
                                "--memory=100GiB", "--cors-origin=https://a.example,http://b:81", "--api-key-file=keys",
@@ -143,7 +143,7 @@ TEST(Config, ReadsWhatKeepsClientsInBounds) {
     EXPECT_EQ(config.rate.burst, 3u);
 }
 
-/// Value and origin of a flag, as they are shown.
+/// Returns value and origin of a flag as they are shown.
 std::string shown(const Result<CommandLine>& parsed, std::string_view flag) {
     const auto found = std::ranges::find(parsed->values, flag, &ChosenValue::flag);
     if (found == parsed->values.end()) return "?";
@@ -166,7 +166,7 @@ TEST(Config, ShowsWhereValuesComeFrom) {
     EXPECT_EQ(shown(parsed, "--api-key-file"), "|");
 }
 
-TEST(Config, ShowsNoPasswords) {
+TEST(Config, HidesPasswords) {
     const auto value = [](const char* origin) { return shown(parse({"--cors-origin", origin}), "--cors-origin"); };
     EXPECT_EQ(value("redis://user:secret@host:6379/0"), "redis://user:***@host:6379/0|--cors-origin");
     EXPECT_EQ(value("redis://:a:b@c@host"), "redis://:***@host|--cors-origin");
@@ -174,7 +174,7 @@ TEST(Config, ShowsNoPasswords) {
     EXPECT_EQ(value("https://host:80"), "https://host:80|--cors-origin");
 }
 
-TEST(Config, ReadsWhichProxiesAreTrusted) {
+TEST(Config, ReadsTrustedProxies) {
     const auto parsed = parse({"--trusted-proxy=10.0.0.0/8,fd00::/8,192.0.2.1,unix"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const TrustedProxies& proxies = parsed->config.trusted_proxies;
@@ -188,7 +188,7 @@ TEST(Config, ReadsWhichProxiesAreTrusted) {
         EXPECT_FALSE(parse({"--trusted-proxy", value})) << value;
 }
 
-TEST(Config, ReadsWhoMayAskForPictures) {
+TEST(Config, ReadsThePictureFolderAndSigningKeys) {
     EXPECT_EQ(parse({})->config.pictures, "");
     EXPECT_TRUE(parse({})->config.signing.empty());
     const auto by_file = parse({"--pictures=photos", "--signing-key-file=keys"});
@@ -202,7 +202,7 @@ TEST(Config, ReadsWhoMayAskForPictures) {
     EXPECT_EQ(shown(parse({}), "--signing-key"), "none|");
 }
 
-TEST(Config, TakesNoSigningKeyAsAFlag) {
+TEST(Config, RefusesASigningKeyAsAFlag) {
     for (const auto& flags : {std::vector{"--signing-key=se:cret"}, std::vector{"--signing-key", "se:cret"},
                               std::vector{"--signing-key"}}) {
         const auto parsed = parse(flags);
@@ -212,7 +212,7 @@ TEST(Config, TakesNoSigningKeyAsAFlag) {
     }
 }
 
-TEST(Config, ReadsWhatJobsMayTake) {
+TEST(Config, ReadsTheLimitsOnJobs) {
     const auto parsed = parse({"--data-dir=jobs", "--job-ttl=5", "--job-queue=0"}, {{"CCDT_JOB_TIMEOUT", "7"}});
     ASSERT_TRUE(parsed) << parsed.error().message;
     EXPECT_EQ(parsed->config.data_dir, "jobs");
@@ -224,7 +224,7 @@ TEST(Config, ReadsWhatJobsMayTake) {
     EXPECT_EQ(parse({"--memory=1GiB"})->config.jobs.bytes, std::size_t{64} << 20);
 }
 
-TEST(Config, ReadsWhereJobsAreShared) {
+TEST(Config, ReadsTheRedisAddress) {
     const auto parsed = parse({"--redis=redis://:secret@example.org:7000", "--job-lease=2", "--memory=1GiB"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     ASSERT_TRUE(parsed->config.redis);
@@ -237,7 +237,7 @@ TEST(Config, ReadsWhereJobsAreShared) {
     EXPECT_EQ(wrong.error().message.find("secret"), std::string::npos) << wrong.error().message;
 }
 
-TEST(Config, KeepsAnswersInAPartOfTheMemory) {
+TEST(Config, DerivesTheCacheSizeFromTheMemory) {
     EXPECT_EQ(parse({"--memory=8GiB"})->config.cache, std::size_t{64} << 20);
     EXPECT_EQ(parse({"--memory=512MiB"})->config.cache, std::size_t{32} << 20);
     EXPECT_EQ(parse({"--cache=3MiB"})->config.cache, std::size_t{3} << 20);
@@ -247,14 +247,14 @@ TEST(Config, KeepsAnswersInAPartOfTheMemory) {
     EXPECT_FALSE(parse({"--cache-shared=yes"}));
 }
 
-TEST(Config, LetsAFlagWinOverTheEnvironment) {
+TEST(Config, PrefersFlagsToTheEnvironment) {
     const auto parsed = parse({"--port", "81"}, {{"PORT", "82"}, {"CCDT_WORKERS", "2"}});
     ASSERT_TRUE(parsed);
     EXPECT_EQ(parsed->config.port, 81);
     EXPECT_EQ(parsed->config.queue, 32u) << "the queue's default follows the number of workers";
 }
 
-TEST(Config, LendsARequestAsManyThreadsAsThereAreCoresForWorkers) {
+TEST(Config, LimitsThreadsPerRequestToWorkersAndCores) {
     const std::size_t cores = std::max(1U, std::thread::hardware_concurrency());
     EXPECT_EQ(parse({"--workers=1"})->config.threads_per_request, 1U);
     EXPECT_EQ(parse({"--workers=1000"})->config.threads_per_request, std::min<std::size_t>(cores, 1000));
@@ -263,18 +263,18 @@ TEST(Config, LendsARequestAsManyThreadsAsThereAreCoresForWorkers) {
     EXPECT_EQ(parse({}, {{"CCDT_THREADS_PER_REQUEST", "5"}})->config.threads_per_request, 5U);
 }
 
-TEST(Config, TakesAnEmptyVariableForNone) {
+TEST(Config, IgnoresEmptyVariables) {
     const auto parsed = parse({}, {{"PORT", ""}, {"CCDT_CORS_ORIGIN", ""}});
     ASSERT_TRUE(parsed);
     EXPECT_EQ(parsed->config.port, 8080);
 }
 
-TEST(Config, HelpsWhateverElseIsWrong) {
+TEST(Config, ShowsHelpDespiteOtherErrors) {
     EXPECT_EQ(parse({"--help"}, {{"PORT", "x"}})->action, CommandLine::Action::Help);
     EXPECT_EQ(parse({"--version"})->action, CommandLine::Action::Version);
 }
 
-TEST(Config, ListsEveryFlagAndVariableInItsHelp) {
+TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
     const std::string text = usage();
     for (const char* word : {"--port",
                              "PORT",
@@ -352,7 +352,7 @@ struct Wrong {
     const char* named;
 };
 
-TEST(Config, NamesWhatIsWrong) {
+TEST(Config, NamesTheInvalidFlagOrVariable) {
     const Wrong wrongs[] = {
         {{"--nonsense"}, {}, "--nonsense"},
         {{"8080"}, {}, "8080"},

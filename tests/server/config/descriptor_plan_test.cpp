@@ -15,7 +15,7 @@ std::size_t connections(const Capacity::Limits& limits) {
     return limits.connections + limits.reserve + limits.streams + limits.refused;
 }
 
-TEST(DescriptorPlan, LeavesTheFlagsAsTheyAreIfAllFits) {
+TEST(DescriptorPlan, KeepsTheConfiguredLimitsIfTheyFit) {
     const Config config = config_of(2);
     const auto plan = share_descriptors(config, wanted_descriptors(config));
     ASSERT_TRUE(plan);
@@ -25,7 +25,7 @@ TEST(DescriptorPlan, LeavesTheFlagsAsTheyAreIfAllFits) {
     EXPECT_GT(wanted_descriptors(config), connections(config.capacity));
 }
 
-TEST(DescriptorPlan, ReducesAllConnectionsIfFewAreAllowed) {
+TEST(DescriptorPlan, ReducesAllConnectionLimitsIfFewDescriptorsAreAllowed) {
     const Config config = config_of(2);
     for (const std::size_t allowed : {100u, 128u, 256u, 1024u}) {
         const auto plan = share_descriptors(config, allowed);
@@ -40,7 +40,7 @@ TEST(DescriptorPlan, ReducesAllConnectionsIfFewAreAllowed) {
     }
 }
 
-TEST(DescriptorPlan, RejectsALimitThatIsTooLow) {
+TEST(DescriptorPlan, RefusesALimitThatIsTooLow) {
     const auto plan = share_descriptors(config_of(2), 64);
     ASSERT_FALSE(plan);
     EXPECT_EQ(plan.error().message, "the limit of open files (ulimit -n) is 64: at least 76 are needed");
@@ -49,7 +49,7 @@ TEST(DescriptorPlan, RejectsALimitThatIsTooLow) {
     EXPECT_FALSE(share_descriptors(config_of(32), 128)) << "workers take some, too";
 }
 
-TEST(DescriptorPlan, NeedsNoMoreThanTheFlagsSay) {
+TEST(DescriptorPlan, NeedsOnlyTheConfiguredConnections) {
     Config config = config_of(2);
     config.capacity.connections = 4;
     config.capacity.reserve = 2;

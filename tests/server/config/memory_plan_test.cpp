@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-TEST(MemoryPlan, SharesALargeMemoryByWhatIsUseful) {
+TEST(MemoryPlan, CapsTheSharesOfALargeMemory) {
     const auto shares = share_memory(64'000 * kMebibyte, 64 * kMebibyte);
     EXPECT_EQ(shares.transfers, 256 * kMebibyte);
     EXPECT_EQ(shares.cache, 64 * kMebibyte);
@@ -15,7 +15,7 @@ TEST(MemoryPlan, SharesALargeMemoryByWhatIsUseful) {
     EXPECT_EQ(share_memory(64'000 * kMebibyte, 100 * kMebibyte).transfers, 400 * kMebibyte) << "four bodies";
 }
 
-TEST(MemoryPlan, SharesASmallMemoryByParts) {
+TEST(MemoryPlan, DividesASmallMemoryByFixedShares) {
     const auto shares = share_memory(160 * kMebibyte, 64 * kMebibyte);
     EXPECT_EQ(shares.transfers, 40 * kMebibyte);
     EXPECT_EQ(shares.cache, 10 * kMebibyte);
@@ -32,7 +32,7 @@ Config config_of(std::size_t memory) {
     return config;
 }
 
-TEST(MemoryPlan, ComputesWithWhatIsLeft) {
+TEST(MemoryPlan, AssignsTheRestToComputations) {
     Config config = config_of(2'000 * kMebibyte);
     const auto in_memory = memory_to_compute_with(config, 100 * kMebibyte);
     ASSERT_TRUE(in_memory);
@@ -46,7 +46,7 @@ TEST(MemoryPlan, ComputesWithWhatIsLeft) {
     EXPECT_EQ(memory_to_compute_with(config, 100 * kMebibyte)->total, in_memory->total + 100 * kMebibyte);
 }
 
-TEST(MemoryPlan, SaysHowMuchIsNeeded) {
+TEST(MemoryPlan, ReportsHowMuchMemoryIsNeeded) {
     const std::size_t taken = (100 + 160 + 4 * 4 + 256 + 64 + 100) * kMebibyte;
     EXPECT_TRUE(memory_to_compute_with(config_of(taken + 192 * kMebibyte), 100 * kMebibyte));
     const auto refused = memory_to_compute_with(config_of(taken + 191 * kMebibyte), 100 * kMebibyte);

@@ -37,7 +37,7 @@ namespace {
 constexpr std::size_t kMaxPixels = 1'000'000;
 constexpr DecoderLimits kLimits{std::size_t{64} << 20, std::chrono::seconds(60)};
 
-/// The outcome of a system call, as an error for a picture cannot hold it.
+/// Returns the outcome of a system call in the message of an error, since an error about a picture cannot hold it.
 Result<Picture> outcome(long returned) {
     return failure(ErrorCode::Unsupported, returned < 0 ? "refused" : "done");
 }
@@ -46,7 +46,7 @@ Result<Picture> outcome(long returned) {
     for (volatile unsigned turns = 0;;) turns = turns + 1;
 }
 
-/// Vectors of a page each, so that nothing is left when it ends.
+/// Allocates blocks until none is left. They are vectors, so all are freed when an exception ends the loop.
 void eat_memory() {
     std::vector<std::vector<char>> eaten;
     while (true) eaten.emplace_back(1 << 20, 'x');
@@ -62,7 +62,7 @@ Picture picture_of(int width, std::initializer_list<float> luminance, const api:
     return {width, 1, plane_of(luminance, make_plane), {}};
 }
 
-/// A decoder that does what the file says.
+/// Decodes by doing what the file says.
 Result<Picture> obey(std::string_view file, const api::Reading& reading, const api::NewPlane& make_plane) {
     if (file == "picture") {
         Picture picture = picture_of(3, {0, 0.5F, 1}, make_plane);
@@ -91,7 +91,7 @@ Result<Picture> obey(std::string_view file, const api::Reading& reading, const a
     return failure(ErrorCode::Internal, "no such order");
 }
 
-/// The same; what makes no picture does so in colour as in grey.
+/// Does the same for colour; files that yield no picture fail in the same way as in grey.
 Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& reading,
                                      const api::NewPlane& make_plane) {
     ColourPicture picture;
@@ -121,7 +121,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& 
     return tl::unexpected(obey(file, reading, make_plane).error());
 }
 
-/// A process that becomes the helper, with a decoder of the tests'.
+/// Returns a launcher of a forked process that becomes the helper, with a decoder of the tests.
 SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
         const pid_t process = fork();
@@ -132,7 +132,7 @@ SupervisedProgram::Launch forking(Decoder decoder) {
 
 void ignore(const std::string&) {}
 
-/// A box, and a client that gives it orders.
+/// A box, and a client that sends orders to it.
 class BoxOfTests {
 public:
     BoxOfTests(const SupervisedProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
@@ -169,7 +169,7 @@ std::unique_ptr<BoxOfTests> make_box(const DecoderLimits& limits = kLimits) {
                                         [limits](std::string_view, std::size_t) { return limits; });
 }
 
-/// One that decodes pictures.
+/// Creates a box that decodes real pictures.
 std::unique_ptr<BoxOfTests> make_true_box() {
     return std::make_unique<BoxOfTests>(forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder}),
                                         decoder_limits);
@@ -203,7 +203,7 @@ struct Process {
     char state = 0;
 };
 
-/// All processes, zombies included.
+/// Returns all processes, including zombies.
 std::vector<Process> processes() {
     std::vector<Process> found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -237,7 +237,7 @@ std::string name_of(pid_t process) {
     return name;
 }
 
-/// Waits for one that has a child for an order: after a death there is none for a moment.
+/// Returns the helper, once it has a child that waits for an order. After a death there is none for a moment.
 pid_t helper() {
     while (true) {
         for (const pid_t keeper : children_of(getpid())) {
@@ -248,7 +248,7 @@ pid_t helper() {
     }
 }
 
-/// Its status as /proc has it.
+/// Returns an entry of a process in /proc/PID/status.
 std::string status_of(pid_t process, const std::string& key) {
     std::ifstream file("/proc/" + std::to_string(process) + "/status");
     for (std::string line; std::getline(file, line);) {
@@ -257,7 +257,7 @@ std::string status_of(pid_t process, const std::string& key) {
     return {};
 }
 
-/// Empty for whom it may not be seen.
+/// Returns a namespace of a process; empty if it may not be read.
 std::string namespace_of(pid_t process, const std::string& kind) {
     std::error_code error;
     return std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/ns/" + kind, error);
@@ -277,7 +277,7 @@ std::string bytes_of(const std::string& name) {
     return bytes_at(std::filesystem::path(CCDT_TEST_DATA) / "images" / name);
 }
 
-TEST(DecoderBox, HandsOverWhatTheDecoderMakes) {
+TEST(DecoderBox, TransfersPicturesAndErrors) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     const auto picture = box->decode("picture", kMaxPixels, {});
@@ -297,7 +297,7 @@ TEST(DecoderBox, HandsOverWhatTheDecoderMakes) {
     EXPECT_EQ(box->deaths(), 0U);
 }
 
-TEST(DecoderBox, HandsOverColours) {
+TEST(DecoderBox, TransfersColourPictures) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     const auto picture = box->decode_colour("picture", kMaxPixels, {});
@@ -314,7 +314,7 @@ TEST(DecoderBox, HandsOverColours) {
     EXPECT_EQ(box->deaths(), 0U);
 }
 
-TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
+TEST(DecoderBox, DecodesPhotographsIdentically) {
     const auto box = make_true_box();
     for (const auto* name : {"camera.png", "chelsea.png", "astronaut.png"}) {
         const std::string file = bytes_of(name);
@@ -336,7 +336,7 @@ TEST(DecoderBox, DecodesPhotographsToTheSameBits) {
     EXPECT_EQ(box->decode("", kMaxPixels, {}).error().code, ErrorCode::Malformed);
 }
 
-/// The picture or the error.
+/// Checks that two decoders yield the same picture or the same error.
 void expect_same(const Result<Picture>& decoded, const Result<Picture>& expected, const std::string& name) {
     ASSERT_EQ(decoded.has_value(), expected.has_value()) << name;
     if (!decoded) {
@@ -349,7 +349,7 @@ void expect_same(const Result<Picture>& decoded, const Result<Picture>& expected
     EXPECT_TRUE(decoded->alpha == expected->alpha) << name;
 }
 
-TEST(DecoderBox, DecodesFilesOfEveryKindWholeAndShortenedTheSame) {
+TEST(DecoderBox, DecodesWholeAndTruncatedFilesIdentically) {
     const auto box = make_true_box();
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(CCDT_API_TEST_DATA)) {
@@ -365,13 +365,13 @@ TEST(DecoderBox, DecodesFilesOfEveryKindWholeAndShortenedTheSame) {
     EXPECT_EQ(box->deaths(), 0U);
 }
 
-TEST(DecoderBox, OutlivesADecoderThatFails) {
+TEST(DecoderBox, SurvivesADecoderThatFails) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     for (const auto* file : {"crash", "abort", "throw", "exit"}) expect_death(*box, file);
 }
 
-TEST(DecoderBox, TakesNoNonsense) {
+TEST(DecoderBox, RefusesInvalidOutputOfTheDecoder) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     for (const auto* file : {"elsewhere", "too large", "no size", "greedy"}) {
@@ -380,7 +380,7 @@ TEST(DecoderBox, TakesNoNonsense) {
     expect_death_in_colour(*box, "disorder");
 }
 
-TEST(DecoderBox, EndsADecoderThatHangs) {
+TEST(DecoderBox, KillsADecoderThatHangs) {
     const auto box = make_box({kLimits.memory, std::chrono::milliseconds(50)});
     ASSERT_TRUE(box);
     const auto result = box->decode("spin", kMaxPixels, {});
@@ -391,14 +391,14 @@ TEST(DecoderBox, EndsADecoderThatHangs) {
     while (children_of(helper()).size() != 1) std::this_thread::yield();
 }
 
-TEST(DecoderBox, EndsADecoderThatEatsMemory) {
+TEST(DecoderBox, KillsADecoderThatExceedsItsMemory) {
     if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers take all address space";
     const auto box = make_box();
     ASSERT_TRUE(box);
     expect_death(*box, "eat");
 }
 
-TEST(DecoderBox, BlamesNoPictureForALimitOnTheServer) {
+TEST(DecoderBox, ReportsLimitsOnTheServerAsInternalErrors) {
     if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve address space without end";
     for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
         const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
@@ -418,7 +418,7 @@ TEST(DecoderBox, BlamesNoPictureForALimitOnTheServer) {
     }
 }
 
-TEST(DecoderBox, KeepsADecoderFromTheMachine) {
+TEST(DecoderBox, DeniesSystemCallsToTheDecoder) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     if (!box->confinement().has(Layer::Calls)) GTEST_SKIP() << "system calls are not filtered here";
@@ -429,12 +429,12 @@ TEST(DecoderBox, KeepsADecoderFromTheMachine) {
     }
 }
 
-TEST(DecoderBox, StopsWhenAsked) {
+TEST(DecoderBox, StopsOnRequest) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     std::stop_source stop;
     const std::jthread asking([&] {
-        // The decoder and the next one: it is at work.
+        // The working decoder and the next one: decoding has begun.
         while (children_of(helper()).size() < 2) std::this_thread::yield();
         stop.request_stop();
     });
@@ -462,7 +462,7 @@ TEST(DecoderBox, ServesManyThreads) {
     EXPECT_EQ(box->deaths(), 20U);
 }
 
-TEST(DecoderBox, LeavesNeitherProcessesNorDescriptors) {
+TEST(DecoderBox, LeaksNeitherProcessesNorDescriptors) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     ASSERT_TRUE(box->decode("picture", kMaxPixels, {}));
@@ -474,12 +474,12 @@ TEST(DecoderBox, LeavesNeitherProcessesNorDescriptors) {
         }
     }
     EXPECT_EQ(open_files(getpid()), ours);
-    constexpr std::ptrdiff_t kInPassing = 3;  // those of a child that comes or goes
+    constexpr std::ptrdiff_t kInPassing = 3;  // of a child that starts or ends
     while (children_of(helper()).size() != 1) std::this_thread::yield();
     EXPECT_LE(open_files(helper()), theirs + kInPassing);
 }
 
-TEST(DecoderBox, ReplacesAHelperThatWasKilled) {
+TEST(DecoderBox, ReplacesAKilledHelper) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     for (unsigned round = 1; round <= 3; ++round) {
@@ -493,7 +493,7 @@ TEST(DecoderBox, ReplacesAHelperThatWasKilled) {
     EXPECT_EQ(children_of(getpid()).size(), 1U);
 }
 
-TEST(DecoderBox, GivesPicturesThatAHelperTookAlongToTheNext) {
+TEST(DecoderBox, RetriesPicturesAfterTheDeathOfAHelper) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     std::vector<std::jthread> threads;
@@ -507,7 +507,7 @@ TEST(DecoderBox, GivesPicturesThatAHelperTookAlongToTheNext) {
         });
     }
     for (unsigned round = 1; round <= 4; ++round) {
-        // Whichever of the two is killed.
+        // The processes are killed in turn.
         kill(round % 2 == 0 ? helper() : keeper(), SIGKILL);
         while (box->restarts() < round || !box->is_ready()) std::this_thread::yield();
     }
@@ -516,7 +516,7 @@ TEST(DecoderBox, GivesPicturesThatAHelperTookAlongToTheNext) {
     EXPECT_EQ(box->restarts(), 4U);
 }
 
-TEST(DecoderBox, TellsHowAHelperEnded) {
+TEST(DecoderBox, ReportsHowAHelperEnded) {
     std::mutex mutex;
     std::string told;
     const auto box = std::make_unique<BoxOfTests>(forking({obey, obey_in_colour, {}}), limits_of_tests,
@@ -530,7 +530,7 @@ TEST(DecoderBox, TellsHowAHelperEnded) {
     EXPECT_EQ(told, "the decoder was killed by signal 9 (Killed), and is started again");
 }
 
-TEST(DecoderBox, EndsPicturesInWorkWithTheHelper) {
+TEST(DecoderBox, EndsDecodersWithTheirHelper) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     std::stop_source stop;
@@ -545,7 +545,7 @@ TEST(DecoderBox, EndsPicturesInWorkWithTheHelper) {
     stop.request_stop();
 }
 
-/// Starts a helper once; after that there is nothing to start.
+/// Returns a launcher that starts a helper once and fails from then on.
 SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
         if (attempts++ == 0) return launch(std::move(orders));
@@ -553,7 +553,7 @@ SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     };
 }
 
-TEST(DecoderBox, SaysWhenThereIsNoHelp) {
+TEST(DecoderBox, ReportsThatThereIsNoHelper) {
     std::atomic<int> attempts = 0;
     const auto box = std::make_unique<BoxOfTests>(forking_once(attempts), limits_of_tests);
     EXPECT_TRUE(box->is_ready());
@@ -570,7 +570,7 @@ TEST(DecoderBox, SaysWhenThereIsNoHelp) {
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
-TEST(DecoderBox, TellsAnOrderThatThereIsNoHelper) {
+TEST(DecoderBox, FailsOrdersWithoutAHelper) {
     std::atomic<int> attempts = 0;
     const auto box = DecoderBox::start(forking_once(attempts), ignore).value();
     ASSERT_TRUE(box->wait_until_ready());
@@ -588,7 +588,7 @@ TEST(DecoderBox, TellsAnOrderThatThereIsNoHelper) {
     EXPECT_EQ(told.no_helper, 1);
 }
 
-TEST(DecoderClient, WaitsForAHelperOnceInAll) {
+TEST(DecoderClient, WaitsForAHelperOnlyOnce) {
     std::vector<std::int64_t> patience;
     DecoderClient client(
         [&](const Order& order, const std::stop_token&) {
@@ -606,7 +606,7 @@ TEST(DecoderClient, WaitsForAHelperOnceInAll) {
     EXPECT_LE(patience.back(), patience.front());
 }
 
-TEST(DecoderBox, SaysWhyItDoesNotStart) {
+TEST(DecoderBox, ReportsWhyItDoesNotStart) {
     const auto ends_at_once = [](UniqueFd) -> Result<ChildProgram> {
         const pid_t process = fork();
         if (process == 0) _exit(3);
@@ -622,7 +622,7 @@ TEST(DecoderBox, SaysWhyItDoesNotStart) {
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
-TEST(DecoderBox, KeepsOrdersUntilItIsReady) {
+TEST(DecoderBox, QueuesOrdersUntilItIsReady) {
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
     const UniqueFd waits(ends[0]);
@@ -649,7 +649,7 @@ TEST(DecoderBox, KeepsOrdersUntilItIsReady) {
     EXPECT_EQ(box->restarts(), 0U);
 }
 
-TEST(DecoderBox, TakesItsProcessesWithIt) {
+TEST(DecoderBox, KillsItsProcessesOnDestruction) {
     auto box = make_box();
     ASSERT_TRUE(box);
     const pid_t gone[] = {keeper(), helper()};
@@ -669,7 +669,7 @@ TEST(DecoderBox, IgnoresSignalsToItsGroup) {
     EXPECT_EQ(box->restarts(), 0U);
 }
 
-/// How many of them the kernel would end first if the machine ran out of memory.
+/// Counts the processes that the kernel would kill first if the machine ran out of memory.
 std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     return std::ranges::count_if(processes, [](pid_t process) {
         int score = 0;
@@ -677,7 +677,7 @@ std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     });
 }
 
-TEST(DecoderBox, GivesUpADecoderFirstIfMemoryIsShort) {
+TEST(DecoderBox, MakesTheDecoderTheFirstVictimOfTheOomKiller) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     const pid_t process = helper();
@@ -690,12 +690,12 @@ TEST(DecoderBox, GivesUpADecoderFirstIfMemoryIsShort) {
     stop.request_stop();
 }
 
-TEST(DecoderBox, IsConfinedAsItSays) {
+TEST(DecoderBox, IsConfinedAsReported) {
     const auto box = make_box();
     ASSERT_TRUE(box);
     const Confinement& confinement = box->confinement();
     const pid_t process = helper();
-    // While one works, and for the other that waits.
+    // Checks the decoder at work, and the one that waits.
     std::stop_source stop;
     const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
     while (children_of(process).size() < 2) std::this_thread::yield();

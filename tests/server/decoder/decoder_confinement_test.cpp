@@ -8,7 +8,7 @@
 namespace ccdt::server {
 namespace {
 
-TEST(Confinement, TellsWhatIsInForce) {
+TEST(Confinement, DescribesActiveLayers) {
     Confinement confinement;
     confinement.user = 65534;
     EXPECT_TRUE(confinement.is_whole());
@@ -18,7 +18,7 @@ TEST(Confinement, TellsWhatIsInForce) {
               "filter");
 }
 
-TEST(Confinement, TellsWhatIsNotInForceAndWhy) {
+TEST(Confinement, DescribesMissingLayersWithTheirErrors) {
     Confinement confinement;
     confinement.errors.fill(EPERM);
     confinement.error(Layer::Capabilities) = 0;

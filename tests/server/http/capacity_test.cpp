@@ -15,7 +15,7 @@ namespace {
 
 using Entry = ConnectionSlot::Entry;
 
-TEST(Capacity, LimitsConnectionsInAll) {
+TEST(Capacity, LimitsTheTotalNumberOfConnections) {
     Capacity capacity({.connections = 2, .reserve = 0, .per_address = 0});
     std::optional<ConnectionSlot> first(std::in_place, capacity, "a");
     const ConnectionSlot second(capacity, "a");
@@ -28,7 +28,7 @@ TEST(Capacity, LimitsConnectionsInAll) {
     EXPECT_EQ(capacity.counts().refused, 1u);
 }
 
-TEST(Capacity, LimitsConnectionsOfAnAddress) {
+TEST(Capacity, LimitsConnectionsPerAddress) {
     Capacity capacity({.connections = 10, .per_address = 1});
     std::optional<ConnectionSlot> first(std::in_place, capacity, "a");
     EXPECT_EQ(first->entry(), Entry::Admitted);
@@ -41,7 +41,7 @@ TEST(Capacity, LimitsConnectionsOfAnAddress) {
     EXPECT_EQ(capacity.counts().refused_by_address, 2u);
 }
 
-TEST(Capacity, CountsAPlaceByAnotherAddressIfThatHasNotEnough) {
+TEST(Capacity, ReassignsAConnectionToAnAddressBelowItsLimit) {
     Capacity capacity({.connections = 10, .per_address = 1});
     ConnectionSlot proxied(capacity, "");
     std::optional<ConnectionSlot> other(std::in_place, capacity, "b");
@@ -66,7 +66,7 @@ TEST(Capacity, DoesNotCountClientsWithoutAddress) {
     EXPECT_EQ(capacity.counts().open, 1u);
 }
 
-TEST(Capacity, HasAReserveOnceTheCommonPlacesAreTaken) {
+TEST(Capacity, UsesTheReserveAfterTheCommonPlaces) {
     Capacity capacity({.connections = 1, .reserve = 1, .streams = 0});
     std::optional<ConnectionSlot> common(std::in_place, capacity, "a");
     ConnectionSlot other(capacity, "b");
@@ -82,7 +82,7 @@ TEST(Capacity, HasAReserveOnceTheCommonPlacesAreTaken) {
     EXPECT_EQ(ConnectionSlot(capacity, "c").connection_class(), ConnectionClass::Reserve);
 }
 
-/// A connection whose thread does nothing but wait for the end.
+/// A connection whose thread only waits for its end.
 class IdleClient {
 public:
     explicit IdleClient(Capacity& capacity) : slot_(std::in_place, capacity, "") {
@@ -112,7 +112,7 @@ private:
     std::jthread thread_;
 };
 
-TEST(Capacity, ClosesWhoeverWasIdleLongestForANewcomer) {
+TEST(Capacity, ClosesTheLongestIdleConnectionForANewOne) {
     Capacity capacity({.connections = 3, .reserve = 1});
     const ConnectionSlot busy(capacity, "");
     IdleClient first(capacity);
@@ -135,7 +135,7 @@ TEST(Capacity, ClosesIdleConnectionsOfTheReserve) {
     EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
 }
 
-TEST(Capacity, ClosesNobodyForAnAddressThatHasEnough) {
+TEST(Capacity, ClosesNoConnectionForAnAddressAtItsLimit) {
     Capacity capacity({.connections = 2, .reserve = 0, .per_address = 1});
     const ConnectionSlot busy(capacity, "a");
     IdleClient idle(capacity);
@@ -145,7 +145,7 @@ TEST(Capacity, ClosesNobodyForAnAddressThatHasEnough) {
     EXPECT_TRUE(idle.is_closed());
 }
 
-TEST(Capacity, ClosesNobodyWhoHasSentARequest) {
+TEST(Capacity, ClosesNoConnectionWithAPendingRequest) {
     std::array<int, 2> sockets{};
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets.data()), 0);
     Capacity capacity({.connections = 1, .reserve = 0});
@@ -158,7 +158,7 @@ TEST(Capacity, ClosesNobodyWhoHasSentARequest) {
     for (const int socket : sockets) ::close(socket);
 }
 
-TEST(Capacity, KeepsStreamsApart) {
+TEST(Capacity, CountsStreamsSeparately) {
     Capacity capacity({.connections = 1, .reserve = 0, .streams = 1});
     ConnectionSlot stream(capacity, "a");
     EXPECT_TRUE(stream.move_to(ConnectionClass::Streams));
@@ -175,7 +175,7 @@ TEST(Capacity, KeepsStreamsApart) {
     EXPECT_EQ(capacity.counts().refused_streams, 1u);
 }
 
-TEST(Capacity, IsPressedBeforeItIsFull) {
+TEST(Capacity, IsUnderPressureBeforeItIsFull) {
     Capacity capacity({.connections = 4, .per_address = 0});
     const ConnectionSlot first(capacity, "a");
     const ConnectionSlot second(capacity, "a");
@@ -191,7 +191,7 @@ TEST(Capacity, IsPressedBeforeItIsFull) {
     EXPECT_FALSE(capacity.is_pressed());
 }
 
-TEST(Capacity, CountsBytesUntilTheyAreLetGo) {
+TEST(Capacity, CountsBytesUntilTheyAreReleased) {
     Capacity capacity({.connections = 4, .per_address = 0, .bytes = 100});
     {
         HeldBytes held(&capacity);
@@ -209,7 +209,7 @@ TEST(Capacity, CountsBytesUntilTheyAreLetGo) {
     EXPECT_FALSE(capacity.is_pressed());
 }
 
-TEST(HeldBytes, NeedsNoCapacity) {
+TEST(HeldBytes, WorksWithoutACapacity) {
     HeldBytes held(nullptr);
     held.resize(10);
 }

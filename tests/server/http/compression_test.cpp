@@ -21,7 +21,7 @@ std::string unpack(const std::string& compressed, std::size_t size) {
     return text;
 }
 
-TEST(Gzip, MakesTextSmallerAndLosesNothing) {
+TEST(Gzip, CompressesTextLosslessly) {
     std::string text;
     for (int i = 0; i < 200'000; ++i) text += std::to_string(i * 7919 % 10'007) + ",";
     for (const std::size_t size :
@@ -33,13 +33,13 @@ TEST(Gzip, MakesTextSmallerAndLosesNothing) {
     }
 }
 
-TEST(Gzip, CanBeStopped) {
+TEST(Gzip, StopsOnRequest) {
     std::stop_source stop;
     stop.request_stop();
     EXPECT_FALSE(gzip("text", stop.get_token()));
 }
 
-TEST(AcceptsGzip, HonoursWeights) {
+TEST(AcceptsGzip, ComparesQualities) {
     for (const char* header : {"gzip", "x-gzip", "GZIP", "br, gzip", "gzip;q=0.001", "deflate;q=1, gzip; q=0.5", "*",
                                "br;q=1.0,*;q=0.1", "gzip;q=0.5, identity;q=0.4", "identity;q=0, gzip;Q=1"})
         EXPECT_TRUE(accepts_gzip(header)) << header;
@@ -48,7 +48,7 @@ TEST(AcceptsGzip, HonoursWeights) {
         EXPECT_FALSE(accepts_gzip(header)) << header;
 }
 
-TEST(IsWorthCompressing, TakesLongTexts) {
+TEST(IsWorthCompressing, AcceptsLongTextsOnly) {
     const std::string body(1025, 'x');
     for (const char* type : {"application/json", "application/problem+json", "image/svg+xml", "text/csv",
                              "application/geo+json", "text/html; charset=utf-8"})

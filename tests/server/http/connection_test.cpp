@@ -15,7 +15,7 @@ bool never(std::chrono::milliseconds) {
     return false;
 }
 
-/// A connection whose client is the test.
+/// A connection with the test as its client.
 class Pair {
 public:
     explicit Pair(const Patience& patience = {}, Capacity* capacity = nullptr)
@@ -68,20 +68,20 @@ int status_of(const HttpResult<std::string>& body) {
 
 constexpr const char* kChunked = "POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n";
 
-TEST(Connection, ReadsABodyOfKnownLength) {
+TEST(Connection, ReadsABodyWithContentLength) {
     Pair pair;
     EXPECT_EQ(pair.read("POST / HTTP/1.1\r\nContent-Length: 5\r\n\r\nhello"), "hello");
     EXPECT_TRUE(pair.connection().between_requests());
 }
 
-TEST(Connection, ReadsChunks) {
+TEST(Connection, ReadsAChunkedBody) {
     Pair pair;
     EXPECT_EQ(pair.read(std::string(kChunked) + "5\r\nhello\r\n1;x=y\r\n!\r\nA\r\n0123456789\r\n0\r\nT: r\r\n\r\n"),
               "hello!0123456789");
     EXPECT_TRUE(pair.connection().between_requests());
 }
 
-TEST(Connection, KeepsWhatFollowsARequest) {
+TEST(Connection, KeepsPipelinedRequests) {
     Pair pair;
     pair.send("POST /2 HTTP/1.1\r\nContent-Length: 1\r\n\r\nb\r\nGET /3 HTTP/1.1\r\n\r\n");
     EXPECT_EQ(pair.read(""), "b");
@@ -124,12 +124,12 @@ TEST(Connection, ReadsChunksHoweverTheyArrive) {
     }
 }
 
-/// Statuses and texts of faults; a body that is taken has none.
+/// Returns status and text of an error; none for a body that was accepted.
 std::string detail_of(const HttpResult<std::string>& body) {
     return body ? "" : std::to_string(body.error().status) + ' ' + body.error().error.message;
 }
 
-TEST(Connection, RefusesLinesOfChunksThatOthersMightReadDifferently) {
+TEST(Connection, RefusesAmbiguousChunkLines) {
     using std::string_view_literals::operator""sv;
     for (const auto line : {"1\n"sv, "1;a\n\r\n"sv, "1;a\rb\r\n"sv, "1;a\0\r\n"sv, "1\r\r\n"sv, "1;a=\"\n\"\r\n"sv})
         EXPECT_EQ(detail_of(Pair().read(kChunked + std::string(line) + "x\r\n0\r\n\r\n")),
@@ -141,7 +141,7 @@ TEST(Connection, RefusesLinesOfChunksThatOthersMightReadDifferently) {
         EXPECT_EQ(status_of(Pair().read(kChunked + std::string(line) + "\r\nx\r\n0\r\n\r\n")), 400) << line;
 }
 
-TEST(Connection, RefusesTrailersThatAreNoneOrComeTooLate) {
+TEST(Connection, RefusesInvalidTrailers) {
     using std::string_view_literals::operator""sv;
     for (const auto trailer : {"nonsense"sv, ": a"sv, "A : b"sv, " folded"sv, "A: b\nC: d"sv, "A: b\rC"sv, "A: \0"sv,
                                "A: \x01"sv, "Content-Length: 5"sv, "transfer-encoding: chunked"sv, "HOST: h"sv,
@@ -151,7 +151,7 @@ TEST(Connection, RefusesTrailersThatAreNoneOrComeTooLate) {
     EXPECT_EQ(status_of(Pair().read(std::string(kChunked) + "0\r\n\n")), 400);
 }
 
-TEST(Connection, RefusesAHeadAtTheFirstLineThatDoesNotEndInCrlf) {
+TEST(Connection, RefusesAHeadAtTheFirstLineWithoutCrlf) {
     using std::string_view_literals::operator""sv;
     for (const auto begun : {"GET / HTTP/1.1\n"sv, "\n"sv, "\r\r"sv, "GET / HTTP/1.1\r\nHost: h\n"sv,
                              "GET / HTTP/1.1\r\nA: b\rC"sv, "GET / HTTP/1.1\r\nA: \0"sv}) {
@@ -164,7 +164,7 @@ TEST(Connection, RefusesAHeadAtTheFirstLineThatDoesNotEndInCrlf) {
     }
 }
 
-TEST(Connection, AsksForALength) {
+TEST(Connection, RequiresALength) {
     EXPECT_EQ(status_of(Pair().read("POST / HTTP/1.1\r\n\r\n")), 411);
     EXPECT_EQ(Pair().read("POST / HTTP/1.1\r\nContent-Length: 0\r\n\r\n"), "");
 }
@@ -178,7 +178,7 @@ TEST(Connection, RefusesALargeHead) {
     EXPECT_FALSE(pair.connection().between_requests());
 }
 
-TEST(Connection, TellsAWaitingClientToGoAheadOnlyIfItsBodyIsWanted) {
+TEST(Connection, SendsContinueOnlyIfTheBodyIsWanted) {
     const std::string expecting = "POST / HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: ";
     Pair unwanted;
     EXPECT_EQ(status_of(unwanted.read(expecting + "101\r\n\r\n")), 413);
@@ -196,7 +196,7 @@ TEST(Connection, TellsAWaitingClientToGoAheadOnlyIfItsBodyIsWanted) {
     EXPECT_EQ(wanted.connection().read_body(*head, 100), "ok");
 }
 
-TEST(Connection, SeesItsClientLeave) {
+TEST(Connection, DetectsThatTheClientLeft) {
     Pair pair;
     EXPECT_FALSE(pair.connection().client_gone());
     pair.hang_up();
@@ -204,14 +204,14 @@ TEST(Connection, SeesItsClientLeave) {
     EXPECT_FALSE(pair.connection().wait_for_request(never));
 }
 
-TEST(Connection, GivesUpWaitingWhenTold) {
+TEST(Connection, StopsWaitingOnRequest) {
     Pair pair;
     int asked = 0;
     EXPECT_FALSE(pair.connection().wait_for_request([&](std::chrono::milliseconds) { return ++asked == 2; }));
     EXPECT_EQ(asked, 2);
 }
 
-TEST(Connection, RefusesARequestThatIsCutOff) {
+TEST(Connection, RefusesATruncatedRequest) {
     Pair pair;
     pair.send("POST / HTTP/1.1\r\nContent-Le");
     pair.hang_up();
@@ -228,19 +228,19 @@ TEST(Connection, RefusesChunksThatAreMostlyFraming) {
     EXPECT_EQ(Pair().read(kChunked + chunks + "0\r\n\r\n", 1000)->size(), 900u);
 }
 
-TEST(Connection, GivesAPausingBodyUp) {
+TEST(Connection, TimesOutOnAStalledBody) {
     Pair pair(Patience{.body = std::chrono::milliseconds(50)});
     EXPECT_EQ(status_of(pair.read("POST / HTTP/1.1\r\nContent-Length: 5\r\n\r\nhell")), 408);
     EXPECT_FALSE(pair.connection().between_requests());
 }
 
-TEST(Connection, GivesAnAnswerUpThatIsNotTaken) {
+TEST(Connection, TimesOutOnAnAnswerThatIsNotRead) {
     Pair pair(Patience{.body = std::chrono::milliseconds(50)});
     EXPECT_FALSE(pair.connection().write(std::string(50'000'000, 'x')));
     EXPECT_GT(pair.connection().bytes_out(), 0u);
 }
 
-TEST(Connection, RefusesABodyForWhichThereIsNoMemory) {
+TEST(Connection, RefusesABodyWithoutMemoryForIt) {
     Capacity capacity({.bytes = 100'000});
     HeldBytes others(&capacity);
     others.resize(60'000);

@@ -16,20 +16,20 @@ void wait_until_idle(const ConnectionThreads& threads) {
     while (threads.counts().busy > 0) std::this_thread::yield();
 }
 
-/// As many tasks, all at once; returns when their threads are idle.
+/// Runs `tasks` tasks at once, and returns when their threads are idle.
 void run_at_once(ConnectionThreads& threads, int tasks) {
     std::latch all(tasks);
     for (int i = 0; i < tasks; ++i) ASSERT_TRUE(threads.run([&] { all.arrive_and_wait(); }));
     wait_until_idle(threads);
 }
 
-TEST(ConnectionThreads, LetNoTaskWaitForAnother) {
+TEST(ConnectionThreads, RunAllTasksAtOnce) {
     ConnectionThreads threads(1h);
     run_at_once(threads, 50);
     EXPECT_EQ(threads.counts().idle, 50u);
 }
 
-TEST(ConnectionThreads, FinishWhatTheyWereGiven) {
+TEST(ConnectionThreads, FinishTheirTasks) {
     for (const auto rest : {std::chrono::milliseconds(0), std::chrono::milliseconds(1h)}) {
         std::atomic<int> done = 0;
         {
@@ -40,7 +40,7 @@ TEST(ConnectionThreads, FinishWhatTheyWereGiven) {
     }
 }
 
-TEST(ConnectionThreads, EndAfterTheirRest) {
+TEST(ConnectionThreads, EndAfterTheIdleTime) {
     ConnectionThreads threads(1ms);
     for (int i = 0; i < 3; ++i) {
         run_at_once(threads, 50);
@@ -48,7 +48,7 @@ TEST(ConnectionThreads, EndAfterTheirRest) {
     }
 }
 
-TEST(ConnectionThreads, GiveATaskToWhoWasBusyLast) {
+TEST(ConnectionThreads, ReuseTheMostRecentlyBusyThread) {
     ConnectionThreads threads(1h);
     run_at_once(threads, 10);
     std::vector<std::thread::id> ids;

@@ -8,7 +8,7 @@
 namespace ccdt::server {
 namespace {
 
-TEST(AllowsOrigin, TakesThoseListed) {
+TEST(AllowsOrigin, AcceptsListedOrigins) {
     const std::vector<std::string> allowed = {"https://a.example", "null"};
     EXPECT_TRUE(allows_origin(allowed, "https://a.example"));
     EXPECT_TRUE(allows_origin(allowed, "null"));
@@ -17,7 +17,7 @@ TEST(AllowsOrigin, TakesThoseListed) {
     EXPECT_TRUE(allows_origin({"*"}, "https://b.example"));
 }
 
-TEST(AllowsOrigin, TakesThoseOfThisMachine) {
+TEST(AllowsOrigin, AcceptsLoopbackOrigins) {
     for (const char* origin : {"http://localhost", "https://localhost:5500", "http://app.localhost:1",
                                "http://127.0.0.1:8080", "http://[::1]:3000", "http://[::1]"})
         EXPECT_TRUE(allows_origin({"loopback"}, origin)) << origin;

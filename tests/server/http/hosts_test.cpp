@@ -8,7 +8,7 @@
 namespace ccdt::server {
 namespace {
 
-TEST(IsLoopback, HoldsForThisMachineAlone) {
+TEST(IsLoopback, IsTrueOnlyForThisMachine) {
     for (const char* host : {"localhost", "app.localhost", "127.0.0.1", "127.8.9.1", "::1"})
         EXPECT_TRUE(is_loopback(host)) << host;
     for (const char* host : {"", "0.0.0.0", "::", "10.0.0.1", "localhost.example", "notlocalhost", "127.0.0.1.example",

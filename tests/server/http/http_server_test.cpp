@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kRequest = "GET / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n";
 
-/// Answers with `hello`, faults with their status.
+/// Answers with `hello`, and errors with their status.
 Response greet(const Request&, const HttpResult<void>& received, Connection&) {
     Response response;
     response.status = received ? 200 : received.error().status;
@@ -41,7 +41,7 @@ TEST(HttpServer, AnswersThoughItsLoggerThrows) {
     EXPECT_EQ(server.connections().open, 0u);
 }
 
-TEST(HttpServer, ServesWhoeverHadConnectedWhenItIsToEnd) {
+TEST(HttpServer, ServesConnectedClientsWhileDraining) {
     auto listener = ListeningSocket::open("127.0.0.1", 0).value();
     const int port = listener.port();
     std::atomic<int> logged = 0;
@@ -77,7 +77,7 @@ TEST(HttpServer, ClosesIdleConnectionsForNewcomers) {
     EXPECT_EQ(server.connections().refused, 0u);
 }
 
-/// Sends three pieces, of which the second is empty.
+/// Streams three pieces, of which the second is empty.
 Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;
     response.media_type = "text/plain";
@@ -88,7 +88,7 @@ Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     return response;
 }
 
-TEST(HttpServer, EndsBodiesThatAreNotWholeWithoutALastChunk) {
+TEST(HttpServer, EndsIncompleteBodiesWithoutALastChunk) {
     const auto break_off = [](const Request&, const HttpResult<void>&, Connection&) {
         Response response;
         response.stream = [](const Send& send, Record& record) {
@@ -114,7 +114,7 @@ TEST(HttpServer, StreamsInChunks) {
     EXPECT_TRUE(answer.ends_with(body)) << answer;
 }
 
-TEST(HttpServer, StreamsToOldClientsUntilTheConnectionEnds) {
+TEST(HttpServer, StreamsToHttp10ClientsUntilTheConnectionEnds) {
     RunningServer server({}, dictate, [](const Exchange&) {});
     const std::string answer = Client(server.port()).ask("GET / HTTP/1.0\r\nConnection: keep-alive\r\n\r\n");
     EXPECT_EQ(answer.find("Transfer-Encoding"), std::string::npos) << answer;
@@ -123,7 +123,7 @@ TEST(HttpServer, StreamsToOldClientsUntilTheConnectionEnds) {
     EXPECT_TRUE(answer.ends_with("\r\n\r\none\ntwenty-four characters.\n")) << answer;
 }
 
-TEST(HttpServer, StreamsNothingToThoseWhoWantTheHeadOnly) {
+TEST(HttpServer, StreamsNoBodyForHeadRequests) {
     RunningServer server({}, dictate, [](const Exchange&) {});
     const std::string answer = Client(server.port()).ask("HEAD / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n");
     EXPECT_TRUE(answer.starts_with("HTTP/1.1 200")) << answer;
@@ -131,7 +131,7 @@ TEST(HttpServer, StreamsNothingToThoseWhoWantTheHeadOnly) {
     EXPECT_EQ(answer.find("one"), std::string::npos) << answer;
 }
 
-TEST(HttpServer, TellsAStreamThatItsClientLeft) {
+TEST(HttpServer, EndsAStreamWhoseClientLeft) {
     std::promise<void> streaming;
     std::atomic<int> status = 0;
     const auto stream_on = [&](const Request&, const HttpResult<void>&, Connection& connection) {
@@ -155,7 +155,7 @@ TEST(HttpServer, TellsAStreamThatItsClientLeft) {
     EXPECT_EQ(status, 499);
 }
 
-TEST(HttpServer, BlamesNobodyForAStreamWhoseClientLeft) {
+TEST(HttpServer, LogsNoErrorForAStreamWhoseClientLeft) {
     std::promise<void> streaming;
     std::atomic<int> status = 0;
     const auto stream_on = [&](const Request&, const HttpResult<void>&, Connection& connection) {

@@ -23,7 +23,7 @@ TEST(ParseHead, ReadsLineAndHeaders) {
     EXPECT_FALSE(request->is_framed());
 }
 
-TEST(ParseHead, FindsThePathOfAWholeUrl) {
+TEST(ParseHead, FindsThePathOfAnAbsoluteUrl) {
     EXPECT_EQ(parse_with("", "GET http://host:80/health?a#b HTTP/1.1")->path, "/health");
     EXPECT_EQ(parse_with("", "GET http://host HTTP/1.1")->path, "/");
     EXPECT_EQ(parse_with("", "GET http://host?a=/b HTTP/1.1")->path, "/");
@@ -44,7 +44,7 @@ TEST(ParseHead, RefusesTargetsThatAreNeitherPathNorUrl) {
     EXPECT_FALSE(parse_with("", "CONNECT h:80 HTTP/1.1"));
 }
 
-TEST(ParseHead, ReadsHowTheBodyIsFramed) {
+TEST(ParseHead, ReadsTheFramingOfTheBody) {
     EXPECT_EQ(parse_with("Content-Length: 12\r\n")->content_length, 12u);
     EXPECT_TRUE(parse_with("transfer-encoding: Chunked\r\n")->chunked);
     EXPECT_TRUE(parse_with("Expect: 100-continue\r\n")->expects_continue);
@@ -75,7 +75,7 @@ TEST(ParseHead, RefusesMalformedHeads) {
     EXPECT_FALSE(parse_head(""));
 }
 
-TEST(ParseHead, HeedsNoExpectationOfAnOldClient) {
+TEST(ParseHead, IgnoresExpectationsOfHttp10Clients) {
     EXPECT_FALSE(parse_with("Expect: 100-continue\r\n", "POST / HTTP/1.0")->expects_continue);
 }
 
@@ -84,14 +84,14 @@ TEST(ParseHead, RefusesALongTarget) {
     EXPECT_EQ(parse_with("", "GET /" + std::string(8192, 'x') + " HTTP/1.1").error().status, 414);
 }
 
-TEST(ParseHead, TakesTheAuthorityOfAWholeUrlBeforeHost) {
+TEST(ParseHead, PrefersTheAuthorityOfAnAbsoluteUrlToHost) {
     EXPECT_EQ(parse_with("Host: a:80\r\n")->authority, "a:80");
     EXPECT_EQ(parse_with("")->authority, "");
     EXPECT_EQ(parse_with("Host: a\r\n", "GET http://b:81/health HTTP/1.1")->authority, "b:81");
     EXPECT_EQ(parse_with("Host: a\r\n", "OPTIONS * HTTP/1.1")->authority, "a");
 }
 
-TEST(CheckRequest, WantsOneHost) {
+TEST(CheckRequest, RequiresExactlyOneHost) {
     for (const char* host : {"h", "example.org:80", "[::1]:8080", "192.0.2.1", ""})
         EXPECT_TRUE(check_request(*parse_with("Host: " + std::string(host) + "\r\n"))) << host;
     for (const char* headers : {"", "Host: a\r\nHost: a\r\n", "Host: a b\r\n", "Host: a/b\r\n", "Host: \xff\r\n"})
@@ -118,13 +118,13 @@ TEST(CheckRequest, AcceptsRepeatedLists) {
         EXPECT_TRUE(check_request(*parse_with("Host: h\r\n" + name + ": a\r\n" + name + ": b\r\n"))) << name;
 }
 
-TEST(CheckRequest, KnowsOneExpectation) {
+TEST(CheckRequest, AcceptsOnlyTheExpectationOfContinue) {
     EXPECT_TRUE(check_request(*parse_with("Host: h\r\nExpect: 100-Continue\r\n")));
     EXPECT_EQ(check_request(*parse_with("Host: h\r\nExpect: tea\r\n")).error().status, 417);
     EXPECT_TRUE(check_request(*parse_with("Expect: tea\r\n", "POST / HTTP/1.0")));
 }
 
-TEST(ParseHead, KnowsWhetherTheConnectionStays) {
+TEST(ParseHead, ReadsWhetherTheConnectionIsKeptAlive) {
     EXPECT_TRUE(parse_with("")->keep_alive);
     EXPECT_FALSE(parse_with("Connection: close\r\n")->keep_alive);
     EXPECT_FALSE(parse_with("Connection: foo, Close\r\n")->keep_alive);
@@ -161,7 +161,7 @@ TEST(Prefers, FindsAPreferenceAmongOthers) {
     EXPECT_TRUE(prefers(twice, "respond-async"));
 }
 
-TEST(MediaType, IsInSmallLettersWithoutParameters) {
+TEST(MediaType, IsLowercaseWithoutParameters) {
     EXPECT_EQ(media_type("Application/JSON; charset=utf-8"), "application/json");
     EXPECT_EQ(media_type(""), "");
 }

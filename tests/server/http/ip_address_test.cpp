@@ -22,19 +22,19 @@ TEST(IpAddress, ReadsBothVersions) {
     EXPECT_FALSE(IpAddress::parse("::1")->is_version_4());
 }
 
-TEST(IpAddress, ReadsNothingElse) {
+TEST(IpAddress, RefusesInvalidAddresses) {
     using namespace std::string_view_literals;
     for (const auto text : {""sv, "192.0.2"sv, "192.0.2.256"sv, "192.0.2.01"sv, "192.0.2.1 "sv, "192.0.2.1:80"sv,
                             "[::1]"sv, "fe80::1%eth0"sv, "localhost"sv, "192.0.2.1\0"sv, "::1::"sv, "0x7f.1"sv})
         EXPECT_EQ(read(text), "none") << text;
 }
 
-TEST(IpAddress, HasForOneClientAnAddressOrANetwork) {
+TEST(IpAddress, IdentifiesAClientByAddressOrNetwork) {
     EXPECT_EQ(IpAddress::parse("192.0.2.1")->of_one_client(), "192.0.2.1");
     EXPECT_EQ(IpAddress::parse("2001:db8:1:2:3:4:5:6")->of_one_client(), "2001:db8:1:2::");
 }
 
-TEST(IpNetwork, ContainsWhatBeginsAlike) {
+TEST(IpNetwork, ContainsAddressesWithItsPrefix) {
     EXPECT_TRUE(is_in("10.0.0.0/8", "10.255.0.1"));
     EXPECT_FALSE(is_in("10.0.0.0/8", "11.0.0.1"));
     EXPECT_TRUE(is_in("172.16.0.0/12", "172.31.255.255"));
@@ -51,13 +51,13 @@ TEST(IpNetwork, ContainsWhatBeginsAlike) {
     EXPECT_TRUE(is_in("::ffff:10.0.0.0/104", "10.1.1.1"));
 }
 
-TEST(IpNetwork, IsWrittenAsItIsRead) {
+TEST(IpNetwork, RoundTrips) {
     for (const std::string text : {"10.0.0.0/8", "fd00::/8", "::1/128", "192.0.2.1/32", "::/0"})
         EXPECT_EQ(IpNetwork::parse(text)->text(), text);
     EXPECT_EQ(IpNetwork::parse("192.0.2.1")->text(), "192.0.2.1/32");
 }
 
-TEST(IpNetwork, RefusesWhatIsNone) {
+TEST(IpNetwork, RefusesInvalidNetworks) {
     for (const char* text : {"", "/8", "10.0.0.0/", "10.0.0.0/33", "fd00::/129", "10.0.0.0/-1", "10.0.0.0/8x", "10/8",
                              "10.0.0.0/255.0.0.0", " 10.0.0.0/8"})
         EXPECT_FALSE(IpNetwork::parse(text)) << text;

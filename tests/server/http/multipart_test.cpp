@@ -30,14 +30,14 @@ TEST(Multipart, ReadsAFormWithoutParts) {
     EXPECT_TRUE(parts->empty());
 }
 
-TEST(Multipart, RefusesWhatIsCutOff) {
+TEST(Multipart, RefusesTruncatedForms) {
     const std::string body = "--XX\r\nContent-Disposition: form-data; name=\"a\"\r\n\r\nvalue\r\n--XX--";
     ASSERT_TRUE(parse_multipart(body, kType));
     for (std::size_t size = 0; size < body.size(); ++size)
         EXPECT_FALSE(parse_multipart(body.substr(0, size), kType)) << size;
 }
 
-TEST(Multipart, SkipsWhatStandsBeforeTheFirstBoundary) {
+TEST(Multipart, SkipsThePreamble) {
     const std::string part = "--XX \t\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--";
     const std::string body = "no--XX\r\n" + part;
     const auto parts = parse_multipart(body, kType);
@@ -47,14 +47,14 @@ TEST(Multipart, SkipsWhatStandsBeforeTheFirstBoundary) {
     EXPECT_TRUE(parse_multipart("no" + part, kType)->empty()) << "a boundary begins a line";
 }
 
-/// A form of one part with this boundary.
+/// Parses a form with one part and this boundary.
 HttpResult<std::vector<FormPart>> parse_with(const std::string& boundary) {
     const std::string body =
         "--" + boundary + "\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--" + boundary + "--";
     return parse_multipart(body, "multipart/form-data; boundary=\"" + boundary + '"');
 }
 
-TEST(Multipart, TakesBoundariesThatAreAllowed) {
+TEST(Multipart, AcceptsOnlyValidBoundaries) {
     for (const std::string& boundary : {std::string("x"), std::string(70, '-'), std::string("'()+_,-./:=? aZ09")})
         EXPECT_TRUE(parse_with(boundary)) << boundary;
     const std::string dashes(30'000, '-');
@@ -67,7 +67,7 @@ TEST(Multipart, TakesBoundariesThatAreAllowed) {
     }
 }
 
-TEST(Multipart, BoundsPartsAndTheirHeaders) {
+TEST(Multipart, LimitsPartsAndTheirHeaders) {
     const auto form = [](int parts, std::size_t padding) {
         std::string body;
         for (int i = 0; i < parts; ++i)
@@ -81,12 +81,12 @@ TEST(Multipart, BoundsPartsAndTheirHeaders) {
     EXPECT_NE(parse_multipart(form(1, 20'000), kType).error().error.message.find("16384"), std::string::npos);
 }
 
-TEST(Multipart, RefusesMoreThanABoundaryOnItsLine) {
+TEST(Multipart, RefusesTextAfterABoundary) {
     EXPECT_FALSE(parse_multipart("--XXY\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--", kType));
     EXPECT_FALSE(parse_multipart("--XX\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--XX--", kType));
 }
 
-TEST(Multipart, RejectsPartsWithSeveralDispositions) {
+TEST(Multipart, RefusesPartsWithSeveralDispositions) {
     const std::string one = "Content-Disposition: form-data; name=a\r\n";
     const std::string other = "content-disposition: form-data; name=b\r\n";
     EXPECT_TRUE(parse_multipart("--XX\r\n" + one + "\r\n1\r\n--XX--", kType));
@@ -95,7 +95,7 @@ TEST(Multipart, RejectsPartsWithSeveralDispositions) {
     EXPECT_EQ(parts.error().status, 400);
 }
 
-TEST(Multipart, RejectsRepeatedParameters) {
+TEST(Multipart, RefusesRepeatedParameters) {
     const auto part = [](const std::string& parameters) {
         return "--XX\r\nContent-Disposition: form-data; " + parameters + "\r\n\r\n1\r\n--XX--";
     };

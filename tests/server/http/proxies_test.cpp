@@ -11,8 +11,8 @@ Peer peer(std::string_view address) {
     return describe_peer(IpAddress::parse(address).value());
 }
 
-/// Name of whom a request with these headers is from, if it came from 10.0.0.1, and 10.0.0.0/8 and fd00::/8 are
-/// trusted.
+/// Returns the name of the client of a request with these headers. By default the peer is 10.0.0.1; 10.0.0.0/8 and
+/// fd00::/8 are trusted.
 std::string client(const std::string& headers, const Peer& from = peer("10.0.0.1")) {
     const TrustedProxies proxies{{*IpNetwork::parse("10.0.0.0/8"), *IpNetwork::parse("fd00::/8")}};
     return client_of(parse_head("GET / HTTP/1.1\r\n" + headers + "\r\n").value(), from, proxies).name;
@@ -31,7 +31,7 @@ TEST(ClientOf, IsThePeerWithoutHeaders) {
     EXPECT_EQ(client("", peer("192.0.2.1")), "192.0.2.1");
 }
 
-TEST(ClientOf, BelievesNobodyElse) {
+TEST(ClientOf, IgnoresHeadersOfUntrustedPeers) {
     const std::string both = "X-Forwarded-For: 203.0.113.1\r\nForwarded: for=203.0.113.1\r\n";
     for (const char* stranger : {"192.0.2.1", "11.0.0.1", "127.0.0.1", "2001:db8::1"})
         EXPECT_EQ(client(both, peer(stranger)), stranger);
@@ -39,14 +39,14 @@ TEST(ClientOf, BelievesNobodyElse) {
     EXPECT_EQ(client(both, {}), "-");
 }
 
-TEST(ClientOf, BelievesUnixSocketsIfTheyAreTrusted) {
+TEST(ClientOf, AcceptsHeadersOfTrustedUnixSockets) {
     const TrustedProxies proxies{.networks = {}, .unix_socket = true};
     const auto request = parse_head("GET / HTTP/1.1\r\nX-Forwarded-For: 203.0.113.1\r\n\r\n").value();
     EXPECT_EQ(client_of(request, {.name = "unix", .is_local = true}, proxies).name, "203.0.113.1");
     EXPECT_EQ(client_of(request, {}, proxies).name, "-");
 }
 
-TEST(ClientOf, TakesTheLastAddressThatIsNoProxys) {
+TEST(ClientOf, UsesTheLastAddressThatIsNotATrustedProxy) {
     EXPECT_EQ(listed("203.0.113.1"), "203.0.113.1");
     EXPECT_EQ(listed("198.51.100.1, 203.0.113.1"), "203.0.113.1");
     EXPECT_EQ(listed("198.51.100.1,\t203.0.113.1 , 10.9.9.9,10.0.0.2"), "203.0.113.1");
@@ -55,20 +55,20 @@ TEST(ClientOf, TakesTheLastAddressThatIsNoProxys) {
     EXPECT_EQ(listed("2001:db8::1, fd00::2"), "2001:db8::1");
 }
 
-TEST(ClientOf, TakesAllFieldsOfAHeaderForOne) {
+TEST(ClientOf, JoinsRepeatedHeaderFields) {
     EXPECT_EQ(client("X-Forwarded-For: 198.51.100.1\r\nx-forwarded-for: 203.0.113.1\r\n"), "203.0.113.1");
     EXPECT_EQ(client("X-Forwarded-For: 203.0.113.1\r\nX-Forwarded-For: 10.0.0.2\r\n"), "203.0.113.1");
     EXPECT_EQ(client("Forwarded: for=198.51.100.1\r\nForwarded: for=203.0.113.1\r\n"), "203.0.113.1");
 }
 
-TEST(ClientOf, LeavesOutPorts) {
+TEST(ClientOf, IgnoresPorts) {
     EXPECT_EQ(listed("203.0.113.1:4711"), "203.0.113.1");
     EXPECT_EQ(listed("[2001:db8::1]:4711"), "2001:db8::1");
     EXPECT_EQ(listed("[2001:db8::1]"), "2001:db8::1");
     EXPECT_EQ(listed("::ffff:203.0.113.1"), "203.0.113.1");
 }
 
-TEST(ClientOf, StopsAtWhatIsNoAddress) {
+TEST(ClientOf, StopsAtInvalidAddresses) {
     for (const char* none : {"unknown", "_hidden", "203.0.113", "203.0.113.1:", "203.0.113.1:x", "203.0.113.1:123456",
                              "[2001:db8::1", "[203.0.113.1]", "[2001:db8::1]80", "2001:db8::1]", "\"203.0.113.1\"",
                              "203.0.113.1 203.0.113.2", "localhost", "fe80::1%eth0"}) {
@@ -80,7 +80,7 @@ TEST(ClientOf, StopsAtWhatIsNoAddress) {
     EXPECT_EQ(listed("203.0.113.1,, ,"), "203.0.113.1") << "a list may have empty places";
 }
 
-TEST(ClientOf, ReadsForwarded) {
+TEST(ClientOf, ReadsTheForwardedHeader) {
     EXPECT_EQ(forwarded("for=203.0.113.1"), "203.0.113.1");
     EXPECT_EQ(forwarded("For=\"[2001:DB8:cafe::17]:4711\""), "2001:db8:cafe::17");
     EXPECT_EQ(forwarded("for=203.0.113.1;proto=http;by=203.0.113.43"), "203.0.113.1");
@@ -91,11 +91,11 @@ TEST(ClientOf, ReadsForwarded) {
     EXPECT_EQ(forwarded("for=203.0.113.1, proto=http"), "10.0.0.1") << "its proxy does not tell";
 }
 
-TEST(ClientOf, IsNotMisledByBrokenForwarded) {
+TEST(ClientOf, IgnoresMalformedForwardedHeaders) {
     for (const char* broken : {"for=203.0.113.1;for=203.0.113.2", "for=\"203.0.113.1", "for=\"a\\", "for", "for=", "=",
                                "203.0.113.1", "for=203.0.113.1\"", "for=\"\\203.0.113.1\"", "fo\"r=203.0.113.1\""})
         EXPECT_EQ(forwarded(broken), "10.0.0.1") << broken;
-    // What a client sent stands before what the proxy wrote, in the same field or in one of its own.
+    // Text from a client comes before that of the proxy, in the same field or in one of its own.
     for (const char* evil : {"for=\"", "by=\"\\", "for=1.2.3.4;by=\"x", "for=1.2.3.4,\"", "\"", "\\\""}) {
         const auto told = forwarded(std::string(evil) + ", for=203.0.113.1");
         EXPECT_TRUE(told == "10.0.0.1" || told == "203.0.113.1") << evil << " -> " << told;
@@ -105,7 +105,7 @@ TEST(ClientOf, IsNotMisledByBrokenForwarded) {
     }
 }
 
-TEST(ClientOf, TakesTwoHeadersOnlyIfTheyAgree) {
+TEST(ClientOf, UsesTwoHeadersOnlyIfTheyAgree) {
     EXPECT_EQ(client("Forwarded: for=203.0.113.1\r\nX-Forwarded-For: 203.0.113.1\r\n"), "203.0.113.1");
     EXPECT_EQ(client("Forwarded: for=203.0.113.1\r\nX-Forwarded-For: 203.0.113.2\r\n"), "10.0.0.1");
     EXPECT_EQ(client("X-Forwarded-For: 203.0.113.2\r\nForwarded: for=unknown\r\n"), "10.0.0.1");

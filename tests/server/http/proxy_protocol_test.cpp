@@ -10,7 +10,7 @@ namespace {
 using namespace std::string_literals;
 using State = ProxyHeader::State;
 
-/// What the bytes say: `none`, `partial`, `malformed`, or the client's name and how many bytes it took to tell.
+/// Returns `none`, `partial`, `malformed`, or the client's name and the number of bytes that the header takes.
 std::string read(std::string_view bytes) {
     const auto header = parse_proxy_header(bytes);
     if (!header) return header.error().status == 400 ? "malformed" : "?";
@@ -19,7 +19,7 @@ std::string read(std::string_view bytes) {
     return (header->client ? header->client->name : "proxy") + " in " + std::to_string(header->size);
 }
 
-/// A header of version 2; its family has the transport in it.
+/// Returns a header of version 2; `family` includes the transport.
 std::string version_2(char command, char family, const std::string& rest) {
     const auto size = rest.size();
     return "\r\n\r\n\0\r\nQUIT\n"s + command + family + static_cast<char>(size >> 8) + static_cast<char>(size) + rest;
@@ -29,14 +29,14 @@ const std::string kVersion4 = "\xcb\x00\x71\x01\x0a\x00\x00\x01\x12\x67\x00\x50"
 const std::string kVersion6 =
     "\x20\x01\x0d\xb8"s + std::string(11, '\0') + "\x01" + std::string(16, '\0') + "\x12\x67\x00\x50"s;
 
-TEST(ProxyHeader, ReadsLines) {
+TEST(ProxyHeader, ReadsVersion1) {
     EXPECT_EQ(read("PROXY TCP4 203.0.113.1 10.0.0.1 4711 80\r\nGET /"), "203.0.113.1:4711 in 41");
     EXPECT_EQ(read("PROXY TCP6 2001:db8::1 fd00::1 4711 80\r\n"), "[2001:db8::1]:4711 in 40");
     EXPECT_EQ(read("PROXY UNKNOWN\r\nGET /"), "proxy in 15");
     EXPECT_EQ(read("PROXY UNKNOWN 203.0.113.1 10.0.0.1 4711 80\r\n"), "proxy in 44");
 }
 
-TEST(ProxyHeader, RefusesBrokenLines) {
+TEST(ProxyHeader, RefusesMalformedVersion1) {
     for (const char* line : {"TCP4 203.0.113.1 10.0.0.1 4711", "TCP4 203.0.113.1 10.0.0.1 4711 80 ", "TCP4", "",
                              "TCP4 203.0.113.1  10.0.0.1 4711 80", "TCP4 2001:db8::1 fd00::1 4711 80",
                              "TCP4 203.0.113.1 10.0.0.1 4711 65536", "TCP4 203.0.113.1 10.0.0.1 -1 80",
@@ -48,7 +48,7 @@ TEST(ProxyHeader, RefusesBrokenLines) {
     EXPECT_EQ(read("PROXY UNKNOWN " + std::string(91, 'x') + "\r\n"), "proxy in 107");
 }
 
-TEST(ProxyHeader, ReadsBytes) {
+TEST(ProxyHeader, ReadsVersion2) {
     EXPECT_EQ(read(version_2('\x21', '\x11', kVersion4) + "GET /"), "203.0.113.1:4711 in 28");
     EXPECT_EQ(read(version_2('\x21', '\x21', kVersion6) + "GET /"), "[2001:db8::1]:4711 in 52");
     EXPECT_EQ(read(version_2('\x21', '\x11', kVersion4 + std::string(500, 'x'))), "203.0.113.1:4711 in 528");
@@ -58,7 +58,7 @@ TEST(ProxyHeader, ReadsBytes) {
     EXPECT_EQ(read(version_2('\x21', '\x31', std::string(216, 'x'))), "proxy in 232") << "of a Unix socket";
 }
 
-TEST(ProxyHeader, RefusesBrokenBytes) {
+TEST(ProxyHeader, RefusesMalformedVersion2) {
     EXPECT_EQ(read(version_2('\x22', '\x11', kVersion4)), "malformed");
     EXPECT_EQ(read(version_2('\x11', '\x11', kVersion4)), "malformed");
     EXPECT_EQ(read(version_2('\x21', '\x11', kVersion4.substr(1))), "malformed");
@@ -70,7 +70,7 @@ TEST(ProxyHeader, WaitsForTheRest) {
         for (std::size_t size = 0; size < whole.size(); ++size) EXPECT_EQ(read(whole.substr(0, size)), "partial");
 }
 
-TEST(ProxyHeader, LeavesOtherBeginningsAlone) {
+TEST(ProxyHeader, IgnoresOtherBeginnings) {
     for (const char* other : {"GET / HTTP/1.1\r\n", "PUT", "PROXX", "PROXY/", "\r\nGET", "\r\n\r\nGET", "proxy TCP4"})
         EXPECT_EQ(read(other), "none") << other;
 }

@@ -21,7 +21,7 @@ TEST(ParseTraceparent, ReadsTraceAndParent) {
     }
 }
 
-TEST(ParseTraceparent, RefusesWhatIsNotWellFormed) {
+TEST(ParseTraceparent, RefusesMalformedHeaders) {
     for (const std::string& header :
          {std::string(), kHeader.substr(1), kHeader + "-x", kHeader + "x", "ff" + kHeader.substr(2),
           "0G" + kHeader.substr(2), "01" + kHeader.substr(2) + "x",
@@ -31,7 +31,7 @@ TEST(ParseTraceparent, RefusesWhatIsNotWellFormed) {
         EXPECT_FALSE(parse_traceparent(header)) << header;
 }
 
-TEST(WholeTraceparent, IsParsedAgain) {
+TEST(WholeTraceparent, RoundTrips) {
     EXPECT_EQ(whole_traceparent(kHeader), kHeader);
     const std::string later = "cc" + kHeader.substr(2);
     EXPECT_EQ(whole_traceparent(later + "-what-comes-later"), later);

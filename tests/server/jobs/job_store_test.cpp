@@ -27,12 +27,12 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Where a test keeps jobs: empty at first, gone at its end.
+/// Place where a test stores jobs: empty at first, removed at its end.
 class Place {
 public:
     virtual ~Place() = default;
 
-    /// Opens a store there; no other is open, unless stores of this kind are shared. Null if that fails.
+    /// Opens a store there. No other one is open, unless stores of this kind are shared. Returns null on failure.
     virtual std::unique_ptr<JobStore> open(const JobLimits& limits) = 0;
 };
 
@@ -72,7 +72,7 @@ private:
     RedisClient client_{redis_.address()};
 };
 
-/// A kind of store that has to keep what JobStore promises: another one is another row.
+/// Kind of store that must fulfil the contract of JobStore. A new kind is a new row.
 struct Kind {
     const char* name;
     bool outlives_its_server;
@@ -87,7 +87,7 @@ const Kind kKinds[] = {
     {"Redis", true, [] { return std::unique_ptr<Place>(std::make_unique<Redis>()); }},
 };
 
-/// What a store has told, a word each.
+/// Notifications of a store, one word each.
 class Heard : public JobListener {
 public:
     void work() override { add("work"); }
@@ -95,7 +95,7 @@ public:
     void stop(const std::string& id) override { add("stop " + id); }
     void missed() override { add("missed"); }
 
-    /// Waits until it was told something.
+    /// Waits for a notification.
     bool has(const std::string& news) {
         std::unique_lock lock(mutex_);
         return more_.wait_for(lock, kPatience, [&] { return std::ranges::count(heard_, news) > 0; });
@@ -119,21 +119,21 @@ class JobStoreTest : public testing::TestWithParam<Kind> {
 protected:
     void SetUp() override { open_with({}); }
 
-    /// Opens another store where the last one was, which is closed.
+    /// Closes the last store, and opens another one in its place.
     void open_with(const JobLimits& limits) {
         store_.reset();
         store_ = place_->open(limits);
         ASSERT_NE(store_, nullptr);
     }
 
-    /// Claims a job, which there has to be.
+    /// Claims a job, which must exist.
     Job claim(std::size_t memory = kMemory) {
         auto job = store_->claim(memory);
         EXPECT_TRUE(job && *job);
         return job && *job ? **std::move(job) : Job{};
     }
 
-    /// Waits until a lease has run out.
+    /// Waits until a lease has expired, and claims the job again.
     Job claim_again() {
         while (true) {
             auto job = store_->claim(kMemory);
@@ -149,7 +149,7 @@ protected:
         return job && *job ? **std::move(job) : Job{};
     }
 
-    /// Listens, which may begin later where others use the place as well.
+    /// Begins to listen. Where others share the place, that takes a while.
     static void listen(JobStore& store, Heard& heard) {
         store.listen(&heard);
         if (store.is_shared()) {
@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Any, JobStoreTest, testing::ValuesIn(kKinds),
 
 constexpr JobLimits kBrief{.lease = std::chrono::milliseconds(1)};
 
-TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
+TEST_P(JobStoreTest, StoresJobsAndRequests) {
     Job job = job_named("a");
     const Time before = time_now();
     ASSERT_EQ(store_->add(job, kComputeRequest), JobStore::Added::Accepted);
@@ -203,7 +203,7 @@ TEST_P(JobStoreTest, KeepsJobsAndQuestionsAsTheyAre) {
     EXPECT_EQ(claim().id, "b");
 }
 
-TEST_P(JobStoreTest, KnowsNothingOfOtherJobs) {
+TEST_P(JobStoreTest, FindsNoUnknownJobs) {
     EXPECT_EQ(*store_->find("a"), std::nullopt);
     EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(*store_->result("a"), std::nullopt);
@@ -226,7 +226,7 @@ TEST_P(JobStoreTest, AddsAJobOnce) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
 }
 
-TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
+TEST_P(JobStoreTest, ReplacesTheRequestByTheResult) {
     const std::string result(
         "\0\xff"
         "bytes",
@@ -249,7 +249,7 @@ TEST_P(JobStoreTest, ExchangesTheQuestionForTheResult) {
     EXPECT_EQ(bytes(), 0u);
 }
 
-TEST_P(JobStoreTest, KeepsLargeRequestsAndResults) {
+TEST_P(JobStoreTest, StoresLargeRequestsAndResults) {
     std::string large(5'000'001, 'x');
     for (std::size_t i = 0; i < large.size(); ++i) large[i] = static_cast<char>(i * i / 7);
     Job job = job_named("a");
@@ -262,7 +262,7 @@ TEST_P(JobStoreTest, KeepsLargeRequestsAndResults) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(large.size()));
 }
 
-TEST_P(JobStoreTest, KeepsResultsThatComeInPieces) {
+TEST_P(JobStoreTest, StoresResultsInPieces) {
     for (const std::size_t last : {std::size_t{0}, std::size_t{1}, JobStore::kPiece}) {
         add(*store_, job_named("a"));
         const Job job = claim();
@@ -283,7 +283,7 @@ TEST_P(JobStoreTest, KeepsResultsThatComeInPieces) {
     }
 }
 
-TEST_P(JobStoreTest, ForgetsPiecesWithTheirClaim) {
+TEST_P(JobStoreTest, DropsPiecesOfALostClaim) {
     open_with({.lease = std::chrono::milliseconds(1)});
     add(*store_, job_named("a"));
     const Job lost = claim();
@@ -296,7 +296,7 @@ TEST_P(JobStoreTest, ForgetsPiecesWithTheirClaim) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(4));
 }
 
-TEST_P(JobStoreTest, ForgetsPiecesOfWhatHasNoResult) {
+TEST_P(JobStoreTest, DropsPiecesOfJobsWithoutResult) {
     for (const bool cancelled : {true, false}) {
         add(*store_, job_named("a"));
         Job job = claim();
@@ -310,7 +310,7 @@ TEST_P(JobStoreTest, ForgetsPiecesOfWhatHasNoResult) {
     }
 }
 
-TEST_P(JobStoreTest, TakesNoMorePiecesThanThereIsRoomFor) {
+TEST_P(JobStoreTest, RefusesPiecesBeyondTheByteLimit) {
     open_with({.bytes = 20'000});
     add_finished(*store_, "done", "result");
     add(*store_, job_named("a"));
@@ -327,7 +327,7 @@ TEST_P(JobStoreTest, TakesNoMorePiecesThanThereIsRoomFor) {
     EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
 }
 
-TEST_P(JobStoreTest, KeepsBodiesOfAllSizes) {
+TEST_P(JobStoreTest, StoresBodiesOfAllSizes) {
     for (const std::size_t size : {1, 65'535, 65'536, 65'537, 1'048'576, 1'048'577, 2'097'152}) {
         std::string body(size, '\0');
         body.back() = 'x';
@@ -350,7 +350,7 @@ TEST_P(JobStoreTest, KeepsBodiesOfAllSizes) {
     EXPECT_EQ((**store_->request("empty")).body, "");
 }
 
-TEST_P(JobStoreTest, KeepsFailures) {
+TEST_P(JobStoreTest, StoresFailures) {
     add(*store_, job_named("a"));
     Job job = claim();
     job.status = JobStatus::Failed;
@@ -369,7 +369,7 @@ TEST_P(JobStoreTest, KeepsFailures) {
     EXPECT_EQ(found.failure->error.field, "/polygon/2");
 }
 
-TEST_P(JobStoreTest, KeepsTheHeadersOfResults) {
+TEST_P(JobStoreTest, StoresTheHeadersOfResults) {
     add(*store_, job_named("a"));
     Job job = succeeded(claim(), "result");
     job.partial = true;
@@ -385,7 +385,7 @@ TEST_P(JobStoreTest, KeepsTheHeadersOfResults) {
     EXPECT_FALSE(found.failure);
 }
 
-TEST_P(JobStoreTest, TellsWhereAClaimedJobStands) {
+TEST_P(JobStoreTest, StoresTheProgressOfAClaimedJob) {
     add(*store_, job_named("a"));
     Job job = claim();
     EXPECT_EQ(job.starts, 1);
@@ -408,7 +408,7 @@ TEST_P(JobStoreTest, TellsWhereAClaimedJobStands) {
     EXPECT_EQ(store_->load()->running, 1u);
 }
 
-TEST_P(JobStoreTest, GivesBackWithoutCountingTheStart) {
+TEST_P(JobStoreTest, ReturnsJobsWithoutCountingTheStart) {
     add(*store_, job_named("a"));
     add(*store_, job_named("b"));
     Job job = claim();
@@ -427,7 +427,7 @@ TEST_P(JobStoreTest, GivesBackWithoutCountingTheStart) {
     EXPECT_EQ(**store_->result("a"), "good");
 }
 
-TEST_P(JobStoreTest, HasAJobClaimedAgainOnceItsLeaseHasRunOut) {
+TEST_P(JobStoreTest, RequeuesJobsWhoseLeaseHasExpired) {
     open_with(kBrief);
     add(*store_, job_named("a"));
     const Job lost = claim();
@@ -444,7 +444,7 @@ TEST_P(JobStoreTest, HasAJobClaimedAgainOnceItsLeaseHasRunOut) {
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
 }
 
-TEST_P(JobStoreTest, QueuesWhatHadBegunWhereNobodyIsLeft) {
+TEST_P(JobStoreTest, RequeuesRunningJobsAfterARestart) {
     if (!GetParam().outlives_its_server) GTEST_SKIP() << "it ends with its server";
     open_with(kBrief);
     add(*store_, job_named("a"));
@@ -455,7 +455,7 @@ TEST_P(JobStoreTest, QueuesWhatHadBegunWhereNobodyIsLeft) {
     EXPECT_EQ(claim_again().starts, 2);
 }
 
-TEST_P(JobStoreTest, ClaimsNothingThatIsTooLarge) {
+TEST_P(JobStoreTest, ClaimsNoJobThatNeedsTooMuchMemory) {
     Job large = job_named("large");
     large.cost.memory = kMemory + 1;
     add(*store_, large);
@@ -465,7 +465,7 @@ TEST_P(JobStoreTest, ClaimsNothingThatIsTooLarge) {
     EXPECT_EQ(claim(kMemory + 1).id, "large");
 }
 
-TEST_P(JobStoreTest, LetsClientsTakeTurns) {
+TEST_P(JobStoreTest, AlternatesBetweenClients) {
     for (const std::string id : {"a1", "a2", "a3", "b1", "b2"}) {
         Job job = job_named(id);
         job.client = id.substr(0, 1);
@@ -476,7 +476,7 @@ TEST_P(JobStoreTest, LetsClientsTakeTurns) {
     EXPECT_EQ(order, "a1 b1 a2 b2 a3 ");
 }
 
-TEST_P(JobStoreTest, RefusesWhatTheQueueHasNoRoomFor) {
+TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
     open_with({.waiting = 2});
     const auto add_for = [this](const std::string& client, const std::string& id) {
         Job job = job_named(id);
@@ -500,7 +500,7 @@ TEST_P(JobStoreTest, RefusesWhatTheQueueHasNoRoomFor) {
     EXPECT_EQ(store_->load()->queued, 2u);
 }
 
-TEST_P(JobStoreTest, DropsTheOldestToMakeRoom) {
+TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     const std::string result(4000, 'x');
     constexpr std::size_t kRoom = 16'000;  // for three results and a request
     open_with({.bytes = kRoom});
@@ -517,7 +517,7 @@ TEST_P(JobStoreTest, DropsTheOldestToMakeRoom) {
     EXPECT_LE(bytes(), kRoom);
 }
 
-TEST_P(JobStoreTest, RefusesWhatThereIsNoRoomFor) {
+TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
     const std::size_t one = JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest));
     open_with({.bytes = 2 * one});
     add_finished(*store_, "done", "result");
@@ -536,7 +536,7 @@ TEST_P(JobStoreTest, RefusesWhatThereIsNoRoomFor) {
     EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
 }
 
-TEST_P(JobStoreTest, CancelsWhatHasNotEnded) {
+TEST_P(JobStoreTest, CancelsUnfinishedJobs) {
     add(*store_, job_named("runs"));
     add(*store_, job_named("waits"));
     Job job = claim();
@@ -564,7 +564,7 @@ TEST_P(JobStoreTest, CancelsWhatHasNotEnded) {
     EXPECT_EQ(bytes(), 0u);
 }
 
-TEST_P(JobStoreTest, RemovesJobsThatHaveNotEnded) {
+TEST_P(JobStoreTest, RemovesUnfinishedJobs) {
     add(*store_, job_named("runs"));
     add(*store_, job_named("waits"));
     const Job job = claim();
@@ -575,7 +575,7 @@ TEST_P(JobStoreTest, RemovesJobsThatHaveNotEnded) {
     EXPECT_EQ(store_->load()->queued + store_->load()->running + bytes(), 0u);
 }
 
-TEST_P(JobStoreTest, ForgetsWhatHasExpired) {
+TEST_P(JobStoreTest, RemovesExpiredJobs) {
     add_finished(*store_, "a", "result");
     EXPECT_FALSE(*store_->forget());
     EXPECT_TRUE(is_there("a"));
@@ -588,7 +588,7 @@ TEST_P(JobStoreTest, ForgetsWhatHasExpired) {
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
 }
 
-TEST_P(JobStoreTest, ForgetsAFewAtATime) {
+TEST_P(JobStoreTest, RemovesExpiredJobsInBatches) {
     open_with({.ttl = std::chrono::milliseconds(1)});
     for (int i = 0; i < 150; ++i) add_finished(*store_, std::to_string(i), "result");
     while (is_there("149")) std::this_thread::yield();
@@ -598,7 +598,7 @@ TEST_P(JobStoreTest, ForgetsAFewAtATime) {
     EXPECT_EQ(bytes(), 0u);
 }
 
-TEST_P(JobStoreTest, TellsWhatHappens) {
+TEST_P(JobStoreTest, NotifiesTheListener) {
     Heard heard;
     listen(*store_, heard);
     add(*store_, job_named("a"));
@@ -612,7 +612,7 @@ TEST_P(JobStoreTest, TellsWhatHappens) {
     store_->listen(nullptr);
 }
 
-TEST_P(JobStoreTest, IsOneForAllWhoShareIt) {
+TEST_P(JobStoreTest, IsSharedByAllServers) {
     if (!store_->is_shared()) GTEST_SKIP() << "it is one server's";
     const auto other = place_->open({});
     Heard heard;
@@ -633,7 +633,7 @@ TEST_P(JobStoreTest, IsOneForAllWhoShareIt) {
     other->listen(nullptr);
 }
 
-TEST_P(JobStoreTest, IsUsedByManyThreads) {
+TEST_P(JobStoreTest, IsThreadSafe) {
     constexpr int kThreads = 4;
     constexpr int kJobs = 25;
     const auto work = [this](int thread) {

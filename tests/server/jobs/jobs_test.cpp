@@ -24,13 +24,13 @@ ComputeRequest sample(const std::string& members) {
 
 const ComputeRequest kShort = sample(R"("sites":50)");
 
-/// Longer than any test; ended by stopping it.
+/// Takes longer than any test; ends when it is stopped.
 const ComputeRequest kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
 
-/// Whose answer is the same on every run.
+/// Has the same answer on every run.
 const ComputeRequest kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
 
-/// A store that cannot be reached the first time that somebody wants a request.
+/// A store that is unreachable the first time that a request is read.
 class AwayOnce : public JobStore {
 public:
     Result<bool> is_full(std::string_view client) override { return store_->is_full(client); }
@@ -63,7 +63,7 @@ private:
     std::atomic<bool> away_ = true;
 };
 
-/// A store whose clock is ahead of this machine's, and which is not told when jobs start.
+/// A store whose clock is ahead of this machine's, and which is not notified when jobs start.
 class Ahead : public AwayOnce {
 public:
     Result<std::optional<Job>> claim(std::size_t memory) override {
@@ -82,7 +82,7 @@ protected:
         jobs_->start();
     }
 
-    /// Keeps the store that there is.
+    /// Creates a store unless there is one.
     void make_store(const JobLimits& limits) {
         if (!store_) store_ = *SqliteJobStore::open("", limits);
     }
@@ -101,7 +101,7 @@ protected:
         return jobs_->accept(std::move(job), request);
     }
 
-    /// Follows a job until a test holds for it.
+    /// Watches a job until a condition holds for it.
     template <class Test>
     Job follow(const std::string& id, Test test) {
         auto watch = jobs_->watch(id, kAlice);
@@ -136,7 +136,7 @@ protected:
     std::optional<Jobs> jobs_;
 };
 
-TEST_F(JobsTest, AnswerAsIfTheyHadBeenWaitedFor) {
+TEST_F(JobsTest, ReturnTheSynchronousAnswer) {
     start();
     api::Timings timings;
     const auto expected = compute_(kAnalysis, {}, {}, timings);
@@ -152,7 +152,7 @@ TEST_F(JobsTest, AnswerAsIfTheyHadBeenWaitedFor) {
     EXPECT_EQ(jobs_->find(id, kAlice)->status, JobStatus::Succeeded);
 }
 
-TEST_F(JobsTest, TellEveryStep) {
+TEST_F(JobsTest, ReportEveryProgressStep) {
     make_store({});
     jobs_.emplace(JobLimits{}, *store_, false, pool_, compute_, [](const JobEnd&) {});
     const std::string id = submit(sample(R"("sites":500,"iterations":7)"));
@@ -177,7 +177,7 @@ TEST_F(JobsTest, TellEveryStep) {
         << "at once for those who come late";
 }
 
-TEST_F(JobsTest, FailAsTheAnswerWouldHave) {
+TEST_F(JobsTest, FailLikeTheSynchronousAnswer) {
     start();
     const ComputeRequest crossing{"/sample", "", "", "",
                                   R"({"sites":9,"polygon":[[0,0],[1,1],[1,0],[0,1]],"invalid":"reject"})"};
@@ -204,7 +204,7 @@ TEST_F(JobsTest, AreCancelledWhileTheyRunOrWait) {
     EXPECT_EQ(status_of(running), 404);
 }
 
-TEST_F(JobsTest, AreTheirOwnersOnly) {
+TEST_F(JobsTest, AreVisibleToTheirOwnerOnly) {
     start();
     const std::string id = submit(kShort);
     EXPECT_EQ(status_of(id, kBob), 404);
@@ -216,14 +216,14 @@ TEST_F(JobsTest, AreTheirOwnersOnly) {
     EXPECT_EQ(status_of(id), 200);
 }
 
-TEST_F(JobsTest, EndWhenTheirTimeIsOver) {
+TEST_F(JobsTest, FailAtTheirTimeout) {
     start({.timeout = milliseconds(1)});
     const Job late = wait_for_end(submit(kEndless));
     EXPECT_EQ(late.status, JobStatus::Failed);
     EXPECT_EQ(late.failure->status, 504);
 }
 
-TEST_F(JobsTest, GiveWhatThereIsIfThatWillDo) {
+TEST_F(JobsTest, ReturnPartialResultsAtTheirTimeoutIfAllowed) {
     start({.timeout = milliseconds(500)});
     const Job job =
         wait_for_end(submit(sample(R"("sites":2000,"iterations":1000,"passes":100,"on_deadline":"partial")")));
@@ -231,7 +231,7 @@ TEST_F(JobsTest, GiveWhatThereIsIfThatWillDo) {
     EXPECT_TRUE(job.partial);
 }
 
-TEST_F(JobsTest, AreRefusedWhereTooManyWait) {
+TEST_F(JobsTest, AreRefusedIfTheQueueIsFull) {
     start({.waiting = 1});
     const std::string running = submit(kEndless);
     wait_until_running(running);
@@ -245,9 +245,9 @@ TEST_F(JobsTest, AreRefusedWhereTooManyWait) {
     EXPECT_FALSE(try_to_submit(kEndless, kBob));
 }
 
-TEST_F(JobsTest, DropTheOldestResultsToMakeRoom) {
+TEST_F(JobsTest, DropTheOldestResultsAtTheByteLimit) {
     start({.bytes = 13'000});
-    const ComputeRequest request = sample(R"("sites":100)");  // an answer of some 4 kB
+    const ComputeRequest request = sample(R"("sites":100)");  // an answer of about 4 kB
     const std::string first = submit(request);
     wait_for_end(first);
     const std::string second = submit(request);
@@ -262,7 +262,7 @@ TEST_F(JobsTest, DropTheOldestResultsToMakeRoom) {
     EXPECT_LE(stored_bytes(), 13'000u);
 }
 
-TEST_F(JobsTest, FailWithResultsThatThereIsNoRoomFor) {
+TEST_F(JobsTest, FailIfTheResultExceedsTheByteLimit) {
     start({.bytes = 13'000});
     const Job job = wait_for_end(submit(sample(R"("sites":1000)")));
     EXPECT_EQ(job.status, JobStatus::Failed);
@@ -270,12 +270,12 @@ TEST_F(JobsTest, FailWithResultsThatThereIsNoRoomFor) {
     EXPECT_EQ(jobs_->find(job.id, kAlice)->failure->status, 507);
 }
 
-TEST_F(JobsTest, AreRefusedIfTheyAreLargerThanTheRoom) {
+TEST_F(JobsTest, AreRefusedIfTheyExceedTheByteLimit) {
     start({.bytes = 2'000});
     EXPECT_EQ(try_to_submit(sample("\"sites\":5" + std::string(2'000, ' '))).error().status, 413);
 }
 
-TEST_F(JobsTest, AreForgottenInTime) {
+TEST_F(JobsTest, AreRemovedAfterTheirTtl) {
     start({.ttl = milliseconds(1)});
     const std::string id = submit(kShort);
     while (status_of(id) == 200) std::this_thread::yield();
@@ -283,7 +283,7 @@ TEST_F(JobsTest, AreForgottenInTime) {
     while (stored_bytes() > 0) std::this_thread::yield();
 }
 
-TEST_F(JobsTest, AreFollowedNoLongerThanTheyAreThere) {
+TEST_F(JobsTest, EndTheirWatchesWhenRemoved) {
     start();
     const std::string running = submit(kEndless);
     wait_until_running(running);
@@ -299,7 +299,7 @@ TEST_F(JobsTest, AreFollowedNoLongerThanTheyAreThere) {
     EXPECT_TRUE(watch.is_over());
 }
 
-TEST_F(JobsTest, FailWhereNobodyWillGoOn) {
+TEST_F(JobsTest, FailOnDrainIfTheyAreNotKept) {
     start();
     const std::string running = submit(kEndless);
     wait_until_running(running);
@@ -312,7 +312,7 @@ TEST_F(JobsTest, FailWhereNobodyWillGoOn) {
     EXPECT_EQ(try_to_submit(kShort).error().status, 503);
 }
 
-TEST_F(JobsTest, AreTakenUpByTheNextServer) {
+TEST_F(JobsTest, ContinueOnTheNextServer) {
     start({}, true);
     const std::string running = submit(sample(R"("sites":2000,"iterations":100)"));
     const std::string waiting = submit(kShort);
@@ -330,7 +330,7 @@ TEST_F(JobsTest, AreTakenUpByTheNextServer) {
     EXPECT_EQ(wait_for_end(waiting).status, JobStatus::Succeeded);
 }
 
-TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
+TEST_F(JobsTest, FailAfterThreeInterruptedStarts) {
     constexpr JobLimits kBrief{.lease = milliseconds(1)};
     make_store(kBrief);
     Job job;
@@ -349,7 +349,7 @@ TEST_F(JobsTest, AreGivenUpIfTheServerEndsWithThem) {
     EXPECT_EQ(jobs_->counts().repeated, 1u);
 }
 
-TEST_F(JobsTest, StartNoEarlierThanTheyWereMade) {
+TEST_F(JobsTest, NeverWaitANegativeTime) {
     store_ = std::make_unique<Ahead>();
     std::promise<double> waited;
     jobs_.emplace(JobLimits{}, *store_, false, pool_, compute_,
@@ -357,10 +357,10 @@ TEST_F(JobsTest, StartNoEarlierThanTheyWereMade) {
     jobs_->start();
     submit(kAnalysis);
     EXPECT_GE(waited.get_future().get(), 0);
-    jobs_.reset();  // before the promise
+    jobs_.reset();  // before the promise is destroyed
 }
 
-TEST_F(JobsTest, DoNotFailBecauseTheirStoreIsAway) {
+TEST_F(JobsTest, SurviveAnUnreachableStore) {
     store_ = std::make_unique<AwayOnce>();
     start({}, true);
     const std::string id = submit(kShort);
@@ -368,7 +368,7 @@ TEST_F(JobsTest, DoNotFailBecauseTheirStoreIsAway) {
     EXPECT_EQ(jobs_->counts().repeated, 0u);
 }
 
-TEST(StatusJson, HasNullForWhatThereIsNotYet) {
+TEST(StatusJson, WritesNullForMissingValues) {
     Job job;
     job.id = "0123";
     job.created = Time(milliseconds(1'700'000'000'007));

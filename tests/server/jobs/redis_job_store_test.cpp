@@ -20,7 +20,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// What may happen to a Redis that others use as well.
+/// Events that can occur in a Redis that others use, too.
 class RedisJobStoreTest : public testing::Test {
 protected:
     std::unique_ptr<JobStore> open(const JobLimits& limits = {}) { return open_at(client_, limits); }
@@ -35,7 +35,7 @@ protected:
         ASSERT_TRUE(reply) << reply.error().message;
     }
 
-    /// Has a key hold anything but what was written.
+    /// Replaces the value of a key by junk.
     void damage(const std::string& key, std::vector<std::string> junk) {
         call({"DEL", key});
         junk.insert(junk.begin() + 1, key);
@@ -53,7 +53,7 @@ const std::vector<std::string> kJunk[] = {{"SET", "junk"},          {"LPUSH", "j
                                           {"ZADD", "1", "junk"},    {"HSET", "junk", "junk"}, {"HSET", "turn", "junk"},
                                           {"HSET", "bytes", "junk"}};
 
-TEST_F(RedisJobStoreTest, PassesOverJobsThatAreGone) {
+TEST_F(RedisJobStoreTest, SkipsMissingJobs) {
     const auto store = open();
     for (int i = 0; i < 40; ++i) add(*store, job_named("gone-" + std::to_string(i)));
     add(*store, job_named("here"));
@@ -64,7 +64,7 @@ TEST_F(RedisJobStoreTest, PassesOverJobsThatAreGone) {
     EXPECT_EQ(store->load()->queued, 0u);
 }
 
-TEST_F(RedisJobStoreTest, TakesNoLeaseOfAJobThatIsGone) {
+TEST_F(RedisJobStoreTest, DropsLeasesOfMissingJobs) {
     const auto store = open({.lease = std::chrono::milliseconds(1)});
     add(*store, job_named("gone"));
     ASSERT_EQ((**store->claim(1000)).id, "gone");
@@ -76,7 +76,7 @@ TEST_F(RedisJobStoreTest, TakesNoLeaseOfAJobThatIsGone) {
     add_finished(*store, "next", "result");
 }
 
-TEST_F(RedisJobStoreTest, MakesRoomWhereJobsAreGone) {
+TEST_F(RedisJobStoreTest, FreesTheBytesOfMissingJobs) {
     const auto bytes = JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest));
     const auto store = open({.bytes = 3 * bytes});
     for (const char* id : {"gone", "older", "old"}) add_finished(*store, id, "result");
@@ -85,7 +85,7 @@ TEST_F(RedisJobStoreTest, MakesRoomWhereJobsAreGone) {
     EXPECT_TRUE(store->find("new")->has_value());
 }
 
-TEST_F(RedisJobStoreTest, MakesDamagedSharedKeysAgain) {
+TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
     const auto store = open();
     for (const char* name : {"queue", "had", "waiting", "leases", "finished", "results", "state"}) {
         for (const auto& junk : kJunk) {
@@ -132,7 +132,7 @@ TEST_F(RedisJobStoreTest, ReportsDamagedKeys) {
     }
 }
 
-TEST_F(RedisJobStoreTest, CountsAnewWhoWaits) {
+TEST_F(RedisJobStoreTest, RecountsWaitingJobsAfterDamage) {
     const auto store = open();
     add(*store, job_named("first"));
     call({"HSET", "ccdt:1:waiting", "key alice", "junk"});
@@ -141,7 +141,7 @@ TEST_F(RedisJobStoreTest, CountsAnewWhoWaits) {
     EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:1:waiting"})->number, 0);
 }
 
-/// Fields of a job that tell more than a text, and values that none of them has.
+/// Fields of a job that are not free text, so that junk in them is detected.
 constexpr const char* kFields[] = {"memory",   "seconds",   "status", "starts", "claim",    "created",     "place",
                                    "fraction", "iteration", "turn",   "bytes",  "finished", "result_bytes"};
 
@@ -173,7 +173,7 @@ TEST_F(RedisJobStoreTest, FailsDamagedJobs) {
     }
 }
 
-TEST_F(RedisJobStoreTest, ClaimsJobsBehindDamagedOnes) {
+TEST_F(RedisJobStoreTest, ClaimsJobsAfterDamagedOnes) {
     const auto store = open();
     for (const char* field : kFields) {
         SCOPED_TRACE(field);
@@ -195,7 +195,7 @@ TEST_F(RedisJobStoreTest, ClaimsJobsBehindDamagedOnes) {
     }
 }
 
-TEST_F(RedisJobStoreTest, FinishesNoJobWhoseKeyIsDamaged) {
+TEST_F(RedisJobStoreTest, DoesNotFinishJobsWithADamagedKey) {
     const auto store = open();
     for (const auto& junk : kJunk) {
         SCOPED_TRACE(junk[0]);
@@ -208,7 +208,7 @@ TEST_F(RedisJobStoreTest, FinishesNoJobWhoseKeyIsDamaged) {
     }
 }
 
-TEST_F(RedisJobStoreTest, TellsDamagedBodies) {
+TEST_F(RedisJobStoreTest, DetectsDamagedBodies) {
     const std::string large(3 * JobStore::kPiece, 'x');
     const auto store = open();
     for (const std::string& body : {std::string("body"), large}) {
@@ -237,7 +237,7 @@ TEST_F(RedisJobStoreTest, TellsDamagedBodies) {
     }
 }
 
-TEST_F(RedisJobStoreTest, LosesAllJobsOnly) {
+TEST_F(RedisJobStoreTest, ContinuesAfterLosingAllKeys) {
     const auto store = open();
     add(*store, job_named("running"));
     const Job running = **store->claim(1000);
@@ -252,7 +252,7 @@ TEST_F(RedisJobStoreTest, LosesAllJobsOnly) {
     add_finished(*store, "next", "result");
 }
 
-TEST_F(RedisJobStoreTest, WaitsForACopyThatMayNotBeWritten) {
+TEST_F(RedisJobStoreTest, TreatsAReadOnlyReplicaAsUnavailable) {
     add(*open(), job_named("before"));
     const test::LocalRedis copy({"--replicaof", "127.0.0.1", redis_.address().port});
     RedisClient client(copy.address());

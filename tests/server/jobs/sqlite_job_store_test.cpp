@@ -19,7 +19,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Instructions that SQLite has carried out, in all databases opened since `install_counter`.
+/// Number of instructions that SQLite has executed, in all databases opened since `install_counter`.
 std::size_t instructions = 0;
 
 int install_counter(sqlite3* database, const char**, const void*) {
@@ -57,7 +57,7 @@ protected:
     std::filesystem::path folder_;
 };
 
-TEST_F(SqliteJobStoreTest, DoesNoMoreForHavingManyJobs) {
+TEST_F(SqliteJobStoreTest, CostsNoMoreWithManyJobs) {
     ASSERT_EQ(sqlite3_auto_extension(reinterpret_cast<void (*)()>(install_counter)), SQLITE_OK);
     const auto store = *SqliteJobStore::open("", {.bytes = std::numeric_limits<std::size_t>::max()});
     sqlite3_cancel_auto_extension(reinterpret_cast<void (*)()>(install_counter));
@@ -87,7 +87,7 @@ TEST_F(SqliteJobStoreTest, BelongsToOneServer) {
     EXPECT_NE(why_not().find("another server uses it"), std::string::npos) << why_not();
 }
 
-TEST_F(SqliteJobStoreTest, TakesNothingElsesFile) {
+TEST_F(SqliteJobStoreTest, RefusesFilesOfOtherPrograms) {
     std::ofstream(file()) << std::string(5000, 'x');
     EXPECT_NE(why_not().find("not a database"), std::string::npos) << why_not();
     std::filesystem::remove(file());
@@ -96,13 +96,13 @@ TEST_F(SqliteJobStoreTest, TakesNothingElsesFile) {
     EXPECT_EQ(Database(file()).value_of("PRAGMA application_id"), 7);
 }
 
-TEST_F(SqliteJobStoreTest, TakesNoOtherVersionsFile) {
+TEST_F(SqliteJobStoreTest, RefusesFilesOfUnknownVersions) {
     open();
     Database(file()).execute("PRAGMA user_version = 99");
     EXPECT_NE(why_not().find("version 99"), std::string::npos) << why_not();
 }
 
-TEST_F(SqliteJobStoreTest, TakesNoDamagedFile) {
+TEST_F(SqliteJobStoreTest, RefusesDamagedFiles) {
     {
         const auto store = open();
         for (int i = 0; i < 100; ++i) add(*store, job_named(std::to_string(i)));
@@ -114,7 +114,7 @@ TEST_F(SqliteJobStoreTest, TakesNoDamagedFile) {
     EXPECT_NE(why_not(), "");
 }
 
-TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
+TEST_F(SqliteJobStoreTest, DetectsCorruptResults) {
     add_finished(*open(), "a", "result");
     Database(file()).execute("UPDATE results SET body = CAST('resulT' AS BLOB)");
     const auto store = open();
@@ -126,7 +126,7 @@ TEST_F(SqliteJobStoreTest, NeverTellsAResultThatTheDiskHasChanged) {
     EXPECT_EQ(store->load()->bytes, 0u);
 }
 
-TEST_F(SqliteJobStoreTest, TellsNoPiecesInAnotherOrder) {
+TEST_F(SqliteJobStoreTest, DetectsReorderedPieces) {
     {
         const auto store = open();
         add(*store, job_named("a"));
@@ -139,13 +139,13 @@ TEST_F(SqliteJobStoreTest, TellsNoPiecesInAnotherOrder) {
     for (const std::size_t number : {0, 1}) EXPECT_EQ(store->piece("a", number).error().code, ErrorCode::Unusable);
 }
 
-TEST_F(SqliteJobStoreTest, TellsThatAResultIsLost) {
+TEST_F(SqliteJobStoreTest, DetectsALostResult) {
     add_finished(*open(), "a", "result");
     Database(file()).execute("DELETE FROM results");
     EXPECT_EQ(open()->result("a").error().code, ErrorCode::Unusable);
 }
 
-TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
+TEST_F(SqliteJobStoreTest, DetectsSwappedResults) {
     {
         const auto store = open();
         add_finished(*store, "a", "this");
@@ -157,7 +157,7 @@ TEST_F(SqliteJobStoreTest, TellsNoResultOfAnotherJob) {
     EXPECT_FALSE(store->result("b"));
 }
 
-TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
+TEST_F(SqliteJobStoreTest, DetectsCorruptRequests) {
     for (const char* change : {"path = '/halftone'", "query = 'a=c'", "content_type = ''", "accept = ''",
                                "body = CAST('a body' AS BLOB)", "path = '/samplea', query = '=b'"}) {
         add(*open(), job_named(change));
@@ -170,7 +170,7 @@ TEST_F(SqliteJobStoreTest, NeverAsksAQuestionThatTheDiskHasChanged) {
     }
 }
 
-TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
+TEST_F(SqliteJobStoreTest, FailsCorruptJobs) {
     for (const char* change :
          {"owner = 'bob'",    "client = 'b'",  "memory = 1",    "seconds = 0",  "status = 1",
           "starts = 7",       "created = 1",   "started = 1",   "fraction = 1", "iteration = 1",
@@ -192,7 +192,7 @@ TEST_F(SqliteJobStoreTest, FailsJobsThatTheDiskHasChanged) {
     }
 }
 
-TEST_F(SqliteJobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
+TEST_F(SqliteJobStoreTest, FailsCorruptWaitingJobs) {
     add(*open(), job_named("a"));
     Database(file()).execute("UPDATE jobs SET memory = 1");
     const auto store = open();
@@ -200,7 +200,7 @@ TEST_F(SqliteJobStoreTest, FailsWhatWaitsIfTheDiskHasChangedIt) {
     EXPECT_EQ((*store->find("a"))->status, JobStatus::Failed);
 }
 
-TEST_F(SqliteJobStoreTest, MakesIndicesAgainThatDoNotMatch) {
+TEST_F(SqliteJobStoreTest, RebuildsInconsistentIndices) {
     {
         const auto store = open();
         add_finished(*store, "gone", "result");
@@ -224,7 +224,7 @@ TEST_F(SqliteJobStoreTest, MakesIndicesAgainThatDoNotMatch) {
     EXPECT_EQ(store->load()->bytes, 0u);
 }
 
-TEST_F(SqliteJobStoreTest, GivesRoomBackToTheDisk) {
+TEST_F(SqliteJobStoreTest, ReturnsFreeSpaceToTheDisk) {
     const std::string large(std::size_t{20} << 20, 'x');
     const auto size = [this] { return std::filesystem::file_size(file()); };
     const auto log = [this] { return std::filesystem::file_size(file() + "-wal"); };
@@ -242,7 +242,7 @@ TEST_F(SqliteJobStoreTest, GivesRoomBackToTheDisk) {
     EXPECT_EQ(log(), reserve);
 }
 
-TEST_F(SqliteJobStoreTest, NamesAFolderThatCannotBeUsed) {
+TEST_F(SqliteJobStoreTest, NamesAnUnusableFolder) {
     std::ofstream(folder_ / "file") << "x";
     const auto store = SqliteJobStore::open((folder_ / "file" / "below").string());
     ASSERT_FALSE(store);

@@ -34,7 +34,7 @@ TEST(Log, WritesARequestAsJson) {
               R"("cause":"out of \"luck\"")");
 }
 
-TEST(Log, NamesKeyAndTrace) {
+TEST(Log, LogsKeyAndTrace) {
     Exchange exchange;
     exchange.response.record.key = "alice";
     exchange.request.headers = {{"Traceparent", "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01"}};
@@ -45,7 +45,7 @@ TEST(Log, NamesKeyAndTrace) {
             .ends_with(R"(,"key":"alice","trace":"0af7651916cd43dd8448eb211c80319c","parent":"b7ad6b7169203331")"));
 }
 
-TEST(Log, NamesTheKeyOfASignedUrlAndNotItsSignature) {
+TEST(Log, LogsTheSignerOfAUrlButNotTheSignature) {
     Exchange exchange;
     exchange.response.record.signer = "site";
     exchange.request.target = "/halftone/cat.jpg?sites=5&expires=1800000000&signature=c2lnbmF0dXJl";
@@ -55,7 +55,7 @@ TEST(Log, NamesTheKeyOfASignedUrlAndNotItsSignature) {
     EXPECT_TRUE(exchange_line(exchange, LogFormat::Json).ends_with(R"(,"signer":"site")"));
 }
 
-TEST(Log, TellsOfAnswersGivenAgain) {
+TEST(Log, LogsCacheHits) {
     Exchange exchange;
     exchange.response.record.cached = true;
     EXPECT_TRUE(exchange_line(exchange, LogFormat::Text).ends_with(" encode=0.0 cache=hit"));
@@ -68,7 +68,7 @@ TEST(Log, ShortensLongTargets) {
     EXPECT_LT(exchange_line(exchange, LogFormat::Text).size(), 1'000u);
 }
 
-TEST(Log, ShowsNothingOfAQueryButOptions) {
+TEST(Log, RedactsEverythingInAQueryButOptions) {
     const auto shown = [](const std::string& target) {
         Exchange exchange;
         exchange.request.method = "GET";
@@ -107,7 +107,7 @@ TEST(Log, WritesAJobOnOneLine) {
               R"("optimise_ms":3.0,"encode_ms":4.0,"error":500,"key":"alice","cause":"out of \"luck\"")");
 }
 
-TEST(Log, NamesTheTraceOfAJob) {
+TEST(Log, LogsTheTraceOfAJob) {
     JobEnd end;
     end.job.traceparent = "00-0af7651916cd43dd8448eb211c80319c-b7ad6b7169203331-01";
     EXPECT_NE(job_line(end, LogFormat::Text).find(" trace=0af7651916cd43dd8448eb211c80319c parent=b7ad6b7169203331"),
@@ -117,7 +117,7 @@ TEST(Log, NamesTheTraceOfAJob) {
               std::string::npos);
 }
 
-TEST(Log, ShowsWhatIsMissing) {
+TEST(Log, LogsDashesForMissingFields) {
     EXPECT_TRUE(exchange_line({}, LogFormat::Text).starts_with("- - - - 200 "));
 }
 

@@ -20,7 +20,7 @@ Exchange exchange(std::string_view route, int status) {
     return exchange;
 }
 
-/// Value of a sample, by all of its name and labels; -1: there is none.
+/// Returns the value of a sample with this name and these labels; -1 if there is none.
 double value(const std::string& text, const std::string& sample) {
     const auto line = ("\n" + text).find("\n" + sample + " ");
     return line == std::string::npos ? -1 : std::stod(text.substr(line + sample.size() + 1));
@@ -42,7 +42,7 @@ TEST(Metrics, CountsRequestsByRouteAndStatus) {
     EXPECT_EQ(value(text, "ccdt_http_sent_bytes_total"), 5000);
 }
 
-TEST(Metrics, CountsJobsByHowTheyEnd) {
+TEST(Metrics, CountsJobsByOutcome) {
     Metrics metrics("1");
     Metrics::Watched watched;
     watched.jobs = {.queued = 4, .running = 2, .bytes = 99};
@@ -77,7 +77,7 @@ TEST(Metrics, CountsJobsByHowTheyEnd) {
     EXPECT_EQ(value(text, R"(ccdt_stage_duration_seconds_count{stage="optimise"})"), 1);
 }
 
-TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
+TEST(Metrics, CountsComputedAndCancelledWork) {
     Metrics metrics("1");
     Exchange done = exchange("/halftone", 200);
     done.response.record.computed = Computed{5000, 262144};
@@ -100,7 +100,7 @@ TEST(Metrics, TellsWhatWasComputedAndGivenUp) {
     EXPECT_EQ(value(text, R"(ccdt_cancellations_total{cause="client_gone"})"), 0);
 }
 
-TEST(Metrics, ShowsThePoolAndTheProcess) {
+TEST(Metrics, ReportsThePoolAndTheProcess) {
     const Metrics metrics("1");
     const std::string text = metrics.text({.workers = 4,
                                            .busy = 3,
@@ -123,7 +123,7 @@ TEST(Metrics, ShowsThePoolAndTheProcess) {
     EXPECT_NEAR(value(text, "process_start_time_seconds"), static_cast<double>(std::time(nullptr)), 60);
 }
 
-TEST(Metrics, TellsWhatIsCountedElsewhere) {
+TEST(Metrics, ReportsCountsOfOtherComponents) {
     Metrics metrics("1");
     Metrics::Watched watched{
         .connections = {.open = 5, .streams = 3, .refused = 2},
@@ -164,7 +164,7 @@ TEST(Metrics, TellsWhatIsCountedElsewhere) {
     EXPECT_EQ(value(text, "ccdt_cache_misses_total"), 4);
 }
 
-TEST(Metrics, LosesNothingOnManyThreads) {
+TEST(Metrics, IsThreadSafe) {
     Metrics metrics("1");
     {
         std::vector<std::jthread> threads;

@@ -13,7 +13,7 @@ std::string header(const Response& response, std::string_view name) {
     return found == response.headers.end() ? "" : found->value;
 }
 
-TEST(Page, HasItsFilesWithTheirTypes) {
+TEST(Page, ServesItsFilesWithTheirTypes) {
     ASSERT_NE(find_page_file("/"), nullptr);
     EXPECT_TRUE(find_page_file("/")->content.starts_with("<!doctype html>"));
     EXPECT_EQ(find_page_file("/")->media_type, "text/html; charset=utf-8");
@@ -24,7 +24,7 @@ TEST(Page, HasItsFilesWithTheirTypes) {
         EXPECT_EQ(find_page_file(path), nullptr) << path;
 }
 
-TEST(Page, LetsNothingInFromElsewhere) {
+TEST(Page, ForbidsExternalContent) {
     const auto response = page_response(*find_page_file("/"), "");
     const auto policy = header(response, "Content-Security-Policy");
     EXPECT_TRUE(policy.starts_with("default-src 'none';"));
@@ -32,7 +32,7 @@ TEST(Page, LetsNothingInFromElsewhere) {
     EXPECT_EQ(header(response, "X-Content-Type-Options"), "nosniff");
 }
 
-TEST(Page, IsSentOnlyOnceWhileItStaysAsItIs) {
+TEST(Page, AnswersNotModifiedIfUnchanged) {
     const PageFile& file = *find_page_file("/");
     const Response whole = page_response(file, "");
     EXPECT_EQ(whole.status, 200);

@@ -14,7 +14,7 @@
 namespace ccdt::server {
 namespace {
 
-TEST(PictureName, IsOneVisibleComponentOfAPath) {
+TEST(PictureName, IsASingleVisiblePathComponent) {
     for (const char* name : {"cat.jpg", "a", "cat", "cat..jpg", "~", "a b.png", "\xc3\xa4.png", "\xff", "a\\b",
                              "%2e%2e%2f", "-rf", "*", "con"})
         EXPECT_TRUE(is_picture_name(name)) << name;
@@ -27,7 +27,7 @@ TEST(PictureName, IsOneVisibleComponentOfAPath) {
     EXPECT_FALSE(is_picture_name(std::string_view("\0", 1)));
 }
 
-/// A folder of pictures, beside a file that is none of them.
+/// A folder of pictures, and a file outside it.
 class PictureFolderTest : public testing::Test {
 protected:
     PictureFolderTest() {
@@ -48,7 +48,7 @@ protected:
         return text ? 200 : text.error().status;
     }
 
-    /// Whether it is answered as a name that nothing has.
+    /// Returns whether the answer is that of an unknown name.
     bool is_unknown(std::string_view name) const {
         const auto text = read(name), unknown = read("unknown");
         return !text && text.error().status == 404 && text.error().error.message == unknown.error().error.message;
@@ -68,7 +68,7 @@ TEST_F(PictureFolderTest, ReadsFilesByName) {
     EXPECT_TRUE(is_unknown("CAT"));
 }
 
-TEST_F(PictureFolderTest, KeepsToTheFolder) {
+TEST_F(PictureFolderTest, ReadsNothingOutsideTheFolder) {
     std::filesystem::create_directory(path_ / "sub");
     write(path_ / "sub" / "cat", "meow");
     write(path_ / ".hidden", "meow");
@@ -84,7 +84,7 @@ TEST_F(PictureFolderTest, KeepsToTheFolder) {
     EXPECT_TRUE(is_unknown(absolute));
 }
 
-TEST_F(PictureFolderTest, OpensNothingButRegularFiles) {
+TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
     ASSERT_EQ(mkfifo((path_ / "fifo").c_str(), 0600), 0);
     EXPECT_TRUE(is_unknown("fifo")) << "nor waits for whoever writes there";
     const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
@@ -100,7 +100,7 @@ TEST_F(PictureFolderTest, OpensNothingButRegularFiles) {
     }
 }
 
-TEST_F(PictureFolderTest, TellsOnlyTheLogOfFilesThatMayNotBeRead) {
+TEST_F(PictureFolderTest, ReportsUnreadableFilesOnlyToTheLog) {
     std::filesystem::permissions(path_ / "cat", std::filesystem::perms::none);
     const bool is_root = geteuid() == 0;
     ASSERT_TRUE(!is_root || seteuid(65534) == 0) << "whom permissions bind";
@@ -112,7 +112,7 @@ TEST_F(PictureFolderTest, TellsOnlyTheLogOfFilesThatMayNotBeRead) {
     EXPECT_EQ(read("unknown").error().cause, "");
 }
 
-TEST_F(PictureFolderTest, BoundsTheSize) {
+TEST_F(PictureFolderTest, LimitsTheSize) {
     EXPECT_EQ(status("cat", 4), 200);
     const auto text = read("cat", 3);
     ASSERT_FALSE(text);
@@ -120,7 +120,7 @@ TEST_F(PictureFolderTest, BoundsTheSize) {
     EXPECT_NE(text.error().error.message.find("3 bytes (max-body)"), std::string::npos) << text.error().error.message;
 }
 
-TEST_F(PictureFolderTest, ReadsNoFileThatChangesItsSize) {
+TEST_F(PictureFolderTest, RefusesFilesThatChangeTheirSize) {
     for (const char* change : {"", "me", "meow!", "a much longer text than it was"}) {
         write(path_ / "cat", "meow");
         auto file = folder_.open("cat", 100);
@@ -133,7 +133,7 @@ TEST_F(PictureFolderTest, ReadsNoFileThatChangesItsSize) {
     }
 }
 
-TEST_F(PictureFolderTest, ReadsAFileThatIsReplacedOrRemovedAsItWas) {
+TEST_F(PictureFolderTest, ReadsTheOldContentOfReplacedOrRemovedFiles) {
     auto file = folder_.open("cat", 100);
     write(path_ / "new", "woof");
     std::filesystem::rename(path_ / "new", path_ / "cat");
@@ -145,7 +145,7 @@ TEST_F(PictureFolderTest, ReadsAFileThatIsReplacedOrRemovedAsItWas) {
     EXPECT_TRUE(is_unknown("cat"));
 }
 
-TEST_F(PictureFolderTest, FollowsTheFolderItself) {
+TEST_F(PictureFolderTest, FollowsALinkToTheFolder) {
     std::filesystem::create_directory_symlink(path_, root_ / "current");
     const PictureFolder current(root_ / "current");
     EXPECT_TRUE(current.check());
@@ -156,7 +156,7 @@ TEST_F(PictureFolderTest, FollowsTheFolderItself) {
     EXPECT_EQ(current.open("cat", 100).error().status, 404);
 }
 
-TEST_F(PictureFolderTest, HasToBeThere) {
+TEST_F(PictureFolderTest, RequiresTheFolderToExist) {
     EXPECT_TRUE(folder_.check());
     for (const auto& place : {root_ / "nowhere", path_ / "cat"}) {
         const auto checked = PictureFolder(place).check();

@@ -1,4 +1,4 @@
-/// What the tests of child programs spawn: does what its argument says.
+/// Program that the tests of child programs spawn. It does what its argument says.
 
 #include <algorithm>
 #include <csignal>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kSocket = ccdt::server::ChildProgram::kSocket;
 
-/// One line: what is inherited.
+/// Describes, on one line, what the process has inherited.
 std::string inherited() {
     std::string told = "files:";
     for (int fd = 0; fd < 100; ++fd) {

@@ -36,7 +36,7 @@ bool has_children() {
     return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD;
 }
 
-TEST(ChildProgram, InheritsItsSocketOnly) {
+TEST(ChildProgram, InheritsOnlyItsSocket) {
     setenv("CCDT_SECRET", "1", 1);
     setenv("NO_SECRET", "1", 1);
     std::signal(SIGPIPE, SIG_IGN);
@@ -57,13 +57,13 @@ TEST(ChildProgram, InheritsItsSocketOnly) {
     EXPECT_STREQ(told.data(), "files: 0=null 1=null 3 own group NO_SECRET");
 }
 
-TEST(ChildProgram, TellsHowItEnded) {
+TEST(ChildProgram, ReportsHowItEnded) {
     EXPECT_EQ(spawn(make_sockets().theirs, {"two", "arguments"}).value().wait(), "exited with 2");
     EXPECT_EQ(spawn(make_sockets().theirs, {"crash"}).value().wait(), "was killed by signal 9 (Killed)");
     EXPECT_FALSE(has_children());
 }
 
-TEST(ChildProgram, SeesTheEndOfOurSocket) {
+TEST(ChildProgram, NoticesThatTheSocketWasClosed) {
     auto sockets = make_sockets();
     auto child = spawn(std::move(sockets.theirs), {"wait"});
     ASSERT_TRUE(child);
@@ -74,7 +74,7 @@ TEST(ChildProgram, SeesTheEndOfOurSocket) {
     EXPECT_EQ(child->wait(), "exited with 1");
 }
 
-TEST(ChildProgram, EndsWithItsHandle) {
+TEST(ChildProgram, IsKilledWithItsHandle) {
     auto sockets = make_sockets();
     {
         auto child = spawn(std::move(sockets.theirs), {"wait"});
@@ -93,21 +93,21 @@ TEST(ChildProgram, IsSpawnedByManyThreads) {
                 auto sockets = make_sockets();
                 auto child = spawn(std::move(sockets.theirs), {"wait"});
                 ASSERT_TRUE(child);
-                sockets.ours.reset();  // nobody else's child holds it
+                sockets.ours.reset();  // no other child has it
                 EXPECT_EQ(child->wait(), "exited with 1");
             }
         });
     }
 }
 
-TEST(ChildProgram, NamesTheFileThatIsMissing) {
+TEST(ChildProgram, NamesAMissingFile) {
     const auto child = spawn_sibling("ccdt-no-such-program", make_sockets().theirs);
     ASSERT_FALSE(child);
     EXPECT_EQ(child.error().code, ErrorCode::Internal);
     EXPECT_NE(child.error().message.find("/ccdt-no-such-program: No such file"), std::string::npos);
 }
 
-TEST(Backoff, GrowsWhileLivesAreShort) {
+TEST(Backoff, GrowsWhileProcessesDieEarly) {
     using std::chrono::milliseconds;
     Backoff backoff;
     for (const int expected : {10, 20, 40, 80, 160, 320, 640, 1000, 1000})

@@ -27,7 +27,7 @@ TEST(SharedNumber, IsReadByOtherProcesses) {
     EXPECT_EQ(moved.load(), 5U);
 }
 
-TEST(SharedNumber, IsNotForOthersToChange) {
+TEST(SharedNumber, IsReadOnlyForOtherProcesses) {
     const auto number = SharedNumber::create(3);
     ASSERT_TRUE(number);
     const UniqueFd copy(dup(number->file().get()));
@@ -37,7 +37,7 @@ TEST(SharedNumber, IsNotForOthersToChange) {
     EXPECT_EQ(number->load(), 3U);
 }
 
-TEST(SharedNumber, HasADefaultWhereThereIsNone) {
+TEST(SharedNumber, ReturnsADefaultWithoutAFile) {
     const NumberOfOthers none((UniqueFd()));
     EXPECT_EQ(none.load(7), 7U);
 }

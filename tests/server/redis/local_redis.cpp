@@ -19,8 +19,8 @@
 namespace ccdt::server::test {
 namespace {
 
-/// Debian's redis-server is a link to this program, which goes by the name it is called by; that package would start a
-/// daemon, the one with this program does not.
+/// Debian's redis-server is a link to this program, which acts according to the name by which it is called. The package
+/// of redis-server would start a daemon; the one with this program does not.
 constexpr const char* kProgram = "/usr/bin/redis-check-rdb";
 
 int free_port() {

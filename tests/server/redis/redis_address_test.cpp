@@ -24,7 +24,7 @@ TEST(RedisAddress, IsReadFromAUrl) {
     EXPECT_EQ(RedisAddress::parse("redis://:secret@/")->host, "localhost");
 }
 
-TEST(RedisAddress, RefusesOthersWithoutTellingThePassword) {
+TEST(RedisAddress, RefusesInvalidUrlsWithoutShowingThePassword) {
     for (const char* text :
          {"", "example.org", "http://:secret@a", "redis://secret@a", "redis://a:b:secret", "redis://:secret@a:99999",
           "redis://:secret@a/x", "redis://u:secret%4@a", "redis://[::1", "redis://[::1]x:secret"}) {
@@ -38,7 +38,7 @@ TEST(RedisAddress, RefusesOthersWithoutTellingThePassword) {
     EXPECT_FALSE(RedisAddress::parse("redis://u:secret%4@a"));
 }
 
-TEST(RedisAddress, NamesWhatIsNotSupported) {
+TEST(RedisAddress, NamesUnsupportedFeatures) {
     for (const char* text : {"redis-sentinel://a:26379/0", "redis+sentinel://a", "rediss+sentinel://a"})
         EXPECT_NE(RedisAddress::parse(text).error().message.find("Sentinel is not supported"), std::string::npos);
     EXPECT_NE(RedisAddress::parse("redis://a:1,b:2").error().message.find("several"), std::string::npos);

@@ -30,7 +30,7 @@ protected:
         return reply ? reply->text : "";
     }
 
-    /// Waits until it can be reached again.
+    /// Waits until Redis is reachable again.
     void wait_until_back() {
         while (!client_.run(RedisCommand{"PING"})) std::this_thread::yield();
     }
@@ -39,14 +39,14 @@ protected:
     RedisClient client_{redis_.address(), std::chrono::milliseconds(500)};
 };
 
-TEST_F(RedisClientTest, TakesAnyBytes) {
+TEST_F(RedisClientTest, StoresAnyBytes) {
     std::string bytes(3'000'000, '\0');
     for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i * i / 3);
     ASSERT_TRUE(client_.run(RedisCommand{"SET", "k", bytes}));
     EXPECT_EQ(get("k"), bytes);
 }
 
-TEST_F(RedisClientTest, TellsRepliesOfEveryKind) {
+TEST_F(RedisClientTest, ReadsRepliesOfEveryKind) {
     const std::vector<RedisCommand> commands{
         {"INCR", "n"}, {"GET", "none"}, {"RPUSH", "l", "a", "b"}, {"LRANGE", "l", "0", "-1"}};
     const auto replies = client_.run(commands);
@@ -61,7 +61,7 @@ TEST_F(RedisClientTest, TellsRepliesOfEveryKind) {
     EXPECT_EQ(client_.counts().failures, 1u);
 }
 
-TEST_F(RedisClientTest, TellsScriptsThatRedisDoesNotKnow) {
+TEST_F(RedisClientTest, LoadsUnknownScripts) {
     const RedisScript script("no-writes",
                              {"local function both(a, b) return a .. b end", "return both(KEYS[1], ARGV[1])"});
     EXPECT_EQ(client_.run(script, "a", {"b"})->text, "ab");
@@ -70,7 +70,7 @@ TEST_F(RedisClientTest, TellsScriptsThatRedisDoesNotKnow) {
     EXPECT_EQ(client_.run(script, "e", {"f"})->text, "ef");
 }
 
-TEST_F(RedisClientTest, ConnectsAgain) {
+TEST_F(RedisClientTest, Reconnects) {
     ASSERT_TRUE(client_.run(RedisCommand{"SET", "k", "v"}));
     redis_.kill();
     const auto away = client_.run(RedisCommand{"PING"});
@@ -83,7 +83,7 @@ TEST_F(RedisClientTest, ConnectsAgain) {
     EXPECT_TRUE(client_.run(RedisCommand{"PING"})) << "what was idle is made again at once";
 }
 
-TEST_F(RedisClientTest, WaitsNoLongerThanItsDeadline) {
+TEST_F(RedisClientTest, RespectsItsDeadline) {
     ASSERT_TRUE(client_.run(RedisCommand{"PING"}));
     redis_.pause();
     const auto late = client_.run(RedisCommand{"PING"});
@@ -93,7 +93,7 @@ TEST_F(RedisClientTest, WaitsNoLongerThanItsDeadline) {
     wait_until_back();
 }
 
-/// Answers whatever it is asked in its own way, and then has one thing more to say until nobody listens.
+/// Server that answers any request with `answer`, then repeats `rest` until the client leaves.
 class NoRedis {
 public:
     NoRedis(std::string answer, std::string rest) : answer_(std::move(answer)), rest_(std::move(rest)) {
@@ -130,7 +130,7 @@ private:
     std::jthread thread_;
 };
 
-TEST(RedisClient, WaitsForNoReplyThatNeverEnds) {
+TEST(RedisClient, RespectsItsDeadlineDuringAnEndlessReply) {
     const NoRedis slow("+OK\r\n$500000000\r\n", "a few bytes");
     RedisClient client(slow.address(), std::chrono::milliseconds(100));
     const auto late = client.run(RedisCommand{"PING"});
@@ -138,7 +138,7 @@ TEST(RedisClient, WaitsForNoReplyThatNeverEnds) {
     EXPECT_EQ(late.error().code, ErrorCode::Stopped);
 }
 
-TEST(RedisClient, TellsThatSomethingElseAnswers) {
+TEST(RedisClient, DetectsAServerThatIsNotRedis) {
     const NoRedis other("HTTP/1.1 400 Bad Request\r\n\r\n", "");
     RedisClient client(other.address());
     const auto failed = client.run(RedisCommand{"PING"});
@@ -146,14 +146,14 @@ TEST(RedisClient, TellsThatSomethingElseAnswers) {
     EXPECT_NE(failed.error().message.find("malformed reply"), std::string::npos) << failed.error().message;
 }
 
-TEST_F(RedisClientTest, TellsThatTheMemoryIsFull) {
+TEST_F(RedisClientTest, ReportsThatTheMemoryIsFull) {
     ASSERT_TRUE(client_.run(RedisCommand{"CONFIG", "SET", "maxmemory", "1"}));
     const auto full = client_.run(RedisCommand{"SET", "k", "v"});
     ASSERT_FALSE(full);
     EXPECT_EQ(full.error().code, ErrorCode::LimitExceeded);
 }
 
-TEST_F(RedisClientTest, IsUsedByManyThreads) {
+TEST_F(RedisClientTest, IsThreadSafe) {
     {
         std::vector<std::jthread> threads;
         for (int thread = 0; thread < 40; ++thread)
@@ -164,7 +164,7 @@ TEST_F(RedisClientTest, IsUsedByManyThreads) {
     EXPECT_EQ(get("n"), "2000");
 }
 
-TEST(RedisClient, ShowsUserAndPassword) {
+TEST(RedisClient, AuthenticatesWithUserAndPassword) {
     const LocalRedis redis({"--requirepass", "secret"});
     auto address = redis.address();
     EXPECT_FALSE(RedisClient(address).run(RedisCommand{"PING"}));
@@ -180,7 +180,7 @@ TEST(RedisClient, ShowsUserAndPassword) {
     EXPECT_EQ(RedisClient(address).run(RedisCommand{"GET", "k"})->kind, RedisReply::Kind::Nothing);
 }
 
-TEST(RedisSubscription, BeginsAgain) {
+TEST(RedisSubscription, Resubscribes) {
     LocalRedis redis;
     std::mutex mutex;
     std::condition_variable more;

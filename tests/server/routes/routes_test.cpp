@@ -17,7 +17,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Asks the routes directly, as if the request had come over a connection.
+/// Sends requests directly to the routes, as if they had come over a connection.
 class RoutesTest : public testing::Test {
 protected:
     RoutesTest() { EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, sockets_.data()), 0); }
@@ -30,7 +30,7 @@ protected:
         return routes_.answer(*parse_head(head + "\r\n\r\n"), received, connection);
     }
 
-    /// Asks by a connection that stays, for which the request is read.
+    /// Sends a request, which is read first, over a connection that stays open.
     Response ask(const std::string& head, Connection& connection) {
         const std::string sent = head + "\r\n\r\n";
         EXPECT_EQ(write(sockets_[1], sent.data(), sent.size()), static_cast<ssize_t>(sent.size()));
@@ -90,14 +90,14 @@ TEST_F(RoutesTest, ReplacesAnyOtherRequestId) {
     EXPECT_NE(ask("GET /health HTTP/1.1").record.request_id, ask("GET /health HTTP/1.1").record.request_id);
 }
 
-TEST_F(RoutesTest, AnswersFaultsAsProblems) {
+TEST_F(RoutesTest, AnswersErrorsAsProblems) {
     const Response response = ask("GET /health HTTP/1.1", problem(431, "too large"));
     EXPECT_EQ(response.status, 431);
     EXPECT_EQ(response.media_type, "application/problem+json");
     EXPECT_NE(response.body.find("too large"), std::string::npos);
 }
 
-TEST_F(RoutesTest, AreNotReadyWhileSomethingLacks) {
+TEST_F(RoutesTest, AreNotReadyWhileSomethingIsMissing) {
     missing_ = "the kettle";
     const Response refused = ask("GET /health/ready HTTP/1.1");
     EXPECT_EQ(refused.status, 503);
@@ -128,7 +128,7 @@ TEST_F(RoutesTest, CountsThePageAsOneRoute) {
     EXPECT_EQ(ask("GET /openapi.json HTTP/1.1").record.route, "/openapi.json");
 }
 
-TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
+TEST_F(RoutesTest, RequireAKeyExceptForThePageAndHealthChecks) {
     const std::string file = testing::TempDir() + "ccdt_keys_of_routes_" + std::to_string(::getpid());
     std::ofstream(file) << "alice:0123456789abcdef";
     Gate gate(file, {.per_second = 0.001, .burst = 1000});
@@ -158,7 +158,7 @@ TEST_F(RoutesTest, AskForAKeyButForThePageAndHealthChecks) {
     EXPECT_EQ(routes.answer({}, problem(400, "malformed"), connection).record.key, "") << "is not the last one's";
 }
 
-TEST_F(RoutesTest, TakeOneComponentForAName) {
+TEST_F(RoutesTest, AcceptOnePathComponentAsAName) {
     const auto route = [&](const std::string& target) {
         return std::string(ask("GET " + target + " HTTP/1.1").record.route);
     };
@@ -174,13 +174,13 @@ TEST_F(RoutesTest, TakeOneComponentForAName) {
         EXPECT_EQ(route(target), "") << target;
 }
 
-TEST_F(RoutesTest, HaveNoPicturesUnlessTheyHaveAFolder) {
+TEST_F(RoutesTest, ServeNoPicturesWithoutAFolder) {
     const Response refused = ask("GET /halftone/cat.jpg HTTP/1.1");
     EXPECT_EQ(refused.status, 404);
     EXPECT_NE(refused.body.find("(pictures)"), std::string::npos) << refused.body;
 }
 
-TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
+TEST_F(RoutesTest, ListTheMethodsOfAPath) {
     const auto allowed = [&](const std::string& path) { return header(ask("OPTIONS " + path + " HTTP/1.1"), "Allow"); };
     EXPECT_EQ(allowed("/"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(allowed("/halftone"), "POST, OPTIONS");
@@ -191,7 +191,7 @@ TEST_F(RoutesTest, TellWhichMethodsAPathTakes) {
     EXPECT_EQ(ask("PUT /sample HTTP/1.1").status, 405);
 }
 
-/// Routes whose computations a test ends, and clients that ask them at the same time.
+/// Routes whose computations are ended by the test, and clients that send requests at the same time.
 class DeadlineTest : public RoutesTest {
 protected:
     static constexpr std::chrono::seconds kPatience{60};
@@ -203,7 +203,7 @@ protected:
         };
     }
 
-    /// Stops when it is told to, but gives its answer only once the other request has been answered.
+    /// Stops when requested, but answers only after the other request has been answered.
     Result<api::Answer> compute_part(const Control& control) {
         begun_.set_value();
         std::promise<void> stopped;
@@ -215,7 +215,7 @@ protected:
         return answer;
     }
 
-    /// Does not stop when it is told to.
+    /// Ignores stops.
     Result<api::Answer> compute_nothing() {
         over_.get_future().wait_for(kPatience);
         return failure(ErrorCode::Stopped, "stopped");
@@ -254,7 +254,7 @@ TEST_F(RoutesTest, SendsNoCorsHeadersUnlessConfigured) {
     EXPECT_EQ(header(ask("GET /health HTTP/1.1"), "Access-Control-Allow-Origin"), "");
 }
 
-TEST_F(RoutesTest, NamesTheConfiguredOrigin) {
+TEST_F(RoutesTest, AllowsTheConfiguredOrigin) {
     Config config;
     config.cors_origins = {"https://example.org"};
     Routes routes = make(config);
@@ -291,7 +291,7 @@ TEST_F(RoutesTest, RefusesHostsThatAreNotAllowed) {
     EXPECT_EQ(status("GET /health/live HTTP/1.1\r\nHost: balancer"), 200) << "health checks may name any";
 }
 
-TEST_F(RoutesTest, WarnsOnceOfOriginsThatAreRefused) {
+TEST_F(RoutesTest, WarnsOnceAboutRefusedOrigins) {
     const std::string preflight =
         "OPTIONS /halftone HTTP/1.1\r\nAccess-Control-Request-Method: POST\r\nOrigin: http://localhost:5500";
     ask("GET /health HTTP/1.1\r\nOrigin: http://localhost:5500");
@@ -304,7 +304,7 @@ TEST_F(RoutesTest, WarnsOnceOfOriginsThatAreRefused) {
     EXPECT_NE(warnings_.front().find("--cors-origin http://localhost:5500 would"), std::string::npos);
 }
 
-TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
+TEST_F(RoutesTest, CompressesLongTextsOnRequest) {
     const std::string detail(2000, 'x');
     const Response plain = ask("GET /health HTTP/1.1", problem(400, detail));
     EXPECT_EQ(header(plain, "Content-Encoding"), "");
@@ -315,7 +315,7 @@ TEST_F(RoutesTest, CompressesLongTextsForThoseWhoWantIt) {
     EXPECT_EQ(header(ask("GET /health HTTP/1.1\r\nAccept-Encoding: gzip"), "Vary"), "");
 }
 
-TEST_F(RoutesTest, TagsCodingsApart) {
+TEST_F(RoutesTest, GivesEachCodingItsOwnTag) {
     const std::string plain = header(ask("GET / HTTP/1.1"), "ETag");
     const std::string packed = header(ask("GET / HTTP/1.1\r\nAccept-Encoding: gzip"), "ETag");
     EXPECT_EQ(packed, plain.substr(0, plain.size() - 1) + "-gzip\"");
@@ -328,11 +328,11 @@ TEST_F(RoutesTest, TagsCodingsApart) {
     }
 }
 
-TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
+TEST_F(RoutesTest, SendsPingsInEventStreams) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
     Routes routes = make(config);
-    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits: nothing has been started
+    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits, since nothing has been started
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
     const Response response = routes.answer(*request, {}, connection);
@@ -349,7 +349,7 @@ TEST_F(RoutesTest, KeepsStreamsOfEventsFromFallingSilent) {
     EXPECT_TRUE(sent.starts_with("event: progress\ndata: {\"id\":\"" + job->id)) << sent;
 }
 
-TEST_F(RoutesTest, GivesConnectionsTheirRoom) {
+TEST_F(RoutesTest, AssignsConnectionsToTheirClass) {
     const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});
     const auto is_answered = [&](const Capacity::Limits& limits, const std::string& path) {
         Capacity capacity(limits);

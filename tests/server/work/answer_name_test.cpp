@@ -17,7 +17,7 @@ ComputeRequest form_with(const std::string& boundary) {
         part + "sites\"\r\n\r\n100\r\n" + part + "image\"; filename=\"a\"\r\n\r\npixels\r\n--" + boundary + "--\r\n"};
 }
 
-TEST(AnswerName, NamesWhatAnAnswerDependsOn) {
+TEST(AnswerName, DependsOnEveryInputOfAnAnswer) {
     const ComputeRequest request{"/sample", "q", "application/json", "text/csv", "{}"};
     std::set<std::string> names{name_of_answer(request, {}, {})};
     EXPECT_EQ(*names.begin(), name_of_answer(request, {}, {}));
@@ -39,7 +39,7 @@ TEST(AnswerName, NamesWhatAnAnswerDependsOn) {
     }
 }
 
-TEST(AnswerName, DoesNotRunTextsTogether) {
+TEST(AnswerName, SeparatesTexts) {
     EXPECT_NE(name_of_answer({"/a", "bc", "", "", ""}, {}, {}), name_of_answer({"/ab", "c", "", "", ""}, {}, {}));
 }
 
@@ -47,7 +47,7 @@ std::string name_of_form(const ComputeRequest& request) {
     return name_of_answer(request, *find_fields(request), {});
 }
 
-TEST(AnswerName, LooksIntoForms) {
+TEST(AnswerName, IsIndependentOfTheBoundaryOfForms) {
     const std::string name = name_of_form(form_with("one"));
     EXPECT_EQ(name, name_of_form(form_with("another-boundary")));
     ComputeRequest other = form_with("one");
@@ -55,7 +55,7 @@ TEST(AnswerName, LooksIntoForms) {
     EXPECT_NE(name, name_of_form(other));
 }
 
-TEST(AnswerName, NamesTheServersLimits) {
+TEST(AnswerName, DependsOnTheServersLimits) {
     const ComputeRequest request{"/sample", "", "", "", "{}"};
     EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_sites = 7}));
     EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_pixels = 7}));

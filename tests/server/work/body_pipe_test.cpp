@@ -17,7 +17,7 @@ Clock::time_point later() {
 
 class BodyPipeTest : public testing::Test {
 protected:
-    /// Takes all there is.
+    /// Takes all pieces until the end.
     std::string take_all() {
         std::string text;
         while (!pipe_.is_over())
@@ -29,7 +29,7 @@ protected:
     BodyPipe pipe_{seconds(0)};
 };
 
-TEST_F(BodyPipeTest, HandsOnPiecesInOrder) {
+TEST_F(BodyPipeTest, TransfersPiecesInOrder) {
     std::jthread worker([this] {
         for (int i = 0; i < 1'000; ++i) EXPECT_TRUE(pipe_.push(std::to_string(i)));
         pipe_.close({}, {1, 2, 3}, memory_);
@@ -49,7 +49,7 @@ TEST_F(BodyPipeTest, WaitsForPieces) {
     EXPECT_TRUE(pipe_.is_over());
 }
 
-TEST_F(BodyPipeTest, TakesInTheRestIfTheClientIsSlow) {
+TEST_F(BodyPipeTest, BuffersTheRestForASlowClient) {
     const std::string piece(BodyPipe::kMostHeld, 'x');
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipe_.push(piece));
     pipe_.close({}, {}, memory_);
@@ -57,7 +57,7 @@ TEST_F(BodyPipeTest, TakesInTheRestIfTheClientIsSlow) {
     EXPECT_EQ(take_all().size(), 3 * piece.size());
 }
 
-TEST(BodyPipe, HasTheWorkerWaitForTheClient) {
+TEST(BodyPipe, MakesTheWorkerWaitForTheClient) {
     BodyPipe pipe(seconds(60));
     MemoryBudget memory{1'000};
     const std::string piece(BodyPipe::kMostHeld, 'x');
@@ -72,14 +72,14 @@ TEST(BodyPipe, HasTheWorkerWaitForTheClient) {
     EXPECT_TRUE(pipe.is_over());
 }
 
-TEST_F(BodyPipeTest, TellsHowItEndedOnce) {
+TEST_F(BodyPipeTest, KeepsTheFirstOutcome) {
     pipe_.close(failure(ErrorCode::Internal, "broken"), {}, memory_);
     pipe_.close({}, {}, memory_);
     ASSERT_FALSE(pipe_.outcome());
     EXPECT_EQ(pipe_.outcome().error().message, "broken");
 }
 
-TEST_F(BodyPipeTest, StopsWhatComputesOnceNobodyTakesIt) {
+TEST_F(BodyPipeTest, StopsTheComputationWhenAbandoned) {
     EXPECT_TRUE(pipe_.push("x"));
     pipe_.abandon();
     EXPECT_TRUE(pipe_.stop().stop_requested());

@@ -13,7 +13,7 @@ TEST(Sign, IsHmacSha256) {
               "YOQxWR7gtn8Niiaqy_W3f44LxiE3KMUUBUYEDw7jf1Q");
 }
 
-TEST(Sign, WritesWhatUrlsTake) {
+TEST(Sign, WritesUrlSafeText) {
     for (int i = 0; i < 100; ++i) {
         const std::string signature = sign("key", std::to_string(i));
         EXPECT_EQ(signature.size(), 43u);

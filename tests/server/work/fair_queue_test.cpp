@@ -7,7 +7,7 @@
 namespace ccdt::server {
 namespace {
 
-TEST(FairQueue, RemembersNobodyOnceItIsEmpty) {
+TEST(FairQueue, ForgetsClientsOnceItIsEmpty) {
     FairQueue<char> queue;
     queue.push("costly", 1000, 'x');
     EXPECT_EQ(queue.take_next(), 'x');
@@ -20,7 +20,7 @@ TEST(FairQueue, RemembersNobodyOnceItIsEmpty) {
     EXPECT_EQ(order, "abcd");
 }
 
-TEST(FairQueue, ForgetsWhatWasWithdrawn) {
+TEST(FairQueue, DoesNotChargeForWithdrawnItems) {
     FairQueue<char> queue;
     queue.push("a", 1, 'x');
     queue.push("a", 1000, 'y');
@@ -34,7 +34,7 @@ TEST(FairQueue, ForgetsWhatWasWithdrawn) {
     EXPECT_EQ(order, "xbcd");
 }
 
-TEST(FairQueue, PutsBackWhatIsNext) {
+TEST(FairQueue, ReturnsItemsToTheFront) {
     FairQueue<char> queue;
     for (const char item : {'a', 'b', 'c'}) queue.push("one", 1, item);
     auto taken = queue.take_next_of([](char item) { return item != 'a'; });

@@ -28,7 +28,7 @@ Result<ComputeRequest> taken_apart(ComputeRequest request) {
     return request;
 }
 
-TEST(Form, BecomesAPictureAndAQuery) {
+TEST(Form, IsSplitIntoAPictureAndAQuery) {
     const std::string picture("\0\r\n--\xff", 6);
     const auto apart = taken_apart(form_of({{"sites", "100"}, {"image", picture}, {"format", "svg"}}));
     ASSERT_TRUE(apart);
@@ -40,7 +40,7 @@ TEST(Form, BecomesAPictureAndAQuery) {
     EXPECT_EQ(taken_apart(form_of({{"file", picture}}))->body, picture);
 }
 
-TEST(Form, AddsItsFieldsToTheQueryWhateverTheyHold) {
+TEST(Form, AppendsFieldsWithAnyContentToTheQuery) {
     const Fields fields = {{"a&b=c", "%+ &=#?"}, {"empty", ""}, {"a", "\xff\xc3\xa4"}, {"a", "again"}};
     Fields with_picture = fields;
     with_picture.emplace_back("image", "x");
@@ -55,7 +55,7 @@ TEST(Form, AddsItsFieldsToTheQueryWhateverTheyHold) {
     }
 }
 
-TEST(Form, HoldsOnePicture) {
+TEST(Form, RequiresExactlyOnePicture) {
     for (const Fields& fields : {Fields{}, Fields{{"sites", "1"}}, Fields{{"image", "x"}, {"file", "y"}}}) {
         const auto apart = taken_apart(form_of(fields));
         ASSERT_FALSE(apart);
@@ -66,7 +66,7 @@ TEST(Form, HoldsOnePicture) {
     }
 }
 
-TEST(Form, LeavesOtherBodiesAlone) {
+TEST(Form, KeepsOtherBodies) {
     const ComputeRequest picture{"/halftone", "a=b", "image/png", "", "--b"};
     const auto apart = taken_apart(picture);
     ASSERT_TRUE(apart);
@@ -75,7 +75,7 @@ TEST(Form, LeavesOtherBodiesAlone) {
     EXPECT_EQ(apart->content_type, picture.content_type);
 }
 
-TEST(Form, TellsWhatIsWrongWithIt) {
+TEST(Form, ReportsMalformedForms) {
     ComputeRequest request = form_of({{"image", "x"}});
     request.body.resize(20);
     EXPECT_EQ(taken_apart(request).error().code, ErrorCode::Malformed);

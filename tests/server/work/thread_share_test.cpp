@@ -5,13 +5,13 @@
 namespace ccdt::server {
 namespace {
 
-TEST(ThreadShare, GivesALoneComputationAllOfThem) {
+TEST(ThreadShare, GivesASingleComputationAllThreads) {
     EXPECT_EQ(threads_for_each(8, 0, 100), 8U);
     EXPECT_EQ(threads_for_each(8, 1, 100), 8U);
     EXPECT_EQ(threads_for_each(1, 1, 100), 1U);
 }
 
-TEST(ThreadShare, NeverLendsMoreThanThereAre) {
+TEST(ThreadShare, NeverLendsMoreThreadsThanExist) {
     for (std::size_t workers = 1; workers <= 16; ++workers) {
         for (std::size_t running = 1; running <= workers; ++running) {
             const std::size_t each = threads_for_each(workers, running, 100);
@@ -21,12 +21,12 @@ TEST(ThreadShare, NeverLendsMoreThanThereAre) {
     }
 }
 
-TEST(ThreadShare, LeavesEachItsOwn) {
+TEST(ThreadShare, LeavesEachComputationOneThread) {
     EXPECT_EQ(threads_for_each(2, 3, 100), 1U) << "with one that is short besides the workers'";
     EXPECT_EQ(threads_for_each(16, 17, 100), 1U);
 }
 
-TEST(ThreadShare, KeepsToTheMost) {
+TEST(ThreadShare, RespectsTheLimitPerRequest) {
     EXPECT_EQ(threads_for_each(16, 1, 4), 4U);
     EXPECT_EQ(threads_for_each(16, 8, 4), 2U);
     EXPECT_EQ(threads_for_each(16, 1, 1), 1U);

@@ -17,7 +17,7 @@ constexpr bool kMayBeShort = false;
 constexpr api::Cost kShortJob{0, WorkerPool::kShort};
 constexpr api::Cost kLongJob{0, 1};
 
-/// A job that runs until it is let go.
+/// A job that runs until its gate is opened.
 class Gate {
 public:
     WorkerPool::Job job() {
@@ -35,7 +35,7 @@ private:
     std::shared_future<void> opened_ = open_.get_future().share();
 };
 
-TEST(WorkerPool, DoesEveryJob) {
+TEST(WorkerPool, RunsEveryJob) {
     std::atomic<int> done = 0;
     WorkerPool pool(3, 100);
     for (int i = 0; i < 100; ++i) ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token&) { ++done; }));
@@ -43,7 +43,7 @@ TEST(WorkerPool, DoesEveryJob) {
     EXPECT_EQ(done, 100);
 }
 
-TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
+TEST(WorkerPool, RunsOneJobPerWorkerAtOnce) {
     std::latch all(3);
     WorkerPool pool(3, 0);
     for (int i = 0; i < 3; ++i)
@@ -51,7 +51,7 @@ TEST(WorkerPool, RunsAsManyJobsAtOnceAsItHasWorkers) {
     pool.drain();
 }
 
-TEST(WorkerPool, TellsHowManyJobsRun) {
+TEST(WorkerPool, ReportsTheNumberOfRunningJobs) {
     Gate first, second;
     std::vector<std::size_t> told;
     WorkerPool pool(2, 0);
@@ -66,7 +66,7 @@ TEST(WorkerPool, TellsHowManyJobsRun) {
     EXPECT_EQ(told, (std::vector<std::size_t>{1, 2, 1, 0}));
 }
 
-TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
+TEST(WorkerPool, RefusesJobsIfTheQueueIsFull) {
     Gate gate;
     std::atomic<int> done = 0;
     const auto count = [&](const std::stop_token&) { ++done; };
@@ -86,7 +86,7 @@ TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
     EXPECT_EQ(done, 3);
 }
 
-TEST(WorkerPool, HasRoomForWhatIsBoundedElsewhere) {
+TEST(WorkerPool, AcceptsJobsUnconditionallyOnRequest) {
     Gate gate;
     std::atomic<int> done = 0;
     const auto count = [&](const std::stop_token&) { ++done; };
@@ -128,7 +128,7 @@ TEST(WorkerPool, StopsARunningJob) {
     EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Unknown);
 }
 
-TEST(WorkerPool, ForgetsAWaitingJob) {
+TEST(WorkerPool, CancelsAWaitingJob) {
     Gate gate;
     bool ran = false;
     WorkerPool pool(1, 1);
@@ -144,7 +144,7 @@ TEST(WorkerPool, ForgetsAWaitingJob) {
     EXPECT_FALSE(ran);
 }
 
-TEST(WorkerPool, OutlivesJobsThatThrow) {
+TEST(WorkerPool, SurvivesJobsThatThrow) {
     bool ran = false;
     WorkerPool pool(1, 2);
     ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { throw std::runtime_error("x"); }));
@@ -173,7 +173,7 @@ TEST(WorkerPool, EstimatesItsBacklog) {
     Gate gate;
     WorkerPool pool(1, 100);
     EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "nothing is known, nothing waits";
-    // One job that takes at least 30 ms, by the clock it is measured with.
+    // One job that takes at least 30 ms, by the clock of the pool.
     ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {
         const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
         while (WorkerPool::Clock::now() < end) std::this_thread::yield();
@@ -187,7 +187,7 @@ TEST(WorkerPool, EstimatesItsBacklog) {
     pool.drain();
 }
 
-TEST(WorkerPool, DoesNotTakeJobsThatWereLentThreadsForItsPace) {
+TEST(WorkerPool, IgnoresJobsWithLentThreadsInItsPace) {
     constexpr std::size_t kWorkers = 4, kWaiting = 40;
     constexpr api::Cost kExpected{0, 100};
     std::array<Gate, kWorkers> gates;
@@ -205,7 +205,7 @@ TEST(WorkerPool, DoesNotTakeJobsThatWereLentThreadsForItsPace) {
     pool.drain();
 }
 
-/// Order in which jobs that wait behind another are done, by their clients.
+/// Returns the order of jobs that wait behind another one, by client.
 std::string order_of(const std::vector<std::string>& clients) {
     Gate gate;
     std::string order;
@@ -220,13 +220,13 @@ std::string order_of(const std::vector<std::string>& clients) {
     return order;
 }
 
-TEST(WorkerPool, LetsClientsTakeTurns) {
+TEST(WorkerPool, AlternatesBetweenClients) {
     EXPECT_EQ(order_of({"a", "a", "a", "b", "c", "b"}), "abcaba");
     EXPECT_EQ(order_of({"a", "b", "b", "a"}), "abba");
     EXPECT_EQ(order_of({"a", "a", "a"}), "aaa");
 }
 
-TEST(WorkerPool, GivesNoCreditForTurnsThatWereNotTaken) {
+TEST(WorkerPool, GivesNoCreditToIdleClients) {
     Gate first;
     std::string order;
     const auto note = [&order](const std::string& client) {
@@ -243,7 +243,7 @@ TEST(WorkerPool, GivesNoCreditForTurnsThatWereNotTaken) {
     EXPECT_EQ(order, "aaababa");
 }
 
-TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
+TEST(WorkerPool, AcceptsNewClientsInAFullQueue) {
     Gate gate;
     const auto nothing = [](const std::stop_token&) {};
     WorkerPool pool(1, 2);
@@ -262,7 +262,7 @@ TEST(WorkerPool, LetsNewcomersIntoAFullQueue) {
     pool.drain();
 }
 
-TEST(WorkerPool, LetsClientsTakeTurnsByWhatTheirJobsCost) {
+TEST(WorkerPool, AlternatesBetweenClientsByCost) {
     Gate gate;
     std::string order;
     WorkerPool pool(1, 20);
@@ -278,7 +278,7 @@ TEST(WorkerPool, LetsClientsTakeTurnsByWhatTheirJobsCost) {
     EXPECT_EQ(order, "abbbabbbab");
 }
 
-TEST(WorkerPool, LetsShortJobsPassLongOnes) {
+TEST(WorkerPool, RunsShortJobsBeforeLongOnes) {
     Gate gate, longer;
     std::promise<void> done;
     WorkerPool pool(1, 1);
@@ -316,7 +316,7 @@ TEST(WorkerPool, KeepsOneThreadForShortJobs) {
     EXPECT_TRUE(ran);
 }
 
-TEST(WorkerPool, BeginsAJobOnlyWhenItsMemoryIsThere) {
+TEST(WorkerPool, StartsAJobOnlyWhenItsMemoryIsAvailable) {
     constexpr std::size_t kMemory = 100;
     Gate large;
     std::atomic<std::size_t> seen = 0;
@@ -336,7 +336,7 @@ TEST(WorkerPool, BeginsAJobOnlyWhenItsMemoryIsThere) {
     EXPECT_EQ(pool.memory().taken(), 0U);
 }
 
-TEST(WorkerPool, GoesOnWhenMemoryHeldElsewhereComesBack) {
+TEST(WorkerPool, ContinuesWhenMemoryIsReleasedElsewhere) {
     std::promise<void> done;
     WorkerPool pool(1, 10, 100);
     auto lease = std::make_optional(pool.memory().hold(70));
@@ -348,7 +348,7 @@ TEST(WorkerPool, GoesOnWhenMemoryHeldElsewhereComesBack) {
     pool.drain();
 }
 
-TEST(MemoryBudget, GivesNoMoreThanItHas) {
+TEST(MemoryBudget, NeverLendsMoreThanItHas) {
     int told = 0;
     MemoryBudget budget(100);
     budget.on_return([&] { ++told; });
