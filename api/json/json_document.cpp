@@ -187,6 +187,10 @@ void append_json_text(std::string& out, std::string_view text) {
     out += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+void append_ascii_json_text(std::string& out, std::string_view text) {
+    out += nlohmann::json(text).dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
 std::string pointer_below(std::string_view pointer, std::string_view member) {
     std::string result(pointer);
     result += '/';

@@ -111,6 +111,9 @@ void append_json(std::string& out, JsonValue value);
 /// Appends a text as a JSON string; bytes that are not UTF-8 are replaced.
 void append_json_text(std::string& out, std::string_view text);
 
+/// Appends a text as a JSON string of printable ASCII characters, which a header can carry.
+void append_ascii_json_text(std::string& out, std::string_view text);
+
 /// Returns the JSON Pointer (RFC 6901) to a member or an element of the value at `pointer`.
 std::string pointer_below(std::string_view pointer, std::string_view member);
 std::string pointer_below(std::string_view pointer, std::size_t element);

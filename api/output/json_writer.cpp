@@ -147,16 +147,16 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     append_remarks(out, distribution.stopped, report);
 }
 
-/// Writes repairs or warnings. Their texts are not escaped.
+/// Writes repairs or warnings in printable ASCII: their texts may contain names from the request.
 template <class Remark>
 std::string write_remarks(std::span<const Remark> remarks) {
     std::string out;
     append_array(out, remarks, [](std::string& to, const Remark& remark) {
-        to.append("{\"pointer\":\"")
-            .append(remark.field)
-            .append("\",\"detail\":\"")
-            .append(remark.detail)
-            .append("\"}");
+        to += "{\"pointer\":";
+        append_ascii_json_text(to, remark.field);
+        to += ",\"detail\":";
+        append_ascii_json_text(to, remark.detail);
+        to += '}';
     });
     return out;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -144,6 +145,18 @@ TEST(JsonWriter, WritesGeoJsonFeature) {
     EXPECT_EQ(json.at("geometry").at("coordinates"), nlohmann::json::parse(json_of(example())).at("points"));
     EXPECT_EQ(json.at("properties"),
               nlohmann::json::parse(R"({"sites":3,"seed":5,"method":"odt","iterations":1,"variation":0.25})"));
+}
+
+TEST(JsonWriter, EscapesNamesFromTheRequestInWarnings) {
+    const std::string name = "/properties/a\"b\\\n\x01\xc3\xb6\xff";
+    const Warning warnings[] = {{name, "has no \"such\" property"}};
+    const std::string text = write_warnings(warnings);
+    EXPECT_TRUE(std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; })) << text;
+    const auto read = nlohmann::json::parse(text);
+    EXPECT_EQ(read[0]["pointer"], "/properties/a\"b\\\n\x01\xc3\xb6\xef\xbf\xbd")
+        << "a byte that is not UTF-8 is replaced";
+    EXPECT_EQ(read[0]["detail"], "has no \"such\" property");
+    EXPECT_EQ(nlohmann::json::parse(json_of(example(), {.warnings = warnings}))["warnings"], read);
 }
 
 TEST(JsonWriter, MarksStoppedRunAsPartial) {
