@@ -107,7 +107,7 @@ struct Metrics::Families {
     Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "For requests and what is computed for them.");
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Of the budget, by estimate, taken now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
-                                   "Pictures whose decoder crashed, passed a limit or gave nonsense.");
+                                   "Pictures and shapefiles whose decoder crashed, passed a limit or gave nonsense.");
     Counter& decoder_restarts =
         make_counter(registry, "ccdt_decoder_restarts_total",
                      "Times that the process which starts decoders ended and was started again.");

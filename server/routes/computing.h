@@ -20,6 +20,7 @@
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
 #include "server/work/operation.h"
+#include "server/work/shapefile_request.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -31,8 +32,8 @@ public:
     /// @param waiting_memory  that requests take until they are done, besides what the pool's jobs take
     /// @param answers  Redis where servers share answers; null: none
     /// Pool, memory, jobs and Redis must outlive it.
-    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
-              RedisClient* answers);
+    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
+              ReadShapefile read_shapefile, Jobs& jobs, RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
@@ -84,6 +85,8 @@ private:
     HttpResult<AcceptedPointer> take_in(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
     HttpResult<Response> give(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
+    HttpResult<AcceptedPointer> with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
+                                              Clock::time_point deadline);
     HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
     HttpResult<T> have_worker_do(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
@@ -101,6 +104,7 @@ private:
     WorkerPool& pool_;
     MemoryBudget& waiting_memory_;
     const Compute compute_;
+    const ReadShapefile read_shapefile_;
     Jobs& jobs_;
     ResultCache cache_;
     std::atomic<bool> draining_ = false;

@@ -40,6 +40,7 @@ public:
         Missing missing;
         std::function<void(const std::string&)> warn;  ///< whoever runs the server, in words
         RedisClient* answers = nullptr;                ///< where servers share answers; null: none
+        ReadShapefile read_shapefile = {};
     };
 
     Routes(const Config& config, Parts parts);

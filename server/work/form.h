@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -13,11 +14,12 @@ namespace ccdt::server {
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Makes of a request with a form the same request with a picture: the part `image` or `file` becomes the body, the
+/// Makes of a request with a form the same request with a body: the part of that name or `file` becomes the body, the
 /// other fields are added to the query. What is no form stays as it is.
 ///
 /// @param fields  of that request
-/// Errors (Malformed): no picture, or several.
-Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields);
+/// @param part    `image`, or what else the path calls it
+/// Errors (Malformed): no such part, or several.
+Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part = "image");
 
 }  // namespace ccdt::server

@@ -33,8 +33,11 @@ using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 /// A row of the table of what the server computes. All that differs between them is here, or in what `parse` makes.
 struct Operation {
     std::string_view path;  ///< that it is POSTed to
-    bool takes_pictures;    ///< as bodies and in forms; else the body is JSON
+    bool takes_pictures;    ///< as bodies; else the body is JSON
+    bool takes_shapefiles;  ///< zipped, as bodies, which become JSON
     bool takes_query;       ///< has options in the query
+    /// Part of a form that becomes the body, as `file` does; empty: no forms are taken.
+    std::string_view form_part;
 
     /// Errors: those of the path's parser.
     Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
@@ -45,9 +48,9 @@ Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Lim
 Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
-    {"/halftone", true, true, parse_halftone},
-    {"/sample", false, true, parse_sample},
-    {"/analyze", false, false, parse_analyze},
+    {"/halftone", true, false, true, "image", parse_halftone},
+    {"/sample", false, true, true, "map", parse_sample},
+    {"/analyze", false, false, false, "", parse_analyze},
 });
 
 /// Finds the row of a path; null if there is none.
@@ -60,6 +63,9 @@ constexpr const Operation* find_operation(std::string_view path) {
 
 /// Checks all but the body. Errors: those that a request has whatever its body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
+
+/// Tells whether the body is a zipped shapefile, which only the decoder reads.
+bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
 /// Whether to parse it takes no longer than the thread of a connection should.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
