@@ -1,6 +1,7 @@
 #include "api/capabilities.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -42,6 +43,19 @@ template <class Row>
 Json describe_all(std::span<const Row* const> formats) {
     Json list = Json::array();
     for (const Row* format : formats) list.push_back(describe(*format));
+    return list;
+}
+
+/// Formats of maps that `/sample` reads; shapefiles are read for it by the decoder.
+constexpr std::array<FileFormat, 3> kMaps = {{
+    {"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
+    {"topojson", "TopoJSON", "topojson", "application/json", ""},
+    {"shapefile", "Shapefile, zipped", "zip", "application/zip", ""},
+}};
+
+Json describe_maps() {
+    Json list = Json::array();
+    for (const FileFormat& map : kMaps) list.push_back(describe(map));
     return list;
 }
 
@@ -95,6 +109,7 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
                              {"pictures", name_of(pictures)}}},
                            {"sample",
                             {{"formats", describe_all(sample_formats())},
+                             {"inputs", describe_maps()},
                              {"masks", describe_all(mask_formats())},
                              {"options", sample_options()},
                              {"methods", describe_methods(limits)}}},

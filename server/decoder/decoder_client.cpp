@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "api/image/image_header.h"
+#include "api/map/shapefile_reader.h"
 #include "server/decoder/decoder_protocol.h"
 #include "server/processes/messages.h"
 
@@ -71,39 +72,39 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadl
     return std::nullopt;
 }
 
-template <class AnyPicture>
-tl::expected<Result<AnyPicture>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
-                                                     const api::Reading& reading, const DecoderLimits& limits,
-                                                     Clock::duration patience, const std::stop_token& stop) {
-    using Reply = ReplyMemory<AnyPicture>;
-    constexpr bool kColour = std::is_same_v<AnyPicture, ColourPicture>;
+/// Result that a reply holds.
+template <class Reply>
+using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_type;
+
+/// @param text  of the order
+template <class Reply>
+tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
+                                                  const Order::Text& text, const std::stop_token& stop) {
+    const auto most = static_cast<std::size_t>(text.most);
     auto outcome = make_sockets(SOCK_SEQPACKET);
-    Order order{{bytes.size(), reading.max_pixels, kColour, reading.reduce,
-                 std::chrono::ceil<std::chrono::milliseconds>(patience).count(), limits},
-                make_file(bytes),
-                Reply::make_file(reading.max_pixels),
-                {}};
+    Order order{text, make_file(bytes), Reply::make_file(most), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
     if (!hand(order, stop))
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
-    const auto deadline = Clock::now() + limits.time;
+    const auto deadline = Clock::now() + text.limits.time;
     order.outcome.reset();  // the helper's alone, or its death would go unseen
     // To leave closes our end, which ends the child.
     if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
-    const Reply reply(order.reply, reading.max_pixels);
+    const Reply reply(order.reply, most);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
     if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
     return *std::move(result);
 }
 
-tl::unexpected<Error> describe(const NoReply& none) {
+/// @param what  was to be decoded
+tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     switch (none.reason) {
         case NoReply::Reason::Died:
-            return failure(ErrorCode::Unusable, "the image could not be decoded: it made the decoder fail");
+            return failure(ErrorCode::Unusable, what + " could not be decoded: it made the decoder fail");
         case NoReply::Reason::TooSlow:
-            return failure(ErrorCode::Unusable, "the image could not be decoded: it took too long");
+            return failure(ErrorCode::Unusable, what + " could not be decoded: it took too long");
         case NoReply::Reason::Stopped:
             return failure(ErrorCode::Stopped, "the decoding was stopped");
         case NoReply::Reason::NotStarted:
@@ -113,6 +114,28 @@ tl::unexpected<Error> describe(const NoReply& none) {
             break;
     }
     return failure(ErrorCode::Internal, "the decoder is gone, and was not back in time");
+}
+
+/// Has a file decoded, and gives an order again that was lost with its helper.
+/// @param deaths  counts children that crashed, passed a limit or gave nonsense
+template <class Reply>
+ResultOf<Reply> decode_by(const DecoderClient::Hand& hand, std::string_view bytes, Order::Text text,
+                          const std::stop_token& stop, std::atomic<std::uint64_t>& deaths) {
+    using Reason = NoReply::Reason;
+    text.bytes = bytes.size();
+    std::optional<Clock::time_point> give_up;
+    while (true) {
+        const Clock::duration patience = give_up ? *give_up - Clock::now() : kPatience;
+        text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
+        auto reply = ask_helper<Reply>(hand, bytes, text, stop);
+        if (reply) return *std::move(reply);
+        const auto reason = reply.error().reason;
+        if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
+        if (!give_up) give_up = Clock::now() + kPatience;
+        // That a helper ended was not this file's fault.
+        if (reason != Reason::OrderLost || Clock::now() > *give_up)
+            return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
+    }
 }
 
 }  // namespace
@@ -126,22 +149,20 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
     return {header->decoder_bytes, kTime + std::chrono::milliseconds(header->pixels() / kPixelsPerMillisecond)};
 }
 
+DecoderLimits shapefile_limits(std::size_t max_bytes) {
+    constexpr std::chrono::milliseconds kTime{10'000};
+    return {api::shapefile_memory(max_bytes), kTime};
+}
+
 template <class AnyPicture>
 Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::Reading& reading,
                                             const std::stop_token& stop) {
-    using Reason = NoReply::Reason;
-    const DecoderLimits limits = limits_(bytes, reading.max_pixels);
-    std::optional<Clock::time_point> give_up;
-    while (true) {
-        const Clock::duration patience = give_up ? *give_up - Clock::now() : kPatience;
-        auto reply = ask_helper<AnyPicture>(hand_, bytes, reading, limits, patience, stop);
-        if (reply) return *std::move(reply);
-        const auto reason = reply.error().reason;
-        if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths_;
-        if (!give_up) give_up = Clock::now() + kPatience;
-        // That a helper ended was not this picture's fault.
-        if (reason != Reason::OrderLost || Clock::now() > *give_up) return describe(reply.error());
-    }
+    Order::Text text;
+    text.most = reading.max_pixels;
+    text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
+    text.reduce = reading.reduce;
+    text.limits = limits_(bytes, reading.max_pixels);
+    return decode_by<ReplyMemory<AnyPicture>>(hand_, bytes, text, stop, deaths_);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
@@ -152,6 +173,19 @@ Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading
 Result<ColourPicture> DecoderClient::decode_colour(std::string_view bytes, const api::Reading& reading,
                                                    const std::stop_token& stop) {
     return decode_to<ColourPicture>(bytes, reading, stop);
+}
+
+Result<std::string> DecoderClient::read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
+                                                  const std::stop_token& stop) {
+    if (reading.object.size() > Order::kLongestName)
+        return failure(ErrorCode::Malformed,
+                       "object must be a name of at most " + std::to_string(Order::kLongestName) + " bytes", "object");
+    Order::Text text;
+    text.most = reading.max_bytes;
+    text.product = Order::Product::Map;
+    reading.object.copy(text.object.data(), reading.object.size());
+    text.limits = shapefile_limits(reading.max_bytes);
+    return decode_by<ReplyText>(hand_, archive, text, stop, deaths_);
 }
 
 api::Decode DecoderClient::functions() {

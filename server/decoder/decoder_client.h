@@ -5,9 +5,12 @@
 #include <cstdint>
 #include <functional>
 #include <stop_token>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "api/image/image_codec.h"
+#include "api/map/shapefile_parts.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 #include "server/decoder/decoder_sandbox.h"
@@ -18,6 +21,10 @@ struct Order;
 
 /// Limits for a file: the memory that a reader needs for a picture as its header tells it, the time of a slow machine.
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
+
+/// Limits for a zipped shapefile: the memory that its reader needs, the time of a slow machine.
+/// @param max_bytes  as api::ShapefileReading has it
+DecoderLimits shapefile_limits(std::size_t max_bytes);
 
 /// Has pictures decoded in the box, wherever that is. May be used from any thread.
 class DecoderClient {
@@ -39,10 +46,14 @@ public:
     Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
                                         const std::stop_token& stop);
 
+    /// Reads a zipped shapefile as api::read_shapefile does, to GeoJSON. Errors besides: as above.
+    Result<std::string> read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
+                                       const std::stop_token& stop);
+
     /// The two functions, as api takes them. The client must outlive them.
     api::Decode functions();
 
-    /// Pictures so far whose child crashed, passed a limit or gave nonsense.
+    /// Files so far whose child crashed, passed a limit or gave nonsense.
     std::uint64_t deaths() const { return deaths_; }
 
 private:

@@ -160,8 +160,15 @@ private:
         auto order = receive_order(kOrders);
         if (!order || !order->outcome) _exit(kFailed);
         Sandbox::volunteer_for_out_of_memory(kProc);
-        if (order->text.colour != 0) decode(*std::move(order), decoder_.colour);
-        decode(*std::move(order), decoder_.grey);
+        switch (order->text.product) {
+            case Order::Product::Grey:
+                decode(*std::move(order), decoder_.grey);
+            case Order::Product::Colour:
+                decode(*std::move(order), decoder_.colour);
+            case Order::Product::Map:
+                decode_map(*std::move(order));
+        }
+        _exit(kFailed);
     }
 
     /// Tells by errno why nothing can be decoded, which is not the picture's fault; in the child.
@@ -171,23 +178,43 @@ private:
         _exit(kFailed);
     }
 
-    /// Decodes; from here on the child has the two mapped files and a socket to whoever waits. It says itself that it
-    /// is done, as ending a process with so many libraries takes milliseconds.
     template <class AnyPicture>
     [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
-        const auto max_pixels = static_cast<std::size_t>(order.text.max_pixels);
-        const auto size = static_cast<std::size_t>(order.text.bytes);
+        const auto max_pixels = static_cast<std::size_t>(order.text.most);
         ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
+        carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
+            const auto result = decode_file(bytes, {max_pixels, text.reduce},
+                                            [&reply](std::size_t values) { return reply.new_plane(values); });
+            return reply.write(result);
+        });
+    }
+
+    [[noreturn]] void decode_map(Order order) const {
+        const auto max_bytes = static_cast<std::size_t>(order.text.most);
+        ReplyText reply(order.reply, max_bytes);
+        carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
+            if (!decoder_.map) return false;
+            reply.write(decoder_.map(bytes, {text.object.data(), max_bytes},
+                                     [&reply](std::string_view piece) { return reply.append(piece); }));
+            return true;
+        });
+    }
+
+    /// Decodes; from here on the child has the two mapped files and a socket to whoever waits. It says itself that it
+    /// is done, as ending a process with so many libraries takes milliseconds.
+    /// @param decode_bytes  decodes the file and writes the reply; false: it could not
+    template <class Reply, class DecodeBytes>
+    [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
+        const auto size = static_cast<std::size_t>(order.text.bytes);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
         if (!reply || (size > 0 && file == MAP_FAILED)) give_up(order.outcome.get());
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        if (!sandbox_.enter(order.text.limits, size + reply.size(max_pixels))) give_up(STDOUT_FILENO);
+        const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.most));
+        if (!sandbox_.enter(order.text.limits, mapped)) give_up(STDOUT_FILENO);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
-        const auto result = decode_file(bytes, {max_pixels, order.text.reduce},
-                                        [&reply](std::size_t values) { return reply.new_plane(values); });
         const Outcome done;
-        if (!reply.write(result) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
+        if (!decode_bytes(bytes, order.text) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
         _exit(0);
     }
 

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "api/image/image_codec.h"
+#include "api/map/shapefile_reader.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
@@ -15,9 +16,14 @@ struct Decoder {
     using To = std::function<Result<AnyPicture>(std::string_view file, const api::Reading& reading,
                                                 const api::NewPlane& make_plane)>;
 
+    /// As api::read_shapefile.
+    using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
+                                             const api::TakeText& take)>;
+
     To<Picture> grey;               ///< as api::decode_image
     To<ColourPicture> colour;       ///< as api::decode_colour_image
     std::function<void()> warm_up;  ///< what these do but once; may be empty
+    ToMap map = {};                 ///< empty: none is decoded
 };
 
 /// The helper: takes orders, and has each done by a child in the sandbox. The calling process only waits for the helper

@@ -17,20 +17,62 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::size_t kLongestMessage = 1000;
+constexpr std::size_t kLongestField = 100;
 
 /// Offset of the planes.
 constexpr std::size_t kHeadSize = 4096;
 
-/// The beginning of a reply; for an error its text follows.
+/// The beginning of a reply; for an error its message and its field follow.
 struct ReplyHead {
-    std::uint32_t is_picture = 0;
+    std::uint32_t is_product = 0;
     std::uint32_t code = 0;  ///< of the error
     std::uint64_t message_size = 0;
-    std::int32_t width = 0;
+    std::int32_t width = 0;  ///< of a picture, like the next two
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
+    std::uint64_t field_size = 0;
+    std::uint64_t text_size = 0;  ///< of a text
 };
-static_assert(sizeof(ReplyHead) + kLongestMessage <= kHeadSize);
+static_assert(sizeof(ReplyHead) + kLongestMessage + kLongestField <= kHeadSize);
+
+UniqueFd make_reply_file(std::size_t size) {
+    UniqueFd file(memfd_create("reply", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    // Shrunk under the server's eyes it would crash it.
+    if (!file || ftruncate(file.get(), static_cast<off_t>(size)) != 0 ||
+        fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
+        return {};
+    }
+    return file;
+}
+
+/// @returns  null if that failed
+std::shared_ptr<std::byte> map_reply(const UniqueFd& file, std::size_t size) {
+    void* const begin = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
+    if (begin == MAP_FAILED) return nullptr;
+    return {static_cast<std::byte*>(begin), [size](std::byte* memory) { munmap(memory, size); }};
+}
+
+/// Writes an error behind the head, which becomes one of it.
+void write_error(const Error& error, ReplyHead& head, std::byte* memory) {
+    const auto message = std::string_view(error.message).substr(0, kLongestMessage);
+    const auto field = std::string_view(error.field).substr(0, kLongestField);
+    head.code = static_cast<std::uint32_t>(error.code);
+    head.message_size = message.size();
+    head.field_size = field.size();
+    std::memcpy(memory + sizeof(head), message.data(), message.size());
+    std::memcpy(memory + sizeof(head) + message.size(), field.data(), field.size());
+}
+
+/// @returns  none for what no honest child writes
+std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std::byte* memory) {
+    const bool known = head.code <= static_cast<std::uint32_t>(ErrorCode::Internal);
+    if (!known || head.message_size == 0 || head.message_size > kLongestMessage || head.field_size > kLongestField)
+        return std::nullopt;
+    const auto* const message = reinterpret_cast<const char*>(memory + sizeof(head));
+    const auto size = static_cast<std::size_t>(head.message_size);
+    return failure(static_cast<ErrorCode>(head.code), {message, size},
+                   {message + size, static_cast<std::size_t>(head.field_size)});
+}
 
 /// Gets the pages of values all at once, which takes half as long as by a fault each; where it fails, that way.
 void populate(float* values, std::size_t count, int advice) {
@@ -72,13 +114,7 @@ std::optional<Order> receive_order(int socket) {
 
 template <class AnyPicture>
 UniqueFd ReplyMemory<AnyPicture>::make_file(std::size_t max_pixels) {
-    UniqueFd file(memfd_create("reply", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    // Shrunk under the server's eyes it would crash it.
-    if (!file || ftruncate(file.get(), static_cast<off_t>(size(max_pixels))) != 0 ||
-        fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
-        return {};
-    }
-    return file;
+    return make_reply_file(size(max_pixels));
 }
 
 template <class AnyPicture>
@@ -87,12 +123,8 @@ std::size_t ReplyMemory<AnyPicture>::size(std::size_t max_pixels) {
 }
 
 template <class AnyPicture>
-ReplyMemory<AnyPicture>::ReplyMemory(const UniqueFd& file, std::size_t max_pixels) : max_pixels_(max_pixels) {
-    const std::size_t bytes = size(max_pixels);
-    void* const begin = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
-    if (begin == MAP_FAILED) return;
-    memory_ = {static_cast<std::byte*>(begin), [bytes](std::byte* memory) { munmap(memory, bytes); }};
-}
+ReplyMemory<AnyPicture>::ReplyMemory(const UniqueFd& file, std::size_t max_pixels)
+    : max_pixels_(max_pixels), memory_(map_reply(file, size(max_pixels))) {}
 
 template <class AnyPicture>
 float* ReplyMemory<AnyPicture>::plane(std::size_t offset) const {
@@ -117,15 +149,12 @@ bool ReplyMemory<AnyPicture>::write(const Result<AnyPicture>& result) {
             const bool may_lack = i + 1 == kPlanes && planes[i]->empty();
             if (!may_lack && planes[i]->begin() != plane(i * planes[0]->size())) return false;
         }
-        head.is_picture = 1;
+        head.is_product = 1;
         head.width = result->width;
         head.height = result->height;
         head.has_alpha = result->alpha.empty() ? 0 : 1;
     } else {
-        const auto message = std::string_view(result.error().message).substr(0, kLongestMessage);
-        head.code = static_cast<std::uint32_t>(result.error().code);
-        head.message_size = message.size();
-        std::memcpy(memory_.get() + sizeof(head), message.data(), message.size());
+        write_error(result.error(), head, memory_.get());
     }
     std::memcpy(memory_.get(), &head, sizeof(head));
     return true;
@@ -135,12 +164,7 @@ template <class AnyPicture>
 std::optional<Result<AnyPicture>> ReplyMemory<AnyPicture>::read() const {
     ReplyHead head;
     std::memcpy(&head, memory_.get(), sizeof(head));
-    if (head.is_picture == 0) {
-        const bool known = head.code <= static_cast<std::uint32_t>(ErrorCode::Internal);
-        if (!known || head.message_size == 0 || head.message_size > kLongestMessage) return std::nullopt;
-        const auto* const text = reinterpret_cast<const char*>(memory_.get() + sizeof(head));
-        return failure(static_cast<ErrorCode>(head.code), {text, static_cast<std::size_t>(head.message_size)});
-    }
+    if (head.is_product == 0) return read_error(head, memory_.get());
     if (head.width < 1 || head.height < 1) return std::nullopt;
     const auto width = static_cast<std::size_t>(head.width);
     const auto height = static_cast<std::size_t>(head.height);
@@ -159,5 +183,43 @@ std::optional<Result<AnyPicture>> ReplyMemory<AnyPicture>::read() const {
 
 template class ReplyMemory<Picture>;
 template class ReplyMemory<ColourPicture>;
+
+UniqueFd ReplyText::make_file(std::size_t max_bytes) {
+    return make_reply_file(size(max_bytes));
+}
+
+std::size_t ReplyText::size(std::size_t max_bytes) {
+    return kHeadSize + max_bytes;
+}
+
+ReplyText::ReplyText(const UniqueFd& file, std::size_t max_bytes)
+    : max_bytes_(max_bytes), memory_(map_reply(file, size(max_bytes))) {}
+
+bool ReplyText::append(std::string_view piece) {
+    if (piece.size() > max_bytes_ - used_) return false;
+    std::memcpy(memory_.get() + kHeadSize + used_, piece.data(), piece.size());
+    used_ += piece.size();
+    return true;
+}
+
+void ReplyText::write(const Result<void>& result) {
+    ReplyHead head;
+    if (result) {
+        head.is_product = 1;
+        head.text_size = used_;
+    } else {
+        write_error(result.error(), head, memory_.get());
+    }
+    std::memcpy(memory_.get(), &head, sizeof(head));
+}
+
+std::optional<Result<std::string>> ReplyText::read() const {
+    ReplyHead head;
+    std::memcpy(&head, memory_.get(), sizeof(head));
+    if (head.is_product == 0) return read_error(head, memory_.get());
+    if (head.text_size > max_bytes_) return std::nullopt;
+    return std::string(reinterpret_cast<const char*>(memory_.get()) + kHeadSize,
+                       static_cast<std::size_t>(head.text_size));
+}
 
 }  // namespace ccdt::server

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "core/halftone/picture.h"
@@ -24,12 +27,19 @@ struct Hello {
 
 /// Message from the server to the helper: a file to decode.
 struct Order {
+    /// Result that the file is decoded to: a Picture, a ColourPicture, or the GeoJSON of a shapefile.
+    enum class Product : std::uint32_t { Grey, Colour, Map };
+
+    /// Bytes that the name of a shapefile may have.
+    static constexpr std::size_t kLongestName = 1000;
+
     struct Text {
-        std::uint64_t bytes = 0;       ///< of the file
-        std::uint64_t max_pixels = 0;  ///< of the picture
-        std::uint32_t colour = 0;      ///< to be decoded to a ColourPicture; else to a Picture
-        std::int32_t reduce = 1;       ///< as api::Reading has it
-        std::int64_t patience_ms = 0;  ///< for which the order may wait for a helper
+        std::uint64_t bytes = 0;  ///< of the file
+        std::uint64_t most = 0;   ///< pixels of the picture, or bytes of the map
+        Product product = Product::Grey;
+        std::int32_t reduce = 1;                         ///< as api::Reading has it
+        std::array<char, kLongestName + 1> object = {};  ///< as api::ShapefileReading has it; zeros after its end
+        std::int64_t patience_ms = 0;                    ///< for which the order may wait for a helper
         DecoderLimits limits;
     };
     Text text;
@@ -88,6 +98,35 @@ private:
 
     std::size_t max_pixels_;
     std::size_t used_ = 0;  ///< values that were given room
+    std::shared_ptr<std::byte> memory_;
+};
+
+/// A child's reply that is a text, in memory that it shares with the server.
+class ReplyText {
+public:
+    /// Memory for it, as that of a picture.
+    static UniqueFd make_file(std::size_t max_bytes);
+
+    /// Maps it; false afterwards if that failed.
+    ReplyText(const UniqueFd& file, std::size_t max_bytes);
+    explicit operator bool() const { return memory_ != nullptr; }
+
+    static std::size_t size(std::size_t max_bytes);
+
+    /// Appends a piece of the text, in the child.
+    /// @returns  false if there is no room for it
+    bool append(std::string_view piece);
+
+    /// Ends the text, or replaces it by an error, in the child.
+    void write(const Result<void>& result);
+
+    /// Copies the result, in the server, once the child is done: the child could still change the text.
+    /// @returns  none for what no honest child writes
+    std::optional<Result<std::string>> read() const;
+
+private:
+    std::size_t max_bytes_;
+    std::size_t used_ = 0;
     std::shared_ptr<std::byte> memory_;
 };
 

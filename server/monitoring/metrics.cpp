@@ -110,7 +110,8 @@ struct Metrics::Families {
     Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "Memory for requests and their computations.");
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Estimated memory that is reserved now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
-                                   "Pictures whose decoder crashed, exceeded a limit or returned an invalid result.");
+                                   "Pictures and shapefiles whose decoder crashed, exceeded a limit or returned an "
+                                   "invalid result.");
     Counter& decoder_restarts =
         make_counter(registry, "ccdt_decoder_restarts_total", "Restarts of the process that starts decoders.");
     Counter& crashes = make_counter(registry, "ccdt_computation_crashes_total",

@@ -186,12 +186,13 @@ private:
     std::optional<api::Answer> copy_;
 };
 
-Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
-                     RedisClient* answers)
+Computing::Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
+                     ReadShapefile read_shapefile, Jobs& jobs, RedisClient* answers)
     : config_(config),
       pool_(pool),
       waiting_memory_(waiting_memory),
       compute_(std::move(compute)),
+      read_shapefile_(std::move(read_shapefile)),
       jobs_(jobs),
       cache_(config.cache, answers) {}
 
@@ -241,8 +242,11 @@ HttpResult<Response> Computing::respond(const AcceptedPointer& asked, const Inco
     return compute(asked, compressed, incoming);
 }
 
-HttpResult<Response> Computing::compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming) {
+HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
+    const auto read = with_map_read(given, incoming, deadline);
+    if (!read) return tl::unexpected(read.error());
+    const AcceptedPointer& asked = *read;
     const auto forecast = this->forecast(asked, incoming, deadline);
     if (!forecast) return tl::unexpected(forecast.error());
     const TimeLimit limit{deadline, forecast->accepts_partial ? kGrace : Clock::duration()};
@@ -337,14 +341,19 @@ HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& opera
     auto fields = find_fields(request);
     if (!fields) return problem(std::move(fields.error()));
     std::string name = name_of_answer(request, *fields, config_.limits);
-    if (auto apart = take_apart(request, *fields); !apart) return problem(std::move(apart.error()));
+    if (auto apart = take_apart(request, *fields, operation.form_part); !apart)
+        return problem(std::move(apart.error()));
     return std::make_shared<const AcceptedRequest>(
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
 /// Makes a job of a request, which is parsed now and computed later.
-HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incoming& incoming) {
-    const auto forecast = this->forecast(asked, incoming, Clock::now() + config_.timeout);
+HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incoming& incoming) {
+    const auto deadline = Clock::now() + config_.timeout;
+    const auto read = with_map_read(given, incoming, deadline);
+    if (!read) return tl::unexpected(read.error());
+    const AcceptedPointer& asked = *read;
+    const auto forecast = this->forecast(asked, incoming, deadline);
     if (!forecast) return tl::unexpected(forecast.error());
     incoming.record.stages = {};  // the job has stages of its own
     Job job;
@@ -355,6 +364,23 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& asked, const Incomi
     job.cost.memory += asked->request.body.size();  // the run loads the body from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
     return jobs_.accept(std::move(job), asked->request).map(accepted);
+}
+
+/// Converts a zipped shapefile to GeoJSON, in a task that is admitted like a computation. Other requests stay unchanged.
+HttpResult<Computing::AcceptedPointer> Computing::with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
+                                                                Clock::time_point deadline) {
+    if (!holds_shapefile(asked->operation, asked->request)) return asked;
+    const std::size_t max_bytes = max_shapefile_bytes(config_.max_body, pool_.memory().total());
+    Task<ComputeRequest> task = [this, asked, max_bytes](const Control& control, api::Timings&, auto&) {
+        return with_geojson(asked->request, max_bytes, read_shapefile_, control.stop);
+    };
+    auto request =
+        run_in_worker(std::move(task), cost_of_shapefile(asked->request.body, max_bytes), incoming, {deadline});
+    if (!request) return tl::unexpected(std::move(request.error()));
+    auto lease = take_memory(request->body.size());
+    if (!lease) return tl::unexpected(std::move(lease.error()));
+    return std::make_shared<const AcceptedRequest>(
+        AcceptedRequest{asked->operation, *std::move(request), asked->name, *std::move(lease)});
 }
 
 /// Parses a request, in a worker unless that is quick, and estimates its cost.
@@ -373,7 +399,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. The record gets the stages so far.
+/// Has a worker run a task, and waits for the result. The record gets the stages so far, and how long this and earlier
+/// tasks have waited in the queue.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {
@@ -392,8 +419,10 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, cons
         },
         cost);
     if (!job) return busy(429, "too many requests are waiting");
+    const double waited_before = incoming.record.stages.queue;
     const auto waited = wait_for(*pending, *job, incoming, limit);
     incoming.record.stages = pending->stages();
+    incoming.record.stages.queue += waited_before;
     if (!waited) return tl::unexpected(waited.error());
     auto result = pending->take_result();
     if (!result && result.error().code == ErrorCode::Stopped) return too_slow(incoming.record);
@@ -445,10 +474,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
             return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};
         });
     };
-    const double waited = incoming.record.stages.queue;
-    auto product = run_in_worker(std::move(task), cost, incoming, limit);
-    incoming.record.stages.queue += waited;
-    return product;
+    return run_in_worker(std::move(task), cost, incoming, limit);
 }
 
 tl::unexpected<Problem> Computing::busy(int status, std::string message) const {

@@ -20,6 +20,7 @@
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
 #include "server/work/operation.h"
+#include "server/work/shapefile_request.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
@@ -30,8 +31,8 @@ public:
     /// @param waiting_memory  budget for requests until they are done, in addition to the memory of the pool's jobs
     /// @param answers         Redis in which servers share answers; null: none
     /// `pool`, `waiting_memory`, `jobs` and `answers` must outlive this object.
-    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute, Jobs& jobs,
-              RedisClient* answers);
+    Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
+              ReadShapefile read_shapefile, Jobs& jobs, RedisClient* answers);
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
@@ -84,6 +85,8 @@ private:
     HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
     HttpResult<Response> respond(const AcceptedPointer& asked, const Incoming& incoming);
     HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
+    HttpResult<AcceptedPointer> with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
+                                              Clock::time_point deadline);
     HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
     template <class T>
     HttpResult<T> run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
@@ -101,6 +104,7 @@ private:
     WorkerPool& pool_;
     MemoryBudget& waiting_memory_;
     const Compute compute_;
+    const ReadShapefile read_shapefile_;
     Jobs& jobs_;
     ResultCache cache_;
     std::atomic<bool> draining_ = false;

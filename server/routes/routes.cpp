@@ -157,7 +157,8 @@ Routes::Routes(const Config& config, Parts parts)
       metrics_(parts.metrics),
       missing_(std::move(parts.missing)),
       warn_(std::move(parts.warn)),
-      computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), parts.jobs, parts.answers),
+      computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), std::move(parts.read_shapefile),
+                 parts.jobs, parts.answers),
       pictures_(config.pictures.empty() ? std::nullopt : std::optional<PictureFolder>(config.pictures)),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}

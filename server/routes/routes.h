@@ -40,6 +40,7 @@ public:
         Missing missing;
         std::function<void(const std::string&)> warn;  ///< reports to the operator
         RedisClient* answers = nullptr;                ///< Redis in which servers share answers; null: none
+        ReadShapefile read_shapefile = {};
     };
 
     Routes(const Config& config, Parts parts);

@@ -140,6 +140,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                 metrics_.add(end);
                 log_.job(end);
             }),
+      decoding_([this](const Order& order, const std::stop_token& stop) { return parts_.decoder->relay(order, stop); }),
       routes_(config, {.gate = *parts_.gate,
                        .pool = pool_,
                        .waiting_memory = waiting_memory_,
@@ -148,7 +149,11 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .metrics = metrics_,
                        .missing = [this] { return missing(); },
                        .warn = [this](const std::string& what) { log_.warning(what); },
-                       .answers = parts_.redis.answers.get()}),
+                       .answers = parts_.redis.answers.get(),
+                       .read_shapefile =
+                           [this](std::string_view archive, const auto& reading, const auto& stop) {
+                               return decoding_.read_shapefile(archive, reading, stop);
+                           }}),
       server_(
           std::move(parts_.listener), config.patience, config.capacity, config.trusted_proxies,
           [this](const auto& request, const auto& received, auto& connection) {
@@ -196,12 +201,14 @@ std::string Service::missing() const {
 
 /// Collects the metrics that other parts count.
 Metrics::Watched Service::figures() const {
+    auto computing = parts_.computing->counts();
+    computing.decoder_deaths += decoding_.deaths();
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,
             .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
             .decoder_restarts = parts_.decoder->restarts(),
             .decoder_silences = parts_.decoder->silences(),
-            .computing = parts_.computing->counts(),
+            .computing = computing,
             .lent_threads = parts_.computing->lent(),
             .jobs = jobs_.load(),
             .job_runs = jobs_.counts(),

@@ -10,6 +10,7 @@
 #include "server/config/config.h"
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_box.h"
+#include "server/decoder/decoder_client.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
 #include "server/jobs/job_store.h"
@@ -94,6 +95,7 @@ private:
     WorkerPool pool_;
     Metrics metrics_;
     Jobs jobs_;
+    DecoderClient decoding_;  ///< of shapefiles, which the server itself has decoded
     Routes routes_;
     HttpServer server_;
 };

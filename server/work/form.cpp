@@ -12,21 +12,21 @@ bool is_form(const ComputeRequest& request) {
     return media_type(request.content_type) == "multipart/form-data";
 }
 
-bool is_picture(const FormPart& field) {
-    return field.name == "image" || field.name == "file";
+bool is_body(const FormPart& field, std::string_view part) {
+    return field.name == part || field.name == "file";
 }
 
-Result<const FormPart*> find_picture(const std::vector<FormPart>& fields) {
-    const FormPart* picture = nullptr;
+Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::string_view part) {
+    const FormPart* body = nullptr;
+    const std::string name(part);
     for (const FormPart& field : fields) {
-        if (!is_picture(field)) continue;
-        if (picture != nullptr)
-            return failure(ErrorCode::Malformed, "the form contains more than one picture", "image");
-        picture = &field;
+        if (!is_body(field, part)) continue;
+        if (body != nullptr) return failure(ErrorCode::Malformed, "the form contains more than one " + name, name);
+        body = &field;
     }
-    if (picture == nullptr)
-        return failure(ErrorCode::Malformed, "the form has no part `image` or `file` with the picture", "image");
-    return picture;
+    if (body == nullptr)
+        return failure(ErrorCode::Malformed, "the form has no part `" + name + "` or `file` with the " + name, name);
+    return body;
 }
 
 }  // namespace
@@ -38,17 +38,17 @@ Result<std::vector<FormPart>> find_fields(const ComputeRequest& request) {
     });
 }
 
-Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields) {
+Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part) {
     if (!is_form(request)) return {};
-    const auto picture = find_picture(fields);
-    if (!picture) return tl::unexpected(picture.error());
+    const auto body = find_body(fields, part);
+    if (!body) return tl::unexpected(body.error());
     for (const FormPart& field : fields) {
-        if (is_picture(field)) continue;
+        if (is_body(field, part)) continue;
         if (!request.query.empty()) request.query += '&';
         request.query += encode_percent(field.name) + '=' + encode_percent(field.content(request.body));
     }
-    request.body.resize((*picture)->begin + (*picture)->size);
-    request.body.erase(0, (*picture)->begin);
+    request.body.resize((*body)->begin + (*body)->size);
+    request.body.erase(0, (*body)->begin);
     request.content_type.clear();
     return {};
 }

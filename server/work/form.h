@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "core/result.h"
@@ -13,11 +14,12 @@ namespace ccdt::server {
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Converts a request with a form to one with a picture. The part `image` or `file` becomes the body; the other fields
+/// Converts a request with a form to one with a body. The part of that name or `file` becomes the body; the other fields
 /// are added to the query. Other requests stay as they are.
 ///
 /// @param fields  the fields of this request
-/// Errors (Malformed): no picture, or several.
-Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields);
+/// @param part    name of the part
+/// Errors (Malformed): no such part, or several.
+Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part = "image");
 
 }  // namespace ccdt::server

@@ -7,6 +7,7 @@
 #include "api/analyze.h"
 #include "api/cost.h"
 #include "api/halftone.h"
+#include "api/map/shapefile_reader.h"
 #include "api/sample.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
@@ -19,6 +20,10 @@ constexpr std::size_t kQuickToParse = 8'192;
 
 bool is_json(std::string_view type) {
     return type == "application/json" || (type.starts_with("application/") && type.ends_with("+json"));
+}
+
+bool is_zip(std::string_view type) {
+    return type == "application/zip" || type == "application/x-zip-compressed";
 }
 
 /// Whether programs send JSON with this content type, when they do not specify a type.
@@ -116,10 +121,20 @@ Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Li
 Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);
-    if (!may_hold_json(type)) return failure(ErrorCode::Unsupported, "the body must be application/json, not " + type);
+    const bool is_taken = may_hold_json(type) || (operation.takes_shapefiles && is_zip(type)) ||
+                          (!operation.form_part.empty() && type == "multipart/form-data");
+    const std::string others = operation.takes_shapefiles ? ", application/zip or multipart/form-data" : "";
+    if (!is_taken)
+        return failure(ErrorCode::Unsupported, "the body must be application/json" + others + ", not " + type);
     if (!operation.takes_query && !request.query.empty())
         return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
     return {};
+}
+
+bool holds_shapefile(const Operation& operation, const ComputeRequest& request) {
+    if (!operation.takes_shapefiles) return false;
+    const std::string type = media_type(request.content_type);
+    return is_zip(type) || (may_hold_json(type) && request.body.starts_with(api::kZipSignature));
 }
 
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request) {

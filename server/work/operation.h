@@ -34,7 +34,10 @@ using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
+    bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies, which become JSON
     bool takes_query;       ///< accepts options in the query
+    /// Part of a form that becomes the body, as `file` does; empty: forms are not accepted.
+    std::string_view form_part;
 
     /// Errors: those of the path's parser.
     Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
@@ -45,9 +48,9 @@ Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Lim
 Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
-    {"/halftone", true, true, parse_halftone},
-    {"/sample", false, true, parse_sample},
-    {"/analyze", false, false, parse_analyze},
+    {"/halftone", true, false, true, "image", parse_halftone},
+    {"/sample", false, true, true, "map", parse_sample},
+    {"/analyze", false, false, false, "", parse_analyze},
 });
 
 /// Finds the operation of a path; null if there is none.
@@ -60,6 +63,9 @@ constexpr const Operation* find_operation(std::string_view path) {
 
 /// Checks everything except the body. Errors: those that do not depend on the body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
+
+/// Whether the body is a zipped shapefile, which only the decoder reads.
+bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
 /// Whether parsing is quick enough for the thread of a connection.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);

@@ -11,7 +11,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMostPixels = 4'096;
+constexpr std::size_t kMost = 4'096;  ///< pixels of a picture, or bytes of a text
 
 bool is_share(float value) {
     return value >= 0 && value <= 1;
@@ -22,12 +22,12 @@ template <class AnyPicture>
 void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.width >= 1 && picture.height >= 1);
     const std::size_t pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
-    CCDT_CHECK(pixels <= kMostPixels && light.size() == pixels);
+    CCDT_CHECK(pixels <= kMost && light.size() == pixels);
     CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
 }
 
 /// Every value can be read, and whatever it is becomes a tone.
-void check_picture(const Picture& picture) {
+void check_product(const Picture& picture) {
     check_size(picture, picture.luminance);
     for (const Tone tone : {Tone::Linear, Tone::Perceptual, Tone::Density}) {
         for (const bool invert : {false, true})
@@ -35,7 +35,7 @@ void check_picture(const Picture& picture) {
     }
 }
 
-void check_picture(const ColourPicture& picture) {
+void check_product(const ColourPicture& picture) {
     for (const Plane* light : {&picture.red, &picture.green, &picture.blue}) {
         check_size(picture, *light);
         CCDT_CHECK(ink_coverage({picture.width, picture.height, *light, picture.alpha}, Tone::Linear, false).size() ==
@@ -43,18 +43,22 @@ void check_picture(const ColourPicture& picture) {
     }
 }
 
-template <class AnyPicture>
+/// A text is copied, whatever it is.
+void check_product(const std::string& text) {
+    CCDT_CHECK(text.size() <= kMost);
+}
+
+template <class Reply>
 void check_reply(const std::uint8_t* data, std::size_t size) {
-    using Reply = server::ReplyMemory<AnyPicture>;
-    const auto file = Reply::make_file(kMostPixels);
-    const auto written = std::min(size, Reply::size(kMostPixels));
+    const auto file = Reply::make_file(kMost);
+    const auto written = std::min(size, Reply::size(kMost));
     CCDT_CHECK(pwrite(file.get(), data, written, 0) == static_cast<ssize_t>(written));
-    const Reply memory(file, kMostPixels);
+    const Reply memory(file, kMost);
     CCDT_CHECK(memory);
     const auto reply = memory.read();
     if (!reply) return;
     if (*reply) {
-        check_picture(**reply);
+        check_product(**reply);
     } else {
         CCDT_CHECK(!reply->error().message.empty());
         check_json(api::problem_json(422, "Unprocessable Content", reply->error(), "urn:request:1"));
@@ -64,9 +68,10 @@ void check_reply(const std::uint8_t* data, std::size_t size) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// What a child that decodes a picture may leave in the memory that it shares with the server.
+/// What a child that decodes a file may leave in the memory that it shares with the server.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    ccdt::fuzz::check_reply<ccdt::Picture>(data, size);
-    ccdt::fuzz::check_reply<ccdt::ColourPicture>(data, size);
+    ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::Picture>>(data, size);
+    ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::ColourPicture>>(data, size);
+    ccdt::fuzz::check_reply<ccdt::server::ReplyText>(data, size);
     return 0;
 }

@@ -121,6 +121,17 @@ Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& 
     return tl::unexpected(obey(file, reading, make_plane).error());
 }
 
+/// The same for a shapefile.
+Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& reading, const api::TakeText& take) {
+    if (file == "crash") std::abort();
+    if (file == "refuse") return failure(ErrorCode::Unusable, "choose", "object");
+    const std::string text = std::string(file) + ' ' + std::string(reading.object);
+    while (take(text)) {
+        if (file != "fill") return {};
+    }
+    return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
+}
+
 /// Returns a launcher of a forked process that becomes the helper, with a decoder of the tests.
 SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
@@ -149,6 +160,9 @@ public:
     Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
                                         const std::stop_token& stop) {
         return client_.decode_colour(bytes, reading, stop);
+    }
+    Result<std::string> read_shapefile(std::string_view bytes, const api::ShapefileReading& reading) {
+        return client_.read_shapefile(bytes, reading, {});
     }
     std::uint64_t deaths() const { return client_.deaths(); }
     std::uint64_t restarts() const { return box_->restarts(); }
@@ -586,6 +600,22 @@ TEST(DecoderBox, FailsOrdersWithoutAHelper) {
     Outcome told;
     ASSERT_EQ(recv(ours.get(), &told, sizeof(told), MSG_DONTWAIT), static_cast<ssize_t>(sizeof(told)));
     EXPECT_EQ(told.no_helper, 1);
+}
+
+TEST(DecoderBox, ReadsShapefiles) {
+    BoxOfTests box(forking({obey, obey_in_colour, {}, obey_as_map}), limits_of_tests);
+    EXPECT_EQ(box.read_shapefile("map", {"name", 8}).value(), "map name");
+    EXPECT_EQ(box.read_shapefile("map", {"", 8}).value(), "map ");
+    const auto full = box.read_shapefile("fill", {"", 99});
+    EXPECT_EQ(full.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(full.error().message, "99");
+    EXPECT_EQ(box.read_shapefile("refuse", {"", 99}).error().field, "object");
+    EXPECT_EQ(box.read_shapefile("map", {std::string(2000, 'a'), 99}).error().code, ErrorCode::Malformed);
+    EXPECT_EQ(box.deaths(), 0U);
+    const auto crashed = box.read_shapefile("crash", {"", 99});
+    EXPECT_EQ(crashed.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(crashed.error().message, "the shapefile could not be decoded: it made the decoder fail");
+    EXPECT_EQ(box.deaths(), 1U);
 }
 
 TEST(DecoderClient, WaitsForAHelperOnlyOnce) {

@@ -21,10 +21,10 @@ ComputeRequest form_of(const Fields& fields, const std::string& query = "") {
     return request;
 }
 
-Result<ComputeRequest> taken_apart(ComputeRequest request) {
+Result<ComputeRequest> taken_apart(ComputeRequest request, std::string_view part = "image") {
     const auto fields = find_fields(request);
     if (!fields) return tl::unexpected(fields.error());
-    if (auto apart = take_apart(request, *fields); !apart) return tl::unexpected(apart.error());
+    if (auto apart = take_apart(request, *fields, part); !apart) return tl::unexpected(apart.error());
     return request;
 }
 
@@ -64,6 +64,13 @@ TEST(Form, RequiresExactlyOnePicture) {
         const bool is_missing = apart.error().message.find("`image` or `file`") != std::string::npos;
         EXPECT_EQ(is_missing, fields.size() < 2);
     }
+}
+
+TEST(Form, TakesAMapAsTheBody) {
+    EXPECT_EQ(taken_apart(form_of({{"map", "x"}, {"image", "y"}}), "map")->body, "x");
+    EXPECT_EQ(taken_apart(form_of({{"map", "x"}, {"image", "y"}}), "map")->query, "image=y");
+    EXPECT_EQ(taken_apart(form_of({{"file", "x"}}), "map")->body, "x");
+    EXPECT_EQ(taken_apart(form_of({{"image", "x"}}), "map").error().field, "map");
 }
 
 TEST(Form, KeepsOtherBodies) {

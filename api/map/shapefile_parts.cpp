@@ -1,0 +1,174 @@
+#include "api/map/shapefile_parts.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "api/input/option_reader.h"
+#include "api/input/polygon_reader.h"
+#include "api/map/zip_archive.h"
+
+namespace ccdt::api {
+namespace {
+
+tl::unexpected<Error> unusable(std::string message) {
+    return failure(ErrorCode::Unusable, std::move(message));
+}
+
+std::string in_small_letters(std::string_view text) {
+    std::string small(text);
+    for (char& c : small) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    return small;
+}
+
+std::string_view without_folders(std::string_view path) {
+    return path.substr(path.rfind('/') + 1);
+}
+
+/// Paths of all shapefiles in an archive, without the ending. Copies of a Mac's attributes are none.
+std::vector<std::string> list_shapefiles(const ZipArchive& archive) {
+    constexpr std::string_view kEnding = ".shp";
+    std::vector<std::string> paths;
+    for (const std::string& name : archive.names()) {
+        const bool is_of_mac = name.starts_with("__MACOSX/") || without_folders(name).starts_with("._");
+        if (in_small_letters(name).ends_with(kEnding) && !is_of_mac)
+            paths.push_back(name.substr(0, name.size() - kEnding.size()));
+    }
+    return paths;
+}
+
+std::string join_names(std::span<const std::string> names) {
+    constexpr std::size_t kMost = 10;
+    std::string list;
+    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+        list.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
+    return names.size() > kMost ? list + " and others" : list;
+}
+
+/// Chooses a shapefile by its path, or by the last part of it.
+Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view object) {
+    const auto paths = list_shapefiles(archive);
+    if (paths.empty()) return unusable("the archive holds no shapefile (.shp)");
+    std::vector<std::string> chosen;
+    std::ranges::copy_if(paths, std::back_inserter(chosen), [object](const std::string& path) {
+        return object.empty() || path == object || without_folders(path) == object;
+    });
+    if (chosen.size() == 1) return chosen.front();
+    if (chosen.empty())
+        return failure(ErrorCode::Unusable,
+                       "object: the archive holds no shapefile " + excerpt(object) + ", only " + join_names(paths),
+                       "object");
+    return failure(
+        ErrorCode::Unusable,
+        "the archive holds several shapefiles: choose one of " + join_names(chosen) + " by the option object",
+        "object");
+}
+
+/// Inflates the file of a shapefile that has this ending; empty if there is none.
+Result<std::string> read_part(const ZipArchive& archive, std::string_view path, std::string_view ending,
+                              std::size_t& budget) {
+    const std::string wanted = std::string(path) + std::string(ending);
+    const auto& names = archive.names();
+    const auto is_wanted = [&](const std::string& name) {
+        return name.size() == wanted.size() && name.starts_with(path) &&
+               in_small_letters(name.substr(path.size())) == ending;
+    };
+    const auto found = std::ranges::find_if(names, is_wanted);
+    if (found == names.end()) return std::string();
+    return archive.read(static_cast<std::size_t>(found - names.begin()), budget);
+}
+
+constexpr std::size_t kHeaderSize = 100;
+constexpr std::size_t kRecordHeaderSize = 8;
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at, std::endian order) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < sizeof(value); ++i) {
+        const std::size_t next = order == std::endian::big ? i : sizeof(value) - 1 - i;
+        value = value << 8 | static_cast<unsigned char>(bytes[at + next]);
+    }
+    return value;
+}
+
+void append_big_endian(std::string& out, std::uint32_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xFF);
+}
+
+/// Counts the corners that the content of a record tells of, which may be more than it holds; 0 if it is no polygon.
+std::size_t count_corners(std::string_view content) {
+    constexpr std::size_t kCountAt = 40;
+    constexpr std::uint32_t kPolygonTypes[] = {5, 15, 25};
+    if (content.size() < kCountAt + sizeof(std::uint32_t)) return 0;
+    const bool is_polygon = std::ranges::count(kPolygonTypes, number_at(content, 0, std::endian::little)) > 0;
+    return is_polygon ? number_at(content, kCountAt, std::endian::little) : 0;
+}
+
+tl::unexpected<Error> too_many(std::string_view what) {
+    return failure(ErrorCode::LimitExceeded, "the shapefile has more than " +
+                                                 std::to_string(PolygonInput::kMaxCorners) + ' ' + std::string(what) +
+                                                 ", the most that are read");
+}
+
+/// Makes the .shx file: its header is that of the .shp file, but for the length, and each record has its offset and its
+/// length there, in words of 16 bits.
+Result<std::string> make_index(std::string_view shp) {
+    constexpr std::uint32_t kFileCode = 9994;
+    constexpr std::size_t kLengthAt = 24;
+    if (shp.size() < kHeaderSize || number_at(shp, 0, std::endian::big) != kFileCode)
+        return unusable("the .shp file does not begin as one");
+    const std::size_t end = std::size_t{2} * number_at(shp, kLengthAt, std::endian::big);
+    if (end < kHeaderSize || end > shp.size()) return unusable("the .shp file is truncated");
+    std::string index(shp.substr(0, kHeaderSize));
+    std::size_t count = 0;
+    std::size_t corners = 0;
+    for (std::size_t at = kHeaderSize; at < end; ++count) {
+        if (count == PolygonInput::kMaxCorners) return too_many("records");
+        const bool has_header = end - at >= kRecordHeaderSize;
+        const std::uint32_t words = has_header ? number_at(shp, at + 4, std::endian::big) : 0;
+        const std::size_t size = std::size_t{2} * words;
+        if (words < 2 || size > end - at - kRecordHeaderSize)
+            return unusable("the .shp file ends within record " + std::to_string(count + 1));
+        corners += count_corners(shp.substr(at + kRecordHeaderSize, size));
+        if (corners > PolygonInput::kMaxCorners) return too_many("corners");
+        append_big_endian(index, static_cast<std::uint32_t>(at / 2));
+        append_big_endian(index, words);
+        at += kRecordHeaderSize + size;
+    }
+    std::string length;
+    append_big_endian(length, static_cast<std::uint32_t>(index.size() / 2));
+    return index.replace(kLengthAt, length.size(), length);
+}
+
+}  // namespace
+
+Result<ShapefileParts> read_parts(std::string_view bytes, const ShapefileReading& reading) {
+    const auto archive = ZipArchive::open(bytes);
+    if (!archive) return tl::unexpected(archive.error());
+    const auto path = choose_shapefile(*archive, reading.object);
+    if (!path) return tl::unexpected(path.error());
+    ShapefileParts parts;
+    std::size_t budget = reading.max_bytes;
+    for (const auto& [ending, part] :
+         {std::pair(".shp", &ShapefileParts::shp), {".dbf", &ShapefileParts::dbf}, {".cpg", &ShapefileParts::cpg}}) {
+        auto read = read_part(*archive, *path, ending, budget);
+        if (!read && read.error().code == ErrorCode::LimitExceeded)
+            return too_many_bytes("the inflated files of the shapefile are larger", reading.max_bytes);
+        if (!read) return tl::unexpected(read.error());
+        parts.*part = *std::move(read);
+    }
+    return make_index(parts.shp).map([&](std::string&& index) {
+        parts.shx = std::move(index);
+        return std::move(parts);
+    });
+}
+
+tl::unexpected<Error> too_many_bytes(std::string_view what, std::size_t limit) {
+    return failure(ErrorCode::LimitExceeded, std::string(what) + " than " + std::to_string(limit) +
+                                                 " bytes, the most that this server reads (max-body, memory)");
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,370 @@
+#include "api/map/shapefile_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <shapefil.h>
+
+#include "api/input/option_reader.h"
+#include "api/json/json_document.h"
+#include "api/map/code_page.h"
+#include "api/map/ring_groups.h"
+#include "api/map/shapefile_parts.h"
+#include "api/text/numbers.h"
+#include "api/text/text.h"
+
+namespace ccdt::api {
+namespace {
+
+tl::unexpected<Error> unusable(std::string message) {
+    return failure(ErrorCode::Unusable, std::move(message));
+}
+
+/// A file in memory that the library has opened.
+struct OpenFile {
+    std::string_view bytes;
+    std::size_t position = 0;
+};
+
+/// Files that the library may open, by their endings: it passes on names alone. Set while a shapefile is opened.
+thread_local const ShapefileParts* files_to_open = nullptr;
+
+OpenFile& file_of(SAFile file) {
+    return *reinterpret_cast<OpenFile*>(file);
+}
+
+SAFile open_file(const char* name, const char* /*access*/) {
+    const std::string_view path = name;
+    const std::pair<std::string_view, const std::string*> known[] = {{".shp", &files_to_open->shp},
+                                                                     {".shx", &files_to_open->shx},
+                                                                     {".dbf", &files_to_open->dbf},
+                                                                     {".cpg", &files_to_open->cpg}};
+    for (const auto& [ending, bytes] : known) {
+        if (path.ends_with(ending) && !bytes->empty()) return reinterpret_cast<SAFile>(new OpenFile{*bytes});
+    }
+    return nullptr;
+}
+
+/// Reads as fread() does: of an item that is not whole it gives what there is, but does not count it.
+SAOffset read_file(void* to, SAOffset size, SAOffset count, SAFile file) {
+    OpenFile& open = file_of(file);
+    if (size == 0 || open.position >= open.bytes.size()) return 0;
+    const std::size_t bytes = open.bytes.copy(static_cast<char*>(to), size * count, open.position);
+    open.position += bytes;
+    return bytes / size;
+}
+
+SAOffset seek_file(SAFile file, SAOffset offset, int whence) {
+    OpenFile& open = file_of(file);
+    const std::size_t base = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? open.position : open.bytes.size();
+    open.position = base + offset;
+    return 0;
+}
+
+SAHooks hooks_in_memory() {
+    SAHooks hooks{};
+    hooks.FOpen = open_file;
+    hooks.FRead = read_file;
+    hooks.FWrite = [](void*, SAOffset, SAOffset, SAFile) { return SAOffset{0}; };
+    hooks.FSeek = seek_file;
+    hooks.FTell = [](SAFile file) { return SAOffset{file_of(file).position}; };
+    hooks.FFlush = [](SAFile) { return 0; };
+    hooks.FClose = [](SAFile file) {
+        delete &file_of(file);
+        return 0;
+    };
+    hooks.Remove = [](const char*) { return -1; };
+    hooks.Error = [](const char*) {};
+    hooks.Atof = [](const char* text) { return parse_number<double>(text).value_or(0); };
+    return hooks;
+}
+
+struct CloseShapes {
+    void operator()(SHPInfo* shapes) const { SHPClose(shapes); }
+};
+struct CloseTable {
+    void operator()(DBFInfo* table) const { DBFClose(table); }
+};
+using Shapes = std::unique_ptr<SHPInfo, CloseShapes>;
+using Table = std::unique_ptr<DBFInfo, CloseTable>;
+
+/// A shapefile that the library has opened.
+struct OpenShapefile {
+    Shapes shapes;
+    Table table;  ///< null: there is none
+};
+
+OpenShapefile open_parts(const ShapefileParts& parts) {
+    SAHooks hooks = hooks_in_memory();
+    files_to_open = &parts;
+    OpenShapefile open{Shapes(SHPOpenLL("map.shp", "rb", &hooks)), Table(DBFOpenLL("map.dbf", "rb", &hooks))};
+    files_to_open = nullptr;
+    return open;
+}
+
+/// Field of the table.
+struct Field {
+    std::string name;  ///< as a JSON text
+    char type = 'C';   ///< as the file has it
+};
+
+/// Texts of the table and their encoding.
+class Texts {
+public:
+    explicit Texts(const char* name) : name_(name == nullptr ? "" : name), page_(find_code_page(name_)) {}
+
+    /// Appends a text as JSON. Errors: Unusable for one in an encoding that is not read.
+    Result<void> append(std::string& out, std::string_view text) const {
+        if (page_ || is_ascii(text)) {
+            append_json_text(out, to_utf8(text, page_.value_or(CodePage::Utf8)));
+            return {};
+        }
+        constexpr std::string_view kRead = "; UTF-8, ISO-8859-1 and Windows-1252 are read";
+        if (name_.empty())
+            return unusable("the .dbf file names no encoding: add a .cpg file that does" + std::string(kRead));
+        return unusable("the encoding of the .dbf file, " + excerpt(name_) + ", is not read" + std::string(kRead));
+    }
+
+private:
+    std::string name_;
+    std::optional<CodePage> page_;
+};
+
+/// Properties of the records.
+class Properties {
+public:
+    static Result<Properties> create(Table table, std::string_view dbf, std::size_t records) {
+        Properties properties(std::move(table));
+        const DBFInfo& info = *properties.table_;
+        const auto given = static_cast<std::size_t>(std::max(info.nRecords, 0));
+        if (given != records)
+            return unusable("the .dbf file has " + std::to_string(given) + " records, the .shp file " +
+                            std::to_string(records));
+        const auto header = static_cast<std::size_t>(info.nHeaderLength);
+        const auto length = static_cast<std::size_t>(info.nRecordLength);
+        if (dbf.size() < header || (length > 0 && (dbf.size() - header) / length < records))
+            return unusable("the .dbf file is truncated");
+        if (auto read = properties.read_fields(); !read) return tl::unexpected(read.error());
+        return properties;
+    }
+
+    bool is_deleted(std::size_t record) const {
+        return DBFIsRecordDeleted(table_.get(), static_cast<int>(record)) != 0;
+    }
+
+    /// Appends the properties of a record as a JSON object.
+    Result<void> append(std::string& out, std::size_t record) const {
+        out += '{';
+        for (std::size_t i = 0; i < fields_.size(); ++i) {
+            out.append(i == 0 ? "" : ",").append(fields_[i].name) += ':';
+            const int row = static_cast<int>(record);
+            const int column = static_cast<int>(i);
+            if (DBFIsAttributeNULL(table_.get(), row, column) != 0) {
+                out += "null";
+                continue;
+            }
+            const char* const value = DBFReadStringAttribute(table_.get(), row, column);
+            if (value == nullptr) return unusable("the .dbf file is truncated");
+            if (auto appended = append_value(out, fields_[i].type, value); !appended) return appended;
+        }
+        out += '}';
+        return {};
+    }
+
+private:
+    explicit Properties(Table table) : table_(std::move(table)), texts_(DBFGetCodePage(table_.get())) {}
+
+    Result<void> read_fields() {
+        for (int i = 0; i < DBFGetFieldCount(table_.get()); ++i) {
+            std::array<char, XBASE_FLDNAME_LEN_READ + 1> name{};
+            DBFGetFieldInfo(table_.get(), i, name.data(), nullptr, nullptr);
+            Field field{{}, DBFGetNativeFieldType(table_.get(), i)};
+            if (auto appended = texts_.append(field.name, name.data()); !appended) return appended;
+            if (std::ranges::find(fields_, field.name, &Field::name) != fields_.end())
+                return unusable("the .dbf file has two fields " + field.name);
+            fields_.push_back(std::move(field));
+        }
+        return {};
+    }
+
+    /// @param value  neither empty nor what stands for nothing in its type
+    Result<void> append_value(std::string& out, char type, std::string_view value) const {
+        if (type == 'N' || type == 'F') {
+            const auto number = parse_number<double>(trim(value));
+            if (number && std::isfinite(*number)) {
+                append_shortest(out, *number);
+                return {};
+            }
+        }
+        if (type == 'L') {
+            const char c = value.front();
+            out += c == 'T' || c == 't' || c == 'Y' || c == 'y' ? "true" : "false";
+            return {};
+        }
+        if (type == 'D' && value.size() == 8) {
+            const std::string day(value);
+            return texts_.append(out, day.substr(0, 4) + '-' + day.substr(4, 2) + '-' + day.substr(6));
+        }
+        return texts_.append(out, value);
+    }
+
+    Table table_;
+    Texts texts_;
+    std::vector<Field> fields_;
+};
+
+struct DestroyShape {
+    void operator()(SHPObject* shape) const { SHPDestroyObject(shape); }
+};
+using Shape = std::unique_ptr<SHPObject, DestroyShape>;
+
+bool is_polygon(int type) {
+    return type == SHPT_POLYGON || type == SHPT_POLYGONZ || type == SHPT_POLYGONM;
+}
+
+std::string describe_record(std::size_t record) {
+    return "record " + std::to_string(record + 1) + " of the .shp file";
+}
+
+/// Writes the features of a shapefile.
+class Writer {
+public:
+    Writer(const OpenShapefile& open, const Properties* properties, std::size_t max_bytes, const TakeText& take)
+        : shapes_(*open.shapes), properties_(properties), max_bytes_(max_bytes), take_(take) {}
+
+    Result<void> write() {
+        text_ = R"({"type":"FeatureCollection","features":[)";
+        bool is_first = true;
+        for (std::size_t i = 0; i < static_cast<std::size_t>(shapes_.nRecords); ++i) {
+            if (properties_ != nullptr && properties_->is_deleted(i)) continue;
+            if (!std::exchange(is_first, false)) text_ += ',';
+            if (auto written = write_feature(i); !written) return written;
+        }
+        text_ += "]}";
+        return flush(0);
+    }
+
+private:
+    /// Bytes that are kept before they are passed on.
+    static constexpr std::size_t kPiece = 65'536;
+
+    Result<void> write_feature(std::size_t record) {
+        text_ += R"({"type":"Feature","properties":)";
+        if (properties_ == nullptr) {
+            text_ += "null";
+        } else if (auto appended = properties_->append(text_, record); !appended) {
+            return appended;
+        }
+        text_ += R"(,"geometry":)";
+        if (auto written = write_shape(record); !written) return written;
+        text_ += '}';
+        return flush(kPiece);
+    }
+
+    Result<void> write_shape(std::size_t record) {
+        const auto rings = read_rings(record);
+        if (!rings) return tl::unexpected(rings.error());
+        const auto polygons = group_rings(*rings);
+        if (polygons.empty()) {
+            text_ += "null";
+            return {};
+        }
+        const bool is_multiple = polygons.size() > 1;
+        text_ += is_multiple ? R"({"type":"MultiPolygon","coordinates":[)" : R"({"type":"Polygon","coordinates":)";
+        for (std::size_t i = 0; i < polygons.size(); ++i) {
+            if (i > 0) text_ += ',';
+            if (auto written = write_polygon(*rings, polygons[i]); !written) return written;
+        }
+        text_ += is_multiple ? "]}" : "}";
+        return {};
+    }
+
+    Result<void> write_polygon(std::span<const Ring> rings, std::span<const std::size_t> indices) {
+        char before = '[';
+        for (const std::size_t index : indices) {
+            text_ += std::exchange(before, ',');
+            append_ring(rings[index]);
+            if (auto flushed = flush(kPiece); !flushed) return flushed;
+        }
+        text_ += ']';
+        return {};
+    }
+
+    void append_ring(const Ring& ring) {
+        char before = '[';
+        for (const Point& p : ring) {
+            text_ += std::exchange(before, ',');
+            text_ += '[';
+            append_shortest(text_, p.x);
+            text_ += ',';
+            append_shortest(text_, p.y);
+            text_ += ']';
+        }
+        text_ += ']';
+    }
+
+    Result<std::vector<Ring>> read_rings(std::size_t record) {
+        const Shape shape(SHPReadObject(&shapes_, static_cast<int>(record)));
+        if (shape == nullptr) return unusable(describe_record(record) + " is damaged");
+        if (shape->nSHPType == SHPT_NULL) return std::vector<Ring>();
+        if (!is_polygon(shape->nSHPType)) return unusable(describe_record(record) + " is not a polygon");
+        std::vector<Ring> rings;
+        for (int part = 0; part < shape->nParts; ++part) {
+            const int end = part + 1 < shape->nParts ? shape->panPartStart[part + 1] : shape->nVertices;
+            Ring ring;
+            for (int i = shape->panPartStart[part]; i < end; ++i) ring.push_back({shape->padfX[i], shape->padfY[i]});
+            const auto is_finite = [](const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
+            if (!std::ranges::all_of(ring, is_finite))
+                return unusable(describe_record(record) + " has a coordinate that is no finite number");
+            if (!ring.empty()) rings.push_back(std::move(ring));
+        }
+        return rings;
+    }
+
+    /// Passes the text on if it has so many bytes.
+    Result<void> flush(std::size_t least) {
+        if (text_.size() < least) return {};
+        if (text_.size() > max_bytes_ - written_ || !take_(text_))
+            return too_many_bytes("the shapefile is larger as GeoJSON", max_bytes_);
+        written_ += text_.size();
+        text_.clear();
+        return {};
+    }
+
+    SHPInfo& shapes_;
+    const Properties* properties_;  ///< null: there are none
+    const std::size_t max_bytes_;
+    const TakeText& take_;
+    std::string text_;  ///< not passed on yet
+    std::size_t written_ = 0;
+};
+
+}  // namespace
+
+Result<void> read_shapefile(std::string_view archive, const ShapefileReading& reading, const TakeText& take) {
+    const auto parts = read_parts(archive, reading);
+    if (!parts) return tl::unexpected(parts.error());
+    OpenShapefile open = open_parts(*parts);
+    if (open.shapes == nullptr) return unusable("the .shp file is damaged");
+    const int type = open.shapes->nShapeType;
+    if (type != SHPT_NULL && !is_polygon(type))
+        return unusable(std::string("only shapefiles of polygons are read; the type of this one is ") +
+                        SHPTypeName(type));
+    if (!parts->dbf.empty() && open.table == nullptr) return unusable("the .dbf file is damaged");
+    std::optional<Properties> properties;
+    if (open.table != nullptr) {
+        auto read =
+            Properties::create(std::move(open.table), parts->dbf, static_cast<std::size_t>(open.shapes->nRecords));
+        if (!read) return tl::unexpected(read.error());
+        properties = *std::move(read);
+    }
+    return Writer(open, properties ? &*properties : nullptr, reading.max_bytes, take).write();
+}
+
+}  // namespace ccdt::api
