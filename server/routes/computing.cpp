@@ -366,7 +366,8 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
     return jobs_.accept(std::move(job), asked->request).map(accepted);
 }
 
-/// Converts a zipped shapefile to GeoJSON, in a task that is admitted like a computation. Other requests stay unchanged.
+/// Converts a zipped shapefile to GeoJSON, in a task that is admitted like a computation. Other requests stay as they
+/// are.
 HttpResult<Computing::AcceptedPointer> Computing::with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
                                                                 Clock::time_point deadline) {
     if (!holds_shapefile(asked->operation, asked->request)) return asked;

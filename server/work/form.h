@@ -14,8 +14,8 @@ namespace ccdt::server {
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Converts a request with a form to one with a body. The part of that name or `file` becomes the body; the other fields
-/// are added to the query. Other requests stay as they are.
+/// Converts a request with a form to one with a body. The part of that name or `file` becomes the body; the other
+/// fields are added to the query. Other requests stay as they are.
 ///
 /// @param fields  the fields of this request
 /// @param part    name of the part
