@@ -21,7 +21,8 @@ namespace ccdt::server {
 /// A program that the server keeps running: should it end, it is reaped and started again. It is asked once a second
 /// whether it is alive (send_probe); it has to answer whatever it does.
 ///
-/// It has a socket that keeps messages apart, over which it first says that it is ready. May be used from any thread.
+/// It has a socket that keeps messages apart, over which it first says that it is ready. Until it does, its silence
+/// counts as that of one that does not answer. May be used from any thread.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
@@ -77,11 +78,11 @@ private:
     SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
 
     Result<Running> launch() const;
-    Result<void> await(Running& running) const;
+    Result<void> await(Running& running);
     void watch(Running running);
     bool attend(const Running& running);
     void set_responsive(bool responsive);
-    std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived) const;
+    std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived);
     void set_socket(Socket socket);
     void end_start(Result<void> started);
 
