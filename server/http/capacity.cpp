@@ -12,6 +12,9 @@ namespace {
 /// Time that whoever connects has to send something before it counts as idle: newcomers wait as long for its place.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
+/// Time that the head of a request has: several packets, of which one was lost.
+constexpr std::chrono::milliseconds kLeastForHead{300};
+
 /// Time that newcomers wait for idle connections to leave, and after which another of these is closed: only a busy
 /// machine takes so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
@@ -43,26 +46,28 @@ std::size_t Capacity::limit(Room room) const {
     return limits_.connections;
 }
 
-bool Capacity::close_longest_idle() {
+bool Capacity::close_first_idle() {
     const std::lock_guard lock(mutex_);
-    const auto idle = longest_idle_locked(std::nullopt);
+    const auto idle = first_idle_locked(std::nullopt);
     if (idle == idle_.end()) return false;
     close_locked(idle);
     return true;
 }
 
-/// Finds who has been idle longest, of a room or of any.
-Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<Room> room) {
-    return std::ranges::find_if(idle_, [room](const Idle& idle) {
+/// Finds the idle connection that may be closed first, of a room or of any.
+Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<Room> room) {
+    return std::ranges::find_if(idle_, [room](const auto& entry) {
+        const Idle& idle = entry.second;
         return (!room || idle.place->room_ == *room) && !has_unread_bytes(idle.socket);
     });
 }
 
 /// Closes an idle connection: its thread notices, and gives the place back.
 void Capacity::close_locked(IdleConnections::iterator idle) {
-    shutdown(idle->socket, SHUT_RDWR);
-    idle->place->closed_ = true;
-    idle->place->idle_.reset();
+    const auto& [place, socket, has_begun] = idle->second;
+    shutdown(socket, has_begun ? SHUT_RD : SHUT_RDWR);
+    place->closed_ = true;
+    place->idle_.reset();
     idle_.erase(idle);
 }
 
@@ -70,10 +75,10 @@ void Capacity::close_locked(IdleConnections::iterator idle) {
 bool Capacity::free_place(Room room, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;
     while (!has_place_locked(room)) {
-        const auto idle = longest_idle_locked(room);
+        const auto idle = first_idle_locked(room);
         const auto now = Clock::now();
         if (idle == idle_.end() || now >= end) return false;
-        auto until = idle->since + kLeastIdle;
+        auto until = idle->first;
         if (now >= until) {
             close_locked(idle);
             until = now + kTimeForAnother;
@@ -136,15 +141,21 @@ Place::~Place() {
     capacity_.left_.notify_all();
 }
 
-void Place::begin_idle(int socket) {
+void Place::begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun) {
     const std::lock_guard lock(capacity_.mutex_);
     if (closed_ || idle_) return;
-    idle_ = capacity_.idle_.insert(capacity_.idle_.end(), {this, socket, Capacity::Clock::now()});
+    const auto until = head_begun ? *head_begun + kLeastForHead : Capacity::Clock::now() + kLeastIdle;
+    idle_ = capacity_.idle_.insert({until, {this, socket, head_begun.has_value()}});
 }
 
 void Place::end_idle() {
     const std::lock_guard lock(capacity_.mutex_);
     if (idle_) capacity_.idle_.erase(*std::exchange(idle_, std::nullopt));
+}
+
+bool Place::is_closed() const {
+    const std::lock_guard lock(capacity_.mutex_);
+    return closed_;
 }
 
 bool Place::move_to(Room room) {

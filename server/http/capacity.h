@@ -6,7 +6,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -25,8 +24,8 @@ enum class Room {
 
 /// Counts how much of the server its clients hold: connections, memory for what is on its way to or from them.
 ///
-/// Says no at its limits, and well before them that it is time to be less patient. Connections without a request do not
-/// keep others out: at the limit, the one that has been idle longest is closed. May be used from any thread.
+/// Says no at its limits, and well before them that it is time to be less patient. Connections without a whole request
+/// head do not keep others out: at the limit, one of them is closed. May be used from any thread.
 class Capacity {
 public:
     struct Limits {
@@ -65,24 +64,25 @@ public:
 
     Counts counts() const;
 
-    /// Closes the connection that has been idle longest, whichever place it has.
+    /// Closes the idle connection that may be closed first, whichever place it has.
     /// @returns  false if none is idle
-    bool close_longest_idle();
+    bool close_first_idle();
 
 private:
     friend class Place;
 
     using Clock = std::chrono::steady_clock;
 
-    /// A connection that waits for a request.
+    /// A connection that waits for a request, for the rest of a request's head, or for its client to leave.
     struct Idle {
         Place* place = nullptr;
         int socket = -1;
-        Clock::time_point since;
+        bool has_begun = false;  ///< a request of which the head is incomplete; it can still be answered
     };
-    using IdleConnections = std::list<Idle>;
+    /// [time from which it may be closed for a newcomer]
+    using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
-    IdleConnections::iterator longest_idle_locked(std::optional<Room> room);
+    IdleConnections::iterator first_idle_locked(std::optional<Room> room);
     void close_locked(IdleConnections::iterator idle);
     bool free_place(Room room, std::unique_lock<std::mutex>& lock);
     std::optional<Room> find_room(std::unique_lock<std::mutex>& lock);
@@ -99,7 +99,7 @@ private:
 
     mutable std::mutex mutex_;      ///< guards the rest
     std::condition_variable left_;  ///< a place is free again
-    IdleConnections idle_;          ///< whoever has been idle longest comes first
+    IdleConnections idle_;
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
     std::uint64_t refused_by_address_ = 0;
@@ -131,8 +131,13 @@ public:
 
     /// Marks the connection as idle, unless it is already: until `end_idle` its socket may be shut down for the sake of
     /// another connection, unless it has unread bytes. The socket must stay open as long.
-    void begin_idle(int socket);
+    /// @param head_begun  when the head began of which the rest is waited for; none: no request has begun. Such a head
+    ///                    has more time, and its socket is shut down for receiving only
+    void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
     void end_idle();
+
+    /// Whether its socket was shut down for the sake of another connection.
+    bool is_closed() const;
 
     /// Counts the place by another address from now on; an empty one: by none.
     /// @returns  false if that has enough; the place then counts as it did
@@ -153,8 +158,10 @@ private:
 class IdleTime {
 public:
     /// @param place  null: nobody closes the connection
-    IdleTime(Place* place, int socket) : place_(place) {
-        if (place_ != nullptr) place_->begin_idle(socket);
+    /// @param head_begun  as for Place::begin_idle
+    IdleTime(Place* place, int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {})
+        : place_(place) {
+        if (place_ != nullptr) place_->begin_idle(socket, head_begun);
     }
     ~IdleTime() {
         if (place_ != nullptr) place_->end_idle();

@@ -46,6 +46,10 @@ tl::unexpected<Problem> too_large(std::size_t limit) {
                    "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
 }
 
+tl::unexpected<Problem> late() {
+    return problem(408, "the request did not arrive in time");
+}
+
 bool may_break_a_line(char c) {
     return c == '\r' || c == '\n' || c == '\0';
 }
@@ -149,6 +153,7 @@ void Connection::close_gently() {
         return;
     }
     shutdown(socket_, SHUT_WR);
+    const IdleTime idle(place_, socket_);
     const auto deadline = Clock::now() + kLinger;
     while (!between_requests_ && fill([deadline] { return deadline; })) unread_.use(unread_.view().size());
 }
@@ -196,7 +201,7 @@ bool Connection::wait(short events, const Deadline& deadline) const {
 
 /// Receives what there is, waiting for the first byte of it.
 HttpResult<void> Connection::fill(const Deadline& deadline) {
-    if (!wait(POLLIN, deadline)) return problem(408, "the request did not arrive in time");
+    if (!wait(POLLIN, deadline)) return late();
     std::array<char, kReceiveSize> buffer;
     ssize_t received = -1;
     do received = recv(socket_, buffer.data(), buffer.size(), 0);
@@ -206,12 +211,19 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes what receives more of a head, of which the first byte is there.
+/// Makes what receives more of a head, of which the first byte is there. Meanwhile the connection may be closed for a
+/// newcomer, and the client is then told that it was too slow.
 Connection::Fill Connection::fill_head() {
-    const auto deadline = [this, start = Clock::now()] {
+    const auto start = Clock::now();
+    const auto deadline = [this, start] {
         return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
     };
-    return [this, deadline] { return fill(deadline); };
+    return [this, start, deadline] {
+        const IdleTime idle(place_, socket_, start);
+        auto filled = fill(deadline);
+        if (place_ != nullptr && place_->is_closed()) return HttpResult<void>(late());
+        return filled;
+    };
 }
 
 /// Receives more of a body, of which so much is there.

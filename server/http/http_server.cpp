@@ -180,9 +180,9 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
     return Next::Nobody;
 }
 
-/// Closes the connection that has been idle longest: accept() failed for want of descriptors or memory.
+/// Closes an idle connection: accept() failed for want of descriptors or memory.
 void HttpServer::recover(int accept_error) {
-    capacity_.close_longest_idle();
+    capacity_.close_first_idle();
     std::this_thread::sleep_for(kRecovery);
     if (std::exchange(warned_, true)) return;
     warn_(std::string("a connection could not be accepted: ") + std::strerror(accept_error) +
@@ -207,7 +207,7 @@ bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared
         place->begin_idle(socket);
         if (threads.run([this, socket, place] { serve_socket(UniqueFd(socket), *place); })) return true;
         place->end_idle();
-        if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
+        if (Clock::now() >= end || !capacity_.close_first_idle()) return false;
         std::this_thread::sleep_for(kRecovery);
     }
 }
