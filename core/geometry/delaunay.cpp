@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -175,11 +176,52 @@ double distance_to_line(Point p, Point a, Point b) {
     return std::abs(cross(b - a, p - a)) / std::sqrt(dot(b - a, b - a));
 }
 
-/// Inserts the segments of chains one after the other, and cuts them and the edges that they cross.
+/// Number of segments above which inserting them one after the other may take too long.
+constexpr std::size_t kVeryMany = 100'000;
+
+/// Returns the order in which to insert segments. Inserting a segment takes time for each triangle that it crosses, and
+/// a segment crosses none beyond its neighbours that were inserted before. If there are very many, neighbours along a
+/// chain are therefore inserted far from one another in time: in the order of their numbers with reversed bits.
+/// Otherwise n needles beside each other can take O(n^2).
+///
+/// Source: Shewchuk and Brown, Fast segment insertion and incremental construction of constrained Delaunay
+/// triangulations, Computational Geometry 48 (2015). Departure: the order is not random.
+std::vector<std::uint32_t> insertion_order(std::size_t segments) {
+    std::vector<std::uint32_t> order(segments);
+    std::iota(order.begin(), order.end(), 0U);
+    const auto reversed = [](std::uint32_t bits) {
+        for (const auto& [shift, mask] :
+             {std::pair(1, 0x55555555U), {2, 0x33333333U}, {4, 0x0F0F0F0FU}, {8, 0x00FF00FFU}, {16, 0x0000FFFFU}})
+            bits = (bits >> shift & mask) | (bits & mask) << shift;
+        return bits;
+    };
+    if (segments > kVeryMany) std::ranges::sort(order, {}, reversed);
+    return order;
+}
+
+using DelaunayBase = Triangulation;  // which within a class derived from it is CGAL's name for another
+
+/// A triangulation that need not stay Delaunay where segments are inserted. The flips that restore this take up to
+/// O(n^2) for a segment that crosses n triangles.
+class LooseTriangulation : public Triangulation {
+public:
+    explicit LooseTriangulation(bool is_delaunay) : is_delaunay_(is_delaunay) {}
+
+private:
+    void triangulate_hole(List_faces& crossed, List_edges& left, List_edges& right) override {
+        if (is_delaunay_) return DelaunayBase::triangulate_hole(crossed, left, right);
+        List_edges added;
+        Ctr::triangulate_hole(crossed, left, right, added);
+    }
+
+    const bool is_delaunay_;
+};
+
+/// Inserts the segments of chains, and cuts them and the edges that they cross.
 class Arranger {
 public:
     Arranger(const Chains& chains, double tolerance, std::size_t most)
-        : chains_(chains), tolerance_(tolerance), left_(most) {
+        : chains_(chains), tolerance_(tolerance), left_(most), triangulation_(chains.points.size() <= kVeryMany) {
         result_.points = with_box(chains.points);
     }
 
@@ -188,7 +230,7 @@ public:
         vertices_ = insert_points(triangulation_, result_.points, stop);
         if (vertices_.empty()) return std::nullopt;
         result_.vertex_of = numbers_of(vertices_, chains_.points.size());
-        for (std::uint32_t i = 0; i < chains_.points.size(); ++i) {
+        for (const std::uint32_t i : insertion_order(chains_.points.size())) {
             pending_.push_back({vertices_[i], vertices_[chains_.next[i]], i, {chains_.group[i]}});
             while (!pending_.empty()) {
                 if (++steps_ % kStopStride == 0 && stop.stop_requested()) return std::nullopt;
@@ -405,7 +447,7 @@ private:
     const double tolerance_;
     std::size_t left_;  ///< pieces that may still be created
     std::size_t steps_ = 0;
-    Triangulation triangulation_;
+    LooseTriangulation triangulation_;
     std::vector<Vertex> vertices_;  ///< [points] vertex of each point
     std::unordered_map<std::uint64_t, Edge> edges_;
     std::vector<Piece> pending_;
@@ -422,7 +464,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
     Triangulation triangulation;
     const auto vertices = insert_points(triangulation, result.points, stop);
     if (vertices.empty()) return result;
-    for (std::size_t i = 0; i < segments.size(); ++i) {
+    for (const std::size_t i : insertion_order(segments.size())) {
         if (i % kStopStride == 0 && stop.stop_requested()) return result;
         const auto a = vertices[segments[i][0]];
         const auto b = vertices[segments[i][1]];

@@ -104,7 +104,8 @@ struct TooManyCrossings {
     Point place;
 };
 
-/// Computes a Delaunay triangulation in which every segment is a chain of edges, cut wherever it meets another segment.
+/// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. It is
+/// Delaunay unless there are very many segments.
 ///
 /// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
 /// @param most       limit on the pieces that crossings create

@@ -16,6 +16,7 @@
 
 #include "core/geometry/difference.h"
 #include "core/geometry/repair.h"
+#include "core/geometry/simplify.h"
 
 namespace ccdt {
 
@@ -75,6 +76,9 @@ public:
     /// Returns the pieces. Successive pieces are neighbours along the border.
     std::vector<Reach> take() { return std::move(reaches_); }
 
+    /// Whether the discs around all corners of the border have a radius above 0.
+    bool is_whole() const { return is_whole_; }
+
 private:
     /// Returns the disc around a point of the border, in the unit frame, with a margin for rounding.
     Disc disc(Point p) const {
@@ -97,6 +101,7 @@ private:
         const auto at = [&](std::size_t i) { return ring[i % size]; };
         discs_.clear();
         for (const Point& p : ring) discs_.push_back(disc(p));
+        is_whole_ = is_whole_ && std::ranges::all_of(discs_, [](const Disc& own) { return own.radius > 0; });
         for (std::size_t i = 0; i < size;) {
             const Run run = longest_run(ring, i);
             const Disc &from = discs_[i], &to = discs_[(i + run.edges) % size];
@@ -192,6 +197,7 @@ private:
     const DiscAround& disc_around_;
     const bool is_centred_;  ///< whether discs are centred at the border points, with one radius
     const double indifference_;
+    bool is_whole_ = true;
     double same_ = 0;          ///< common distance of all edges if the discs hardly differ, else 0
     std::vector<Disc> discs_;  ///< around the corners of the current ring
     std::vector<Reach> reaches_;
@@ -395,13 +401,22 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
 /// does not matter there.
 class ReachTree {
 public:
-    ReachTree(const Domain& domain, std::vector<Reach> reaches, const std::stop_token& stop)
-        : domain_(domain), reaches_(std::move(reaches)), stop_(stop) {
+    /// @param coarse    radius in the unit frame of squares that are removed whole if the new border may cross them; 0
+    ///                  for none
+    /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares
+    ReachTree(const Domain& domain, std::vector<Reach> reaches, double coarse, double coarsest,
+              const std::stop_token& stop)
+        : domain_(domain), reaches_(std::move(reaches)), coarse_(coarse), coarsest_(coarsest), stop_(stop) {
         std::vector<std::uint32_t> all(reaches_.size());
         std::iota(all.begin(), all.end(), 0U);
-        squares_.emplace_back();
-        counts_whole_.assign(reaches_.size(), false);
-        divide(0, kRoot, all);
+        while (true) {
+            squares_.assign(1, {});
+            members_.clear();
+            counts_whole_.assign(reaches_.size(), false);
+            divide(0, kRoot, all);
+            if (!has_very_many_squares()) break;
+            coarse_ = std::min(2 * coarse_, coarsest_);
+        }
     }
 
     /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
@@ -512,15 +527,21 @@ private:
         return reaches_.size() > kMany;
     }
 
+    /// Whether there are very many squares and they may become coarser.
+    bool has_very_many_squares() const {
+        constexpr std::size_t kVeryMany = 200'000;
+        return squares_.size() > kVeryMany && coarse_ < coarsest_;
+    }
+
     std::span<const std::uint32_t> pieces_in(const Square& square) const {
         return std::span(members_).subspan(square.first, square.count);
     }
 
     void divide(std::uint32_t at, const Cell& cell, std::span<const std::uint32_t> candidates) {
-        constexpr std::size_t kFew = 12;
+        constexpr std::size_t kFew = 12, kFewest = 2;
         constexpr double kSure = 1e-3, kLeast = 2e-3;  // relative to the distance
         constexpr double kRounding = 1e-15;
-        if (stop_.stop_requested()) return;
+        if (stop_.stop_requested() || has_very_many_squares()) return;
         std::vector<double> clearances(candidates.size());
         std::size_t nearest = 0;
         for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -539,7 +560,9 @@ private:
         for (std::size_t i = 0; i < candidates.size(); ++i) {
             if (clearances[i] <= most) left.push_back(candidates[i]);
         }
-        if (left.size() <= kFew) {
+        if (radius <= coarse_) {
+            squares_[at].kind = Kind::Crowded;
+        } else if (left.size() <= (coarse_ > 0 ? kFewest : kFew)) {
             squares_[at] = {Kind::Border, static_cast<std::uint32_t>(members_.size()),
                             static_cast<std::uint32_t>(left.size())};
             members_.insert(members_.end(), left.begin(), left.end());
@@ -552,6 +575,11 @@ private:
             squares_[at] = {Kind::Divided, first, 0};
             squares_.resize(squares_.size() + 4);
             for (int i = 0; i < 4; ++i) divide(first + static_cast<std::uint32_t>(i), cell.quarter(i), left);
+            const auto is_full = [](const Square& square) {
+                return square.kind == Kind::Near || square.kind == Kind::Crowded;
+            };
+            if (coarse_ > 0 && std::ranges::all_of(std::span(squares_).subspan(first, 4), is_full))
+                squares_[at] = {Kind::Crowded, 0, 0};
         }
     }
 
@@ -615,6 +643,8 @@ private:
 
     const Domain& domain_;
     std::vector<Reach> reaches_;
+    double coarse_;
+    const double coarsest_;
     std::vector<Square> squares_;
     std::vector<std::uint32_t> members_;  ///< pieces of the border
     std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near somewhere along it
@@ -634,18 +664,76 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
     return difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
 }
 
+/// Returns the area outside the neighbourhood of the border, inside and outside the domain, together with leftover
+/// rings inside that neighbourhood. Requires discs with a radius above 0 around all points of the border. No edge of
+/// the domain takes part in the boolean operation, since it would be cut very often if there are very many.
+Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
+    const Point most = domain.unit_bounds().max;
+    const auto strip = tree.border();
+    if (!strip) return tl::unexpected(strip.error());
+    return difference({{{0, 0}, {most.x, 0}, most, {0, most.y}}}, *strip, domain.resolution(), stop, kMore);
+}
+
+/// Erases the rings that lie outside a domain. No ring may cross the border of the domain.
+void erase_outside(Area& rings, const Domain& domain) {
+    struct Place {
+        Point point;
+        std::size_t ring = 0;
+    };
+    std::vector<Place> places;
+    for (std::size_t i = 0; i < rings.size(); ++i) places.push_back({rings[i][0], i});
+    const auto height = [](const Place& place) { return place.point.y; };
+    std::ranges::sort(places, {}, height);
+    std::vector<bool> is_inside(rings.size(), false);
+    for (const Ring& ring : domain.rings()) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            const Point a = ring[i], b = ring[(i + 1) % ring.size()];
+            const auto [low, high] = std::minmax(a.y, b.y);
+            for (auto at = std::ranges::lower_bound(places, low, {}, height); at != places.end() && at->point.y < high;
+                 ++at) {
+                if ((cross(b - a, at->point - a) > 0) == (b.y > a.y)) is_inside[at->ring] = !is_inside[at->ring];
+            }
+        }
+    }
+    std::size_t i = 0;
+    std::erase_if(rings, [&](const Ring&) { return !is_inside[i++]; });
+}
+
+/// Simplifies the border of an area, of which rings may share corners.
+Result<Area> simplified(const Area& area, double tolerance, double resolution, const std::stop_token& stop) {
+    Area simple;
+    for (const Ring& ring : area) simple.push_back(ccdt::simplified(ring, tolerance));
+    return difference(simple, {}, resolution, stop, kMore);
+}
+
 /// Subtracts the neighbourhood of the border where the new border runs. The rest falls into the eroded domain and rings
 /// that are too near, which are dropped.
 Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                              const std::stop_token& stop) {
-    auto reaches = Strip(domain, disc_around, is_centred, indifference).take();
+    constexpr std::size_t kVeryMany = 50'000;
+    constexpr double kCoarser = 10, kRadius = 0.25, kLargestRadius = 4, kSimplified = 0.5;  // of the indifference
+    const bool has_very_many = indifference > 0 && domain.corner_count() > kVeryMany;
+    if (has_very_many) indifference *= kCoarser;
+    const double tolerance = has_very_many ? kSimplified * indifference : 0;
+    const DiscAround enlarged = [&](Point p) {
+        const Disc disc = disc_around(p);
+        return Disc{disc.centre, disc.radius > 0 ? disc.radius + tolerance : 0};
+    };
+    Strip border(domain, enlarged, is_centred, indifference);
+    const bool is_coarse = has_very_many && border.is_whole();
+    auto reaches = border.take();
     if (reaches.empty()) return domain;
-    const ReachTree tree(domain, std::move(reaches), stop);
-    auto left = divided(domain, tree, stop);
+    const double scale = std::max(domain.bounds().width(), domain.bounds().height());
+    const double unit = is_coarse ? indifference / scale : 0;
+    const ReachTree tree(domain, std::move(reaches), kRadius * unit, kLargestRadius * unit, stop);
+    auto left = is_coarse ? far_from_border(domain, tree, stop) : divided(domain, tree, stop);
     if (!left) return tl::unexpected(left.error());
+    if (is_coarse) erase_outside(*left, domain);
     std::erase_if(*left, [&](const Ring& ring) {
         return std::ranges::any_of(ring, [&](Point p) { return tree.is_too_near(p); });
     });
+    if (is_coarse) left = simplified(*left, tolerance / scale, domain.resolution(), stop);
+    if (!left) return tl::unexpected(left.error());
     return domain.within(*std::move(left));
 }
 

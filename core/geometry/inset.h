@@ -38,6 +38,11 @@ using DiscAround = std::function<Disc(Point)>;
 /// @param indifference  distance in the domain's coordinates by which the new border may be farther still. If there are
 ///                      many corners and their discs differ by less than this, all discs count as equally large, which
 ///                      is far less work.
+///
+/// Beside more than 50,000 corners the new border may be farther by 40 times the indifference, and by up to 120 times
+/// where the corners are so dense that a quadtree would have very many squares. It is then made of squares that the
+/// border may cross, and simplified. If the discs of all corners have a radius above 0, the edges of the old border are
+/// not intersected at all.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 

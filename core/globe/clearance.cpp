@@ -5,34 +5,8 @@
 #include <limits>
 #include <numbers>
 #include <utility>
-#include <vector>
-
-#include "core/geometry/simplify.h"
 
 namespace ccdt {
-
-namespace {
-
-/// Simplifies a border with very many corners, to a hundredth of the pitch of sites. The tolerance is added to the
-/// error, so that no site comes too near to the true border. A border with a cut along a circle is not changed.
-void coarsen(ChartedPart& part, const std::stop_token& stop) {
-    constexpr std::size_t kManyCorners = 50'000;
-    constexpr double kCoarser = 10, kLargestRadius = 6'399'594;
-    if (part.seam > 0 || part.domain.corner_count() <= kManyCorners) return;
-    const double distance = kCoarser * part.indifference;
-    std::vector<Ring> rings;
-    for (const Ring& unit : part.domain.rings()) {
-        Ring ring;
-        for (const Point& p : unit) ring.push_back(part.domain.to_user(p));
-        rings.push_back(simplified(ring, distance));
-    }
-    auto coarse = Domain::enclosed_by(rings, stop);
-    if (!coarse) return;
-    part.domain = *std::move(coarse);
-    part.error += distance * kLargestRadius;
-}
-
-}  // namespace
 
 Disc disc_on_ground(const Chart& chart, Point place, double metres) {
     constexpr double kMost = 0.99 * std::numbers::pi;  // angle from the centre
@@ -51,7 +25,6 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
     constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; other borders are degrees away
     if (!(buffer > 0)) return {};
-    coarsen(part, stop);
     const double metres = std::max(buffer, kLeastBuffer) + part.error;
     const DiscAround disc_around = [&](Point p) {
         const bool is_cut = std::abs(std::sqrt(dot(p, p)) - part.seam) < kOnSeam * part.seam;

@@ -12,6 +12,9 @@ namespace {
 /// Time that a new connection has for its first request before it counts as idle. Newcomers wait as long for its slot.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
+/// Time that the head of a request has: several packets, of which one was lost.
+constexpr std::chrono::milliseconds kLeastForHead{300};
+
 /// Time that newcomers wait for idle connections to end, and time after which another one is closed. Only a busy
 /// machine needs so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
@@ -44,26 +47,28 @@ std::size_t Capacity::limit(ConnectionClass connection_class) const {
     return limits_.connections;
 }
 
-bool Capacity::close_longest_idle() {
+bool Capacity::close_first_idle() {
     const std::lock_guard lock(mutex_);
-    const auto idle = longest_idle_locked(std::nullopt);
+    const auto idle = first_idle_locked(std::nullopt);
     if (idle == idle_.end()) return false;
     close_locked(idle);
     return true;
 }
 
-/// Finds the connection that has been idle longest, in one class or in any.
-Capacity::IdleConnections::iterator Capacity::longest_idle_locked(std::optional<ConnectionClass> connection_class) {
-    return std::ranges::find_if(idle_, [connection_class](const Idle& idle) {
+/// Finds the idle connection that may be closed first, in one class or in any.
+Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<ConnectionClass> connection_class) {
+    return std::ranges::find_if(idle_, [connection_class](const auto& entry) {
+        const Idle& idle = entry.second;
         return (!connection_class || idle.slot->class_ == *connection_class) && !has_unread_bytes(idle.socket);
     });
 }
 
 /// Closes an idle connection. Its thread notices and releases the slot.
 void Capacity::close_locked(IdleConnections::iterator idle) {
-    shutdown(idle->socket, SHUT_RDWR);
-    idle->slot->closed_ = true;
-    idle->slot->idle_.reset();
+    const auto& [slot, socket, has_begun] = idle->second;
+    shutdown(socket, has_begun ? SHUT_RD : SHUT_RDWR);
+    slot->closed_ = true;
+    slot->idle_.reset();
     idle_.erase(idle);
 }
 
@@ -71,10 +76,10 @@ void Capacity::close_locked(IdleConnections::iterator idle) {
 bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;
     while (!has_slot_locked(connection_class)) {
-        const auto idle = longest_idle_locked(connection_class);
+        const auto idle = first_idle_locked(connection_class);
         const auto now = Clock::now();
         if (idle == idle_.end() || now >= end) return false;
-        auto until = idle->since + kLeastIdle;
+        auto until = idle->first;
         if (now >= until) {
             close_locked(idle);
             until = now + kTimeForAnother;
@@ -138,15 +143,21 @@ ConnectionSlot::~ConnectionSlot() {
     capacity_.left_.notify_all();
 }
 
-void ConnectionSlot::begin_idle(int socket) {
+void ConnectionSlot::begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun) {
     const std::lock_guard lock(capacity_.mutex_);
     if (closed_ || idle_) return;
-    idle_ = capacity_.idle_.insert(capacity_.idle_.end(), {this, socket, Capacity::Clock::now()});
+    const auto until = head_begun ? *head_begun + kLeastForHead : Capacity::Clock::now() + kLeastIdle;
+    idle_ = capacity_.idle_.insert({until, {this, socket, head_begun.has_value()}});
 }
 
 void ConnectionSlot::end_idle() {
     const std::lock_guard lock(capacity_.mutex_);
     if (idle_) capacity_.idle_.erase(*std::exchange(idle_, std::nullopt));
+}
+
+bool ConnectionSlot::is_closed() const {
+    const std::lock_guard lock(capacity_.mutex_);
+    return closed_;
 }
 
 bool ConnectionSlot::move_to(ConnectionClass connection_class) {

@@ -6,7 +6,6 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
-#include <list>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -25,8 +24,8 @@ enum class ConnectionClass {
 
 /// Counts the resources that clients take: connections, and memory for data in transfer to or from them.
 ///
-/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections without a request do not
-/// keep others out: at the limit, the one that has been idle longest is closed. Thread-safe.
+/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections without a whole request
+/// head do not keep others out: at the limit, one of them is closed. Thread-safe.
 class Capacity {
 public:
     struct Limits {
@@ -66,24 +65,25 @@ public:
 
     Counts counts() const;
 
-    /// Closes the connection that has been idle longest, in any class.
+    /// Closes the idle connection that may be closed first, in any class.
     /// @returns  false if none is idle
-    bool close_longest_idle();
+    bool close_first_idle();
 
 private:
     friend class ConnectionSlot;
 
     using Clock = std::chrono::steady_clock;
 
-    /// A connection that waits for a request.
+    /// A connection that waits for a request, for the rest of a request's head, or for its client to leave.
     struct Idle {
         ConnectionSlot* slot = nullptr;
         int socket = -1;
-        Clock::time_point since;
+        bool has_begun = false;  ///< a request of which the head is incomplete; it can still be answered
     };
-    using IdleConnections = std::list<Idle>;
+    /// [time from which it may be closed for a newcomer]
+    using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
-    IdleConnections::iterator longest_idle_locked(std::optional<ConnectionClass> connection_class);
+    IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
     void close_locked(IdleConnections::iterator idle);
     bool free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock);
     std::optional<ConnectionClass> find_class(std::unique_lock<std::mutex>& lock);
@@ -102,7 +102,7 @@ private:
 
     mutable std::mutex mutex_;      ///< guards the rest
     std::condition_variable left_;  ///< a slot has become free
-    IdleConnections idle_;          ///< longest idle first
+    IdleConnections idle_;
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
     std::uint64_t refused_by_address_ = 0;
@@ -134,8 +134,13 @@ public:
 
     /// Marks the connection as idle unless it is already. Until `end_idle`, the socket may be shut down to make way for
     /// another connection, unless it has unread bytes. The socket must stay open until then.
-    void begin_idle(int socket);
+    /// @param head_begun  time at which an incomplete request head began; none: no request has begun. A connection with
+    ///                    such a head has more time, and its socket is shut down for receiving only
+    void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
     void end_idle();
+
+    /// Whether the socket was shut down to make way for another connection.
+    bool is_closed() const;
 
     /// Counts the connection by another address from now on; an empty one: by none.
     /// @returns  false if that address is at its limit; the connection then counts as before
@@ -155,9 +160,11 @@ private:
 /// The time during which a connection is idle.
 class IdleTime {
 public:
-    /// @param slot  null: the connection is never closed
-    IdleTime(ConnectionSlot* slot, int socket) : slot_(slot) {
-        if (slot_ != nullptr) slot_->begin_idle(socket);
+    /// @param slot        null: the connection is never closed
+    /// @param head_begun  as for ConnectionSlot::begin_idle
+    IdleTime(ConnectionSlot* slot, int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {})
+        : slot_(slot) {
+        if (slot_ != nullptr) slot_->begin_idle(socket, head_begun);
     }
     ~IdleTime() {
         if (slot_ != nullptr) slot_->end_idle();

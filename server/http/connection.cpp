@@ -46,6 +46,10 @@ tl::unexpected<Problem> too_large(std::size_t limit) {
                    "the body is larger than this server's limit (max-body) of " + std::to_string(limit) + " bytes");
 }
 
+tl::unexpected<Problem> late() {
+    return problem(408, "the request did not arrive in time");
+}
+
 bool may_break_a_line(char c) {
     return c == '\r' || c == '\n' || c == '\0';
 }
@@ -144,6 +148,7 @@ void Connection::close_gently() {
         return;
     }
     shutdown(socket_, SHUT_WR);
+    const IdleTime idle(slot_, socket_);
     const auto deadline = Clock::now() + kLinger;
     while (!between_requests_ && fill([deadline] { return deadline; })) unread_.use(unread_.view().size());
 }
@@ -191,7 +196,7 @@ bool Connection::wait(short events, const Deadline& deadline) const {
 
 /// Waits for the first byte, then receives all available bytes.
 HttpResult<void> Connection::fill(const Deadline& deadline) {
-    if (!wait(POLLIN, deadline)) return problem(408, "the request did not arrive in time");
+    if (!wait(POLLIN, deadline)) return late();
     std::array<char, kReceiveSize> buffer;
     ssize_t received = -1;
     do received = recv(socket_, buffer.data(), buffer.size(), 0);
@@ -201,12 +206,19 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes the function that receives more of a head, whose first byte has arrived.
+/// Makes the function that receives more of a head, whose first byte has arrived. Meanwhile the connection may be
+/// closed for a newcomer; then the client is told that it was too slow.
 Connection::Fill Connection::fill_head() {
-    const auto deadline = [this, start = Clock::now()] {
+    const auto start = Clock::now();
+    const auto deadline = [this, start] {
         return start + (is_pressed() ? std::min(patience_.header, kHeadUnderPressure) : patience_.header);
     };
-    return [this, deadline] { return fill(deadline); };
+    return [this, start, deadline] {
+        const IdleTime idle(slot_, socket_, start);
+        auto filled = fill(deadline);
+        if (slot_ != nullptr && slot_->is_closed()) return HttpResult<void>(late());
+        return filled;
+    };
 }
 
 /// Receives more of a body, of which `body` has arrived.

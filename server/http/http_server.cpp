@@ -181,9 +181,9 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
     return Next::Nobody;
 }
 
-/// Closes the connection that has been idle longest, after accept() failed because of missing descriptors or memory.
+/// Closes an idle connection, after accept() failed because of missing descriptors or memory.
 void HttpServer::recover(int accept_error) {
-    capacity_.close_longest_idle();
+    capacity_.close_first_idle();
     std::this_thread::sleep_for(kRecovery);
     if (std::exchange(warned_, true)) return;
     warn_(std::string("a connection could not be accepted: ") + std::strerror(accept_error) +
@@ -208,7 +208,7 @@ bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared
         slot->begin_idle(socket);
         if (threads.run([this, socket, slot] { serve_socket(UniqueFd(socket), *slot); })) return true;
         slot->end_idle();
-        if (Clock::now() >= end || !capacity_.close_longest_idle()) return false;
+        if (Clock::now() >= end || !capacity_.close_first_idle()) return false;
         std::this_thread::sleep_for(kRecovery);
     }
 }

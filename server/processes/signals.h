@@ -9,9 +9,10 @@ namespace ccdt::server {
 /// Signals that ask a server to end.
 inline constexpr std::array kEndSignals{SIGINT, SIGTERM, SIGQUIT};
 
-/// Signals that would end a program by default and that no program of the server uses. SIGPIPE is one of them: a write
-/// to a log that nobody reads any more fails instead.
-inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGIO, SIGPIPE};
+/// Signals that would end a program by default and that no program of the server uses. SIGPIPE and SIGXFSZ are among
+/// them: a write to a log that nobody reads any more, or beyond the limit of file sizes (ulimit -f), fails instead.
+inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF,
+                                                   SIGIO,   SIGPWR,  SIGPIPE, SIGXFSZ};
 
 void ignore_signals(std::span<const int> numbers);
 

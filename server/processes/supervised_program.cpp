@@ -74,19 +74,26 @@ Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
 }
 
 /// Waits until the program reports that it is ready; kills it if it does not.
-Result<void> SupervisedProgram::await(Running& running) const {
+Result<void> SupervisedProgram::await(Running& running) {
     constexpr std::chrono::seconds kLongestStart{30};
     const int ours = running.socket->get();
-    const int ready = wait_for_any({ours, running.program.ended(), closing_.get()}, running.started + kLongestStart);
-    if (ready == ours && greet_(ours)) return {};
+    int ready = -1;
+    for (const auto longest : {kPause + kLongestSilence, kLongestStart}) {
+        ready = wait_for_any({ours, running.program.ended(), closing_.get()}, running.started + longest);
+        if (ready >= 0) break;
+        set_responsive(false);
+    }
+    if (ready == ours && greet_(ours)) {
+        set_responsive(true);
+        return {};
+    }
     // The program closes its end of the socket shortly before it ends, so it need not be killed.
     if (ready != ours) running.program.kill();
     return cannot_start(name_, "it " + running.program.wait());
 }
 
 /// @returns  none once the program must not be restarted any more
-std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff,
-                                                                          Clock::duration lived) const {
+std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff, Clock::duration lived) {
     while (true) {
         if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
         auto running = launch();

@@ -21,7 +21,8 @@ namespace ccdt::server {
 /// A program that the server keeps running: if it ends, it is reaped and restarted. Once a second it is asked whether
 /// it is alive (send_probe), and must reply whatever it is doing.
 ///
-/// The program has a socket that preserves message boundaries, on which it first reports that it is ready. Thread-safe.
+/// The program has a socket that preserves message boundaries, on which it first reports that it is ready. Until then,
+/// its silence counts as that of a program that does not answer. Thread-safe.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
@@ -77,11 +78,11 @@ private:
     SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
 
     Result<Running> launch() const;
-    Result<void> await(Running& running) const;
+    Result<void> await(Running& running);
     void watch(Running running);
     bool attend(const Running& running);
     void set_responsive(bool responsive);
-    std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived) const;
+    std::optional<Running> launch_again(Backoff& backoff, Clock::duration lived);
     void set_socket(Socket socket);
     void end_start(Result<void> started);
 

@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import tempfile
 import time
@@ -245,6 +246,29 @@ class Silence(unittest.TestCase):
                 wait_until(lambda: ask(server, "/health/ready").status == 200)
                 server.wait_for_log(f"the {name} answers again")
             self.assertEqual(server.stop(), 0)
+
+    def test_of_starting_programs_ends_readiness(self):
+        server_program = pathlib.Path(os.environ["CCDT_SERVER"]).resolve()
+        for name in ("ccdt-decoder", "ccdt-worker"):
+            with tempfile.TemporaryDirectory() as folder:
+                for program in ("ccdt-decoder", "ccdt-worker"):
+                    (pathlib.Path(folder) / program).symlink_to(server_program.parent / program)
+                stopped = pathlib.Path(folder) / name
+                real = stopped.readlink()
+                stopped.unlink()
+                stopped.write_text(f'#!/bin/sh\nkill -STOP $$\nexec "{real}" "$@"\n')
+                stopped.chmod(0o755)
+                copy = shutil.copy(server_program, folder)
+                with Server("--workers=1", program=copy) as server:
+                    (process,) = wait_until(
+                        lambda: [child for child, state in children(server.process.pid).items() if state == "T"])
+                    self.addCleanup(resume, process)
+                    wait_until(lambda: ask(server, "/health/ready").status == 503)
+                    self.assertIn(b"does not answer", ask(server, "/health/ready").body)
+                    os.kill(process, signal.SIGCONT)
+                    wait_until(lambda: ask(server, "/health/ready").status == 200)
+                    self.assertEqual(post_json(server, "/sample", sample()).status, 200)
+                    self.assertEqual(server.stop(), 0)
 
     def test_is_not_reported_for_busy_workers(self):
         with Server("--workers=1") as server:

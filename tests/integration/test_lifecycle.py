@@ -9,6 +9,7 @@ import re
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 import unittest
 
@@ -291,7 +292,7 @@ class Signals(unittest.TestCase):
 
     # SIGHUP is not among them: the fork server and the decoder ignore it, the server logs it.
     meaningless = (signal.SIGUSR1, signal.SIGUSR2, signal.SIGALRM, signal.SIGVTALRM, signal.SIGPROF, signal.SIGIO,
-                   signal.SIGPIPE)
+                   signal.SIGPWR, signal.SIGPIPE, signal.SIGXFSZ)
 
     def test_sighup_without_a_key_file_is_ignored(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
@@ -316,6 +317,35 @@ class Signals(unittest.TestCase):
                 os.kill(process, 0)
             self.assertNotIn("started again", server.log())
             self.assertEqual(server.stop(), 0)
+
+
+class FileSizes(unittest.TestCase):
+    """Where files may not grow beyond a limit (ulimit -f)."""
+
+    def test_a_log_beyond_the_limit_ends_nothing(self):
+        most = 4096
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder) / "log"
+            limited = pathlib.Path(folder) / "limited"
+            limited.write_text(f'#!/bin/sh\nexec prlimit --fsize={most} "$CCDT_SERVER" "$@" 2>"{log}"\n')
+            limited.chmod(0o755)
+            address = pathlib.Path(folder) / "socket"
+            curl = ["curl", "--silent", "--retry", "100", "--retry-delay", "1", "--retry-all-errors", "--fail",
+                    "--unix-socket", address, "http://localhost/sample", "--data",
+                    json.dumps({"sites": 6, "domain": RECTANGLE})]
+            with subprocess.Popen([limited, f"--bind=unix:{address}", "--workers=1"]) as process:
+                try:
+                    subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+                    curl.remove("--retry-all-errors")
+                    while log.stat().st_size < most:
+                        subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+                    for _ in range(20):
+                        subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+                    process.terminate()
+                    self.assertEqual(process.wait(PATIENCE), 0)
+                finally:
+                    process.kill()
+            self.assertEqual(log.stat().st_size, most)
 
 
 class Starting(unittest.TestCase):

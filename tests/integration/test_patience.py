@@ -197,16 +197,23 @@ class ConnectionClasses(unittest.TestCase):
 
 
 class Idle(unittest.TestCase):
-    """Idle connections keep nobody out."""
+    """Connections without a whole request head keep nobody out."""
 
-    def test_health_checks_pass_during_a_flood(self):
+    def test_health_checks_pass_during_a_flood_of_idle_connections(self):
+        self.flood(b"")
+
+    def test_health_checks_pass_during_a_flood_of_incomplete_heads(self):
+        self.flood(HEALTH[:-2])
+
+    def flood(self, sent):
         # Far more than the limit, again and again; the limit by address is off.
         over = threading.Event()
 
         def flood(server):
             while not over.is_set():
-                with crowd(server, 300):
-                    pass
+                with contextlib.ExitStack() as stack:
+                    for _ in range(300):
+                        stack.enter_context(Raw(server)).try_send(sent)
 
         with Server("--max-connections=100", "--max-connections-per-address=0") as server:
             thread = threading.Thread(target=flood, args=(server,))

@@ -73,5 +73,31 @@ TEST(KeepOffBorder, SimplifiesFineBorders) {
     EXPECT_GT(area, std::pow(bare - 3e-2 * kPitch, 2));
 }
 
+TEST(KeepOffBorder, CutsOffDenseNeedles) {
+    constexpr int kCorners = 60'000;
+    constexpr double kInner = 0.1, kPitch = 1e-2, kLargestRadius = 6'399'594;
+    for (const double length : {5e-4, 0.1}) {
+        Ring ring;
+        for (int i = 0; i < kCorners; ++i) {
+            const double angle = 2 * std::numbers::pi * i / kCorners, radius = kInner + (i % 2) * length;
+            ring.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+        }
+        for (const double buffer : {1.0, 1000.0}) {
+            ChartedPart part{Chart(direction_of({10, 45})), Domain::create({{{ring, {}}}}).value(), 0, 0,
+                             1e-3 * kPitch};
+            ASSERT_TRUE(keep_off_border(part, buffer));
+            EXPECT_LT(part.domain.corner_count(), 5000U) << length << ' ' << buffer;
+            const double bare = kInner - buffer / kLargestRadius;
+            EXPECT_GT(part.domain.area(), std::numbers::pi * std::pow(bare - kPitch / 8, 2)) << length << ' ' << buffer;
+            for (const Ring& left : part.domain.rings()) {
+                for (const Point& unit : left) {
+                    const Point p = part.domain.to_user(unit);
+                    EXPECT_LT(std::sqrt(dot(p, p)), bare) << length << ' ' << buffer;
+                }
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -127,6 +128,22 @@ TEST(ChartRegion, LimitsThePiecesForASmallBuffer) {
         EXPECT_LT(part.error, 1) << buffer;
     }
     EXPECT_EQ(chart_region(cap, 50, 1000)->front().error, 0);
+}
+
+TEST(ChartRegion, ChartsDenseNeedles) {
+    constexpr int kCorners = 100'000;
+    Ring star;
+    for (int i = 0; i < kCorners; ++i) {
+        const double angle = 2 * std::numbers::pi * i / kCorners, radius = i % 2 == 0 ? 5 : 10;
+        star.push_back({10 + radius * std::cos(angle), 45 + radius * std::sin(angle)});
+    }
+    const Domain degrees = Domain::create({{star, {}}}).value();
+    const auto parts = chart_region(degrees, 50, 1);
+    ASSERT_TRUE(parts);
+    ASSERT_EQ(parts->size(), 1U);
+    // A needle is a triangle on the chart as well, whose edges bend by the same amount to the same side.
+    const double area = degrees.area() * std::pow(std::numbers::pi / 180, 2) * std::cos(std::numbers::pi / 4);
+    EXPECT_NEAR(parts->front().domain.area(), area, 0.02 * area);
 }
 
 TEST(ChartRegion, JoinsPartsAtTheMeridianOf180Degrees) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -13,6 +14,7 @@
 namespace ccdt::server {
 namespace {
 
+using Clock = std::chrono::steady_clock;
 using Entry = ConnectionSlot::Entry;
 
 TEST(Capacity, LimitsTheTotalNumberOfConnections) {
@@ -85,9 +87,10 @@ TEST(Capacity, UsesTheReserveAfterTheCommonPlaces) {
 /// A connection whose thread only waits for its end.
 class IdleClient {
 public:
-    explicit IdleClient(Capacity& capacity) : slot_(std::in_place, capacity, "") {
+    explicit IdleClient(Capacity& capacity, std::optional<Clock::time_point> head_begun = {})
+        : slot_(std::in_place, capacity, "") {
         EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets_.data()), 0);
-        slot_->begin_idle(sockets_[0]);
+        slot_->begin_idle(sockets_[0], head_begun);
         thread_ = std::jthread([this] {
             char byte = 0;
             EXPECT_EQ(recv(sockets_[0], &byte, 1, MSG_PEEK | MSG_WAITALL), 0);
@@ -104,6 +107,9 @@ public:
     IdleClient& operator=(const IdleClient&) = delete;
 
     bool is_closed() const { return closed_; }
+
+    /// Whether the client can still be answered.
+    bool can_be_told() const { return send(sockets_[0], "!", 1, MSG_NOSIGNAL) == 1; }
 
 private:
     std::array<int, 2> sockets_{};
@@ -135,6 +141,20 @@ TEST(Capacity, ClosesIdleConnectionsOfTheReserve) {
     EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
 }
 
+TEST(Capacity, ClosesIncompleteHeadsForANewcomer) {
+    Capacity capacity({.connections = 2, .reserve = 0});
+    IdleClient recent(capacity, Clock::now());
+    IdleClient late(capacity, Clock::now() - std::chrono::seconds(1));
+    const ConnectionSlot newcomer(capacity, "a");
+    EXPECT_EQ(newcomer.entry(), Entry::Admitted);
+    EXPECT_TRUE(late.is_closed());
+    EXPECT_TRUE(late.can_be_told());
+    EXPECT_FALSE(recent.is_closed());
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted) << "the other one has less than a second left";
+    EXPECT_TRUE(recent.is_closed());
+    EXPECT_EQ(capacity.counts().refused, 0u);
+}
+
 TEST(Capacity, ClosesNoConnectionForAnAddressAtItsLimit) {
     Capacity capacity({.connections = 2, .reserve = 0, .per_address = 1});
     const ConnectionSlot busy(capacity, "a");
@@ -153,7 +173,7 @@ TEST(Capacity, ClosesNoConnectionWithAPendingRequest) {
     asking.begin_idle(sockets[0]);
     ASSERT_EQ(send(sockets[1], "G", 1, MSG_NOSIGNAL), 1);
     EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Full);
-    EXPECT_FALSE(capacity.close_longest_idle());
+    EXPECT_FALSE(capacity.close_first_idle());
     asking.end_idle();
     for (const int socket : sockets) ::close(socket);
 }

@@ -77,6 +77,17 @@ TEST(HttpServer, ClosesIdleConnectionsForNewcomers) {
     EXPECT_EQ(server.connections().refused, 0u);
 }
 
+TEST(HttpServer, ClosesIncompleteHeadsForNewcomers) {
+    RunningServer server({.connections = 3, .reserve = 1, .per_address = 0}, greet, [](const Exchange&) {});
+    std::deque<Client> slow;
+    for (int i = 0; i < 12; ++i) {
+        EXPECT_TRUE(slow.emplace_back(server.port()).say("GET / HTTP/1.1\r\nHo")) << i;
+        EXPECT_TRUE(is_answered(server, "200")) << i;
+    }
+    EXPECT_TRUE(slow.front().ask("").starts_with("HTTP/1.1 408"));
+    EXPECT_EQ(server.connections().refused, 0u);
+}
+
 /// Streams three pieces, of which the second is empty.
 Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -34,6 +35,12 @@ Result<ChildProgram> spawn(UniqueFd socket, std::vector<std::string> arguments) 
 
 bool has_children() {
     return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD;
+}
+
+TEST(TestProgram, EndsWithItsRunner) {
+    int signal = 0;
+    ASSERT_EQ(prctl(PR_GET_PDEATHSIG, &signal), 0);
+    EXPECT_EQ(signal, SIGKILL);
 }
 
 TEST(ChildProgram, InheritsOnlyItsSocket) {
