@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/output/pen_labels.h"
 #include "api/text/numbers.h"
 #include "core/tour/short_path.h"
 
@@ -71,6 +72,28 @@ private:
     const Placing& placing_;
 };
 
+/// Writes a text as the value of an attribute.
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                // Characters that XML 1.0 has no way to write.
+                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        }
+    }
+    return out;
+}
+
 /// SVG document of dots in the making.
 class DotDocument {
 public:
@@ -106,9 +129,16 @@ public:
         write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
     }
 
-    /// @param blend  of CSS
-    void begin_layer(std::string_view name, std::string_view blend) {
-        write(R"(<g inkscape:groupmode="layer" inkscape:label=")", name, R"(" style="mix-blend-mode:)", blend, "\">\n");
+    /// Begins a layer of the drawing. Its id numbers it for programs that change pens between layers.
+    /// @param number  from 1, in drawing order
+    /// @param blend   of CSS; empty: the layer hides what is below it
+    /// @param clip    id of the path outside of which nothing is seen; empty: none
+    void begin_layer(std::size_t number, std::string_view label, std::string_view blend, std::string_view clip = {}) {
+        write(R"(<g id="layer)", std::to_string(number), R"(" inkscape:groupmode="layer" inkscape:label=")",
+              escaped(label), "\"");
+        if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
+        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
+        write(">\n");
     }
 
     void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
@@ -119,14 +149,6 @@ public:
               const std::stop_token& stop) {
         if (style == DotStyle::Stroke) return strokes(centres, radius, colour, stop);
         discs(centres, radius, colour, stop);
-    }
-
-    /// Begins a layer that is not mixed with those below it.
-    /// @param clip  id of the path outside of which nothing is seen; empty: none
-    void begin_plain_layer(std::string_view id, std::string_view label, std::string_view clip) {
-        write(R"(<g id=")", id, R"(" inkscape:groupmode="layer" inkscape:label=")", label, "\"");
-        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
-        write(">\n");
     }
 
     /// Defines a clip path.
@@ -203,28 +225,6 @@ std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
     std::vector<Point> result(points.size());
     std::transform(points.begin(), points.end(), result.begin(), place);
     return result;
-}
-
-/// Writes a text as the value of an attribute.
-std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                // Characters that XML 1.0 has no way to write.
-                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-        }
-    }
-    return out;
 }
 
 /// Adds the copies of dots that reach in from beyond the border of a torus.
@@ -332,12 +332,13 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) channels.push_back(dots_of_channel(kinds, c, page, hurry));
     DotDocument document(page, count_points(kinds), kLayers, body);
     const Placing place(page, document.unit());
+    std::size_t number = layered ? channels.size() : 0;  // layers at the top come first, for programs that number these
     document.paper(palette.paper);
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const ChannelDots& dots = channels[c];
         const Ink& ink = grounds.inks[c];
         const Colour& bare = !layered ? palette.paper : adds ? kBlack : kWhite;
-        const std::string id = layered ? ink.name + "-" : "", black = id + "black";
+        const std::string black = layered ? ink.name + "-black" : "black";
         const std::string ground = curves(grounds.rings[c], page, place, document.decimals());
         const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
             const PlacedPath centres(dots.points, {}, path, place);
@@ -346,15 +347,15 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
             };
             document.discs(centres, radius_of, colour, stop);
         };
-        if (layered) document.begin_layer(ink.name, adds ? "screen" : "multiply");
+        if (layered) document.begin_layer(c + 1, ink.name, adds ? "screen" : "multiply");
         document.define_clip(black, ground);
-        document.begin_plain_layer(id + "ink", "ink dots", "");
+        document.begin_layer(++number, "ink dots", "");
         draw_side(dots.paths[0], ink.colour);
         document.end_layer();
-        document.begin_plain_layer(id + "ground", "ground", "");
+        document.begin_layer(++number, "ground", "");
         document.area(ground, ink.colour);
         document.end_layer();
-        document.begin_plain_layer(id + "paper", "paper dots", black);
+        document.begin_layer(++number, "paper dots", "", black);
         draw_side(dots.paths[1], bare);
         document.end_layer();
         if (layered) document.end_layer();
@@ -390,11 +391,12 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     const bool has_paper = style == DotStyle::Fill;
     std::vector<std::vector<std::uint32_t>> paths;
     for (const InkDots& each : inks) paths.push_back(path_of(each.dots.points, page, hurry));
+    const std::vector<std::string> labels = pen_labels(inks_of(inks));
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
         const auto& [ink, distribution, radius, two_sides] = inks[i];
-        if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
+        if (layered) document.begin_layer(i + 1, labels[i], palette.mixing == Mixing::Add ? "screen" : "multiply");
         draw(distribution.points, distribution.ranks, paths[i], radius, ink.colour, page, style,
              !layered && has_paper ? &palette.paper : nullptr, document, stop);
         if (layered) document.end_layer();
@@ -404,7 +406,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
 
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
                    const std::stop_token& hurry, const std::stop_token& stop) {
-    const bool layered = map.are_named();
+    const std::vector<std::string> labels = pen_labels(inks_of(std::span(map.classes)));
     std::vector<std::vector<std::uint32_t>> paths;  // of all groups
     for (const MapDots& each : map.classes) {
         for_features(each.dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
@@ -412,12 +414,14 @@ void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& pag
             paths.push_back(path_of(std::span(each.dots.dots.points).subspan(first, count), page, hurry));
         });
     }
-    DotDocument document(page, map.size(), layered ? kLayers : "", body);
+    DotDocument document(page, map.size(), kLayers, body);
     if (style == DotStyle::Fill) document.paper(palette.paper);
     std::size_t number = 0, group = 0;
     for (const auto& [ink, dots, radius] : map.classes) {
-        if (layered) document.begin_layer(escaped(ink.name), "multiply");
-        const std::string prefix = layered ? "class-" + std::to_string(number++) + "-feature-" : "feature-";
+        // Also the only class is a layer: programs for plotters take each group at the top for one.
+        const std::string prefix = map.are_named() ? "class-" + std::to_string(number) + "-feature-" : "feature-";
+        document.begin_layer(number + 1, labels[number], "multiply");
+        ++number;
         for_features(dots, [&, &ink = ink, &radius = radius, &all = dots.dots](std::uint32_t feature, std::size_t first,
                                                                                std::size_t count) {
             if (stop.stop_requested() || group == paths.size()) return;
@@ -426,7 +430,7 @@ void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& pag
                  ink.colour, page, style, nullptr, document, stop);
             document.end_layer();
         });
-        if (layered) document.end_layer();
+        document.end_layer();
     }
     document.finish();
 }

@@ -42,7 +42,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// millimetres if the page has a width in these, else the points' units; the origin is the page's upper left corner,
 /// and the paper is drawn for discs only, as a pen would draw it, too. A <desc> tells how long a path is, and how long
 /// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between
-/// them.
+/// them: their ids are `layer1`, `layer2` and so on, and their labels have no digits, which would count as a number.
 ///
 /// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots; of several channels each
 /// is a layer of these three.
@@ -54,9 +54,9 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
                const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
-/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer if it has a name, a group for
-/// each feature, whose id is `feature-` and the index of the feature, of classes with names with the class' number in
-/// front. Paths are short within a group.
+/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer, a group for each feature,
+/// whose id is `feature-` and the index of the feature, of classes with names with the class' number in front. Paths
+/// are short within a group.
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
                    const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 

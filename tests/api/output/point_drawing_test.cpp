@@ -85,7 +85,7 @@ TEST(Svg, HasALayerForEachInk) {
         test::whole_body([&](Body& body) { write_svg(inks, palette, page(), DotStyle::Fill, body); }),
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
-<g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
+<g id="layer1" inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
 <desc>3 dots along a path of 10.5873; in their original order it is 15.29931; their radius is 0.5</desc>
 <g fill="#00ffff">
 <circle cx="1" cy="4" r="0.5"/>
@@ -93,7 +93,7 @@ TEST(Svg, HasALayerForEachInk) {
 <circle cx="9" cy="4" r="0.5"/>
 </g>
 </g>
-<g inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
+<g id="layer2" inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
 <desc>1 dots along a path of 0; in their original order it is 0; their radius is 0.25</desc>
 <g fill="#000000">
 <circle cx="0" cy="5" r="0.25"/>
