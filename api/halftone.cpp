@@ -82,7 +82,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 24> kRules = {{
+constexpr std::array<OptionRule<Draft>, 25> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -112,6 +112,7 @@ constexpr std::array<OptionRule<Draft>, 24> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -159,9 +160,9 @@ std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
     if (draft.palette) return "is an option of color: dots of a palette are ink";
     if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
-    if (request.format->file.name == "svg" && draft.background.value_or(kWhite).transparent)
-        return "needs in SVG a background that is not transparent, in whose colour paper dots are drawn";
-    if (request.drawing.style == DotStyle::Stroke) return "is no option of style=stroke: a pen can only add ink";
+    if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
+        return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
+    if (request.drawing.is_stroked()) return "is an option of style=fill alone: a pen can only add ink";
     return {};
 }
 
@@ -241,8 +242,11 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
     ErrorList errors;
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
-    if (draft.request.format != nullptr) errors.add(settle_sides(draft, inputs));
-    if (draft.request.format != nullptr) errors.add(settle_size(draft, inputs));
+    if (draft.request.format != nullptr) {
+        errors.add(settle_sides(draft, inputs));
+        errors.add(settle_size(draft, inputs));
+        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
+    }
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));
@@ -251,6 +255,10 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
 }
 
 }  // namespace
+
+std::string HalftoneRequest::field_of(std::string_view option) const {
+    return image_field.empty() ? std::string(option) : pointer_below("", option);
+}
 
 std::vector<std::string_view> halftone_options() {
     return names_of<Draft>(kRules);

@@ -61,6 +61,9 @@ struct HalftoneRequest {
     const PointFormat* format = nullptr;  ///< never null in a request that was parsed
     DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;
+
+    /// Returns the field of an option, for errors about one that was not given.
+    std::string field_of(std::string_view option) const;
 };
 
 /// Names of the options that may come as text.

@@ -49,7 +49,7 @@ constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   {},
                                   kColours,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg}};
+constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {18, 0.3 * kMicrosecond}}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
@@ -93,6 +93,17 @@ constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints, &k
 bool PointFormat::repeats() const {
     const auto* list = std::get_if<ListWriter>(&writer);
     return list == nullptr || list->repeats;
+}
+
+Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
+    if (vector() == nullptr || drawing.width_mm) return {};
+    if (drawing.has_pen_width()) {
+        return failure(ErrorCode::Malformed,
+                       "width_mm is missing, the width of the drawing in millimetres, which style=" +
+                           std::string(name_of(drawing.style)) + " needs",
+                       field);
+    }
+    return {};
 }
 
 Result<void> PointFormat::check_side(const Canvas& canvas, const std::string& option, const std::string& field) const {

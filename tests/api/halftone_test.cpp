@@ -579,6 +579,21 @@ TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyWhereTheyCanBeDrawn) {
     }
 }
 
+TEST(HalftoneOptions, OfPensHaveTheirDefaultsAndLimits) {
+    const auto usual = parse({});
+    EXPECT_EQ(usual->drawing.pen_mm, 0.3);
+    EXPECT_EQ(parse({{"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
+    const std::vector<Options> wrong = {{{"pen", "0.001"}}, {{"pen", "1e308"}}, {{"pen", "1e-308mm"}}};
+    for (const Options& options : wrong) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << options.front().name;
+        EXPECT_EQ(request.error().field, options.front().name);
+    }
+    const auto request = parse({{"format", "svg"}, {"style", "path"}});
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().field, "width_mm");
+}
+
 TEST(HalftoneOptions, MeasureDotsInPixelsOrMillimetres) {
     EXPECT_FALSE(parse({{"dot", "2"}})->dot->millimetres);
     const auto pen = parse({{"dot", "0.4mm"}, {"width_mm", "150"}});

@@ -601,6 +601,30 @@ TEST(Sample, WritesNumbersAtTheEndsOfTheirRanges) {
     }
 }
 
+TEST(Sample, DrawsWithPensAtTheEndsOfRanges) {
+    for (const std::string side : {"1e-140", "1", "1e140"}) {
+        for (const std::string format : {"svg"}) {
+            for (const std::string style : {"fill", "stroke", "circles", "spiral", "path"}) {
+                for (const std::string drawing :
+                     {R"("width_mm":1)", R"("width_mm":10000,"dot":5e-324)", R"("width_mm":1,"dot":1e308,"pen":100)",
+                      R"("width_mm":10000,"dot":1e308,"pen":0.01)"}) {
+                    const std::string body = R"({"sites":3,"domain":{"type":"rectangle","width":)" + side +
+                                             R"(,"height":)" + side + R"(},"format":")" + format + R"(","style":")" +
+                                             style + "\"," + drawing + '}';
+                    const auto result = answer(body);
+                    if (!result) {
+                        EXPECT_EQ(result.error().code, ErrorCode::Unusable) << body;
+                        EXPECT_EQ(result.error().field, "/pen") << body;
+                        continue;
+                    }
+                    EXPECT_EQ(result->body.find("nan"), std::string::npos) << body;
+                    EXPECT_EQ(result->body.find("inf"), std::string::npos) << body;
+                }
+            }
+        }
+    }
+}
+
 TEST(Sample, StopsWhenAsked) {
     std::stop_source stop;
     const auto request = parse('{' + kSquare + R"(,"sites":100})");

@@ -214,6 +214,9 @@ class Routes(ContractCase):
                 self.assertEqual(gone.status, 204)
 
 
+NEED_A_WIDTH = [("style", name) for name in ("circles", "spiral", "path")]
+
+
 def map_of(people):
     square = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}
     return {"type": "FeatureCollection",
@@ -228,6 +231,7 @@ class Options(ContractCase):
              ("/halftone", "height"): {"format": "png", "width": 1},
              ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
+             **{(path, "pen"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
@@ -252,6 +256,8 @@ class Options(ContractCase):
         if option == "format" and value in ("mask", "mask16"):
             del body["sites"]
             body["domain"] = {"type": "torus", "width": 16, "height": 8}
+        if (option, value) in NEED_A_WIDTH:
+            body["width_mm"] = 100
         if option == "per" and value > 1000:
             body["geometry"] = map_of(20 * value)
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))
@@ -323,7 +329,7 @@ class Options(ContractCase):
     def test_have_their_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "pen": 1, "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # for what is in time, and valid
         tried = set()

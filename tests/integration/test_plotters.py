@@ -1,4 +1,4 @@
-"""Drawings by pens, read as the programs that drive plotters do."""
+"""Drawings by pens, read as the programs that drive them do."""
 
 import re
 import unittest
@@ -25,6 +25,29 @@ def pens_of_vpype(svg):
     for path in root.findall(SVG + "path"):
         pens[1] = pens.get(1, 0) + path.get("d").count("M")
     return pens
+
+
+class PlotterCase(ServerCase):
+    def assert_refused(self, *cases):
+        """@param cases  (query, field, words of the message)"""
+        for query, field, words in cases:
+            with self.subTest(query=query):
+                answer = self.ask("/halftone" + query, data=CHELSEA)
+                self.assertIn(answer.status, (400, 422), answer)
+                problem = answer.json()
+                self.assertEqual(problem["errors"][0]["pointer"], field)
+                self.assertIn(words, problem["detail"])
+
+
+class Refusals(PlotterCase):
+    """Errors name the option and its limit."""
+
+    def test_of_drawings_without_a_width(self):
+        self.assert_refused(("?format=svg&style=spiral", "width_mm", "style=spiral"))
+
+    def test_of_pens(self):
+        self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),
+                            ("?format=svg&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
 
 
 class Layers(ServerCase):

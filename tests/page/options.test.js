@@ -19,10 +19,10 @@ async function open(address) {
   await settled(world.page, address.match(/\w+/)[0]);
 }
 
-/** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
+/** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS and for plotters have. */
 const elsewhere = {
-  halftone: ["fit", "format", "height", "invert"],
-  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
+  halftone: ["fit", "format", "height", "invert", "pen"],
+  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh", "pen"],
 };
 
 test("has a field for each option", async () => {

@@ -1,0 +1,115 @@
+#include "api/output/plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "api/output/pen_labels.h"
+#include "api/text/numbers.h"
+#include "core/tour/short_path.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Orders dots as a page has them.
+std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& hurry) {
+    if (page.along_path) return short_path(points, hurry);
+    std::vector<std::uint32_t> path(points.size());
+    std::iota(path.begin(), path.end(), 0U);
+    return path;
+}
+
+/// Appends a turn around the origin.
+/// @param from, to  its radii at the beginning and at the end
+void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
+    constexpr double kTolerance = 1.0 / 50;
+    constexpr int kFewest = 8;
+    const double outer = std::max(from, to);
+    const double step = 2 * std::acos(std::max(1 - kTolerance * pen / outer, 0.0));
+    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kFewest);
+    for (int i = 1; i <= count; ++i) {
+        const double share = static_cast<double>(i) / count;
+        const double angle = 2 * std::numbers::pi * share;
+        const double radius = from + (to - from) * share;
+        stroke.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+    }
+}
+
+std::vector<Point> spiral(double reach, double pen) {
+    std::vector<Point> stroke = {{0, 0}};
+    const int turns = static_cast<int>(std::ceil(reach / pen));
+    for (int turn = 0; turn < turns; ++turn) append_turn(stroke, reach * turn / turns, reach * (turn + 1) / turns, pen);
+    append_turn(stroke, reach, reach, pen);
+    return stroke;
+}
+
+/// The innermost circle covers the centre.
+std::vector<Point> circles(double reach, double pen) {
+    const double inner = std::min(reach, pen / 2);
+    const int steps = static_cast<int>(std::ceil((reach - inner) / pen));
+    std::vector<Point> stroke;
+    for (int i = 0; i <= steps; ++i) {
+        const double radius = steps == 0 ? inner : inner + (reach - inner) * i / steps;
+        stroke.push_back({radius, 0});
+        append_turn(stroke, radius, radius, pen);
+    }
+    return stroke;
+}
+
+Pen make_pen(std::string label, const Colour& colour, double radius, const DrawingOptions& drawing) {
+    const double width = drawing.has_pen_width() ? drawing.pen_mm : 2 * radius;
+    return {std::move(label), colour, radius, width, dot_stroke(drawing.style, radius, drawing.pen_mm), {}};
+}
+
+}  // namespace
+
+std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
+    const double reach = radius - pen / 2;  // of the middle of the pen
+    if (!(reach > 0)) return {{0, 0}};
+    if (style == DotStyle::Spiral) return spiral(reach, pen);
+    if (style == DotStyle::Circles) return circles(reach, pen);
+    return {{0, 0}};
+}
+
+Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field) {
+    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
+    if (!fills || radius * page.unit() <= kMostTurns * drawing.pen_mm) return {};
+    std::string message = "pen is ";
+    append_shortest(message, drawing.pen_mm);
+    message += " mm wide, but dots have a radius of ";
+    append_rounded(message, radius * page.unit(), 2);
+    message += " mm: filling each would take more than " + std::to_string(kMostTurns) +
+               " turns; give a wider pen or more sites";
+    return failure(ErrorCode::Unusable, std::move(message), field);
+}
+
+Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
+             const std::stop_token& hurry) {
+    const std::vector<std::string> labels = pen_labels(inks_of(inks));
+    Plot plot{page, drawing.style, {}};
+    for (std::size_t i = 0; i < inks.size(); ++i) {
+        plot.pens.push_back(make_pen(labels[i], inks[i].ink.colour, inks[i].radius * page.unit(), drawing));
+        const std::span<const Point> points = inks[i].dots.points;
+        plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+    }
+    return plot;
+}
+
+Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& hurry,
+             const std::stop_token& stop) {
+    const std::vector<std::string> labels = pen_labels(inks_of(map.classes));
+    Plot plot{page, drawing.style, {}};
+    for (std::size_t i = 0; i < map.classes.size(); ++i) {
+        const auto& [ink, dots, radius] = map.classes[i];
+        plot.pens.push_back(make_pen(labels[i], ink.colour, radius * page.unit(), drawing));
+        for_features(dots, [&, &all = dots.dots](std::uint32_t, std::size_t first, std::size_t count) {
+            if (stop.stop_requested()) return;
+            const auto points = std::span(all.points).subspan(first, count);
+            plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+        });
+    }
+    return plot;
+}
+
+}  // namespace ccdt::api
