@@ -7,6 +7,7 @@
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
 #include "api/input/file_formats.h"
+#include "api/output/pdf_drawing.h"
 #include "api/output/point_table.h"
 
 namespace ccdt::api {
@@ -50,6 +51,11 @@ constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   kColours,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
 constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {18, 0.3 * kMicrosecond}}};
+constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
+                                 0,
+                                 kPath,
+                                 {},
+                                 VectorWriter{write_pdf, write_map_pdf, {40, 0.3 * kMicrosecond}, true}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
@@ -83,10 +89,11 @@ constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
                                  {},
                                  ListWriter{true, list_npy, list_map_npy}};
 
-constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
-                                                   &kNpyPoints, &kWebPPoints, &kTiffPoints};
-constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints, &kGeoJsonPoints, &kJsonLines,
-                                                 &kJsonSequence, &kNpyPoints, &kSvgPoints,     &kPngPoints};
+constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints,  &kCsvPoints,
+                                                   &kNpyPoints, &kWebPPoints, &kTiffPoints, &kPdfPoints};
+constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints, &kCsvPoints,    &kGeoJsonPoints,
+                                                 &kJsonLines,  &kJsonSequence, &kNpyPoints,
+                                                 &kSvgPoints,  &kPngPoints,    &kPdfPoints};
 
 }  // namespace
 
@@ -97,12 +104,11 @@ bool PointFormat::repeats() const {
 
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
     if (vector() == nullptr || drawing.width_mm) return {};
-    if (drawing.has_pen_width()) {
-        return failure(ErrorCode::Malformed,
-                       "width_mm is missing, the width of the drawing in millimetres, which style=" +
-                           std::string(name_of(drawing.style)) + " needs",
-                       field);
-    }
+    const std::string what = "width_mm is missing, the width of the drawing in millimetres, which ";
+    if (vector()->in_millimetres)
+        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs", field);
+    if (drawing.has_pen_width())
+        return failure(ErrorCode::Malformed, what + "style=" + std::string(name_of(drawing.style)) + " needs", field);
     return {};
 }
 

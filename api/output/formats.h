@@ -35,13 +35,17 @@ struct VectorWriter {
                       Body& body, const std::stop_token& hurry, const std::stop_token& stop);
     Estimate per_turn_point;  ///< of a point of the circles or the spiral that fill a dot
 
-    /// Checks that the pen suits the dots, as check_pen() does.
+    bool in_millimetres = false;  ///< its pages have a width in millimetres
+
+    /// Checks that the pen and the page suit the dots, as check_pen() and check_sides() do.
     /// @param request  has `drawing` and `field_of(option)`
     /// @param radius   of the largest dots, in the points' units
     /// Errors: Unusable.
     template <class Request>
     Result<void> check(const Request& request, double radius, const Page& page) const {
-        return check_pen(request.drawing, radius, page, request.field_of("pen"));
+        auto fills = check_pen(request.drawing, radius, page, request.field_of("pen"));
+        if (!fills || !in_millimetres) return fills;
+        return check_sides(page, request.field_of("width_mm"));
     }
 };
 
@@ -77,7 +81,7 @@ struct PointFormat {
     /// Tells whether the same request gets the same bytes each time.
     bool repeats() const;
 
-    /// Checks that a drawing has a width in millimetres if its style needs one.
+    /// Checks that a drawing has a width in millimetres if its format or its style needs one.
     /// @param field  of that option
     /// Errors: Malformed.
     Result<void> check_drawing(const DrawingOptions& drawing, const std::string& field) const;

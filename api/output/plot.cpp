@@ -84,6 +84,18 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
     return failure(ErrorCode::Unusable, std::move(message), field);
 }
 
+Result<void> check_sides(const Page& page, const std::string& field) {
+    constexpr double kLeast = 0.01, kMost = 100'000;
+    const Point size = page.size();
+    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMost) return {};
+    std::string message = "width_mm makes a page of ";
+    append_shortest(message, size.x);
+    message += " x ";
+    append_shortest(message, size.y);
+    message += " mm, whose sides must be from 0.01 to 100000 mm in this format";
+    return failure(ErrorCode::Unusable, std::move(message), field);
+}
+
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
              const std::stop_token& hurry) {
     const std::vector<std::string> labels = pen_labels(inks_of(inks));

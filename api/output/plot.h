@@ -54,6 +54,11 @@ std::vector<Point> dot_stroke(DotStyle style, double radius, double pen);
 /// Errors: Unusable.
 Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field);
 
+/// Checks that a page in millimetres has sides that machines and readers of files have room for.
+/// @param field  of the option width_mm
+/// Errors: Unusable.
+Result<void> check_sides(const Page& page, const std::string& field);
+
 /// Plans the strokes of dots: each ink is a pen; of a map each class, with a run for each feature.
 /// What is referred to must outlive the plot.
 /// @param hurry  stopped, the paths are longer

@@ -538,6 +538,7 @@ TEST(Halftone, ListsRadiusAndSideOfEachDot) {
 TEST(HalftoneOptions, ChooseTheSidesOfDots) {
     const auto dots = [](const Options& options) { return parse(options)->dots; };
     for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
+    EXPECT_EQ(dots({{"format", "pdf"}, {"width_mm", "90"}}), Dots::Both);
     for (const auto* list : {"json", "csv", "npy"}) {
         EXPECT_EQ(dots({{"format", list}}), Dots::Ink) << list;
         EXPECT_EQ(dots({{"format", list}, {"dots", "both"}}), Dots::Both) << list;
@@ -589,7 +590,7 @@ TEST(HalftoneOptions, OfPensHaveTheirDefaultsAndLimits) {
         ASSERT_FALSE(request) << options.front().name;
         EXPECT_EQ(request.error().field, options.front().name);
     }
-    const auto request = parse({{"format", "svg"}, {"style", "path"}});
+    const auto request = parse({{"format", "pdf"}});
     ASSERT_FALSE(request);
     EXPECT_EQ(request.error().field, "width_mm");
 }

@@ -2,7 +2,10 @@
 
 import re
 import unittest
+import zlib
 from xml.etree import ElementTree
+
+import numpy
 
 from harness import PICTURES, ServerCase, post_json
 
@@ -27,6 +30,74 @@ def pens_of_vpype(svg):
     return pens
 
 
+class Pdf:
+    """What a page of PDF draws: discs, [(x, y, radius)], other areas, and strokes, in millimetres from the lower left."""
+
+    def __init__(self, file):
+        self.file, self.discs, self.areas, self.strokes, self.clips = file, [], 0, [], 0
+        assert file.startswith(b"%PDF-") and file.rstrip().endswith(b"%%EOF")
+        assert b"/Subtype /Image" not in file and b"/Filter /DCTDecode" not in file
+        box = re.search(rb"/MediaBox \[ ([-0-9. ]+) ?\]", file)
+        self.size = [float(value) / 72 * 25.4 for value in box[1].split()[2:]]
+        for content in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", file, re.DOTALL):
+            try:
+                content = zlib.decompress(content)
+            except zlib.error:
+                pass
+            if b" m\n" in content or b" m " in content or b" re" in content:
+                self.run(content.decode("latin-1"))
+
+    def run(self, content):
+        # Groups have no matrix of their own: the page, which they are drawn on, has turned y over before.
+        height = self.size[1] * 72 / 25.4
+        turned = numpy.array([[1, 0, 0], [0, -1, 0], [0, height, 1]])
+        stack, saved, path, width = [], [], [], 1
+        matrix = numpy.identity(3) if " cm\n" in content[:60] else turned
+        for token in re.findall(r"\[[^\]]*\]|<<.*?>>|\([^)]*\)|/\S+|[^\s\[\]]+", content):
+            if re.fullmatch(r"-?\d*\.?\d+", token):
+                stack.append(float(token))
+                continue
+            if token == "q":
+                saved.append((matrix, width))
+            elif token == "Q":
+                matrix, width = saved.pop()
+            elif token == "cm":
+                a, b, c, d, e, f = stack[-6:]
+                matrix = numpy.array([[a, b, 0], [c, d, 0], [e, f, 1]]) @ matrix
+            elif token == "w":
+                width = stack[-1]
+            elif token == "m":
+                path.append([stack[-2:]])
+            elif token == "l":
+                path[-1].append(stack[-2:])
+            elif token == "c":
+                path[-1] += [stack[-6:-4], stack[-4:-2], stack[-2:]]
+            elif token in ("f", "f*"):
+                for part in path:
+                    points = numpy.array(part) @ matrix[:2, :2] + matrix[2, :2]
+                    self.fill(points / 72 * 25.4)
+                path = []
+            elif token == "S":
+                scale = numpy.sqrt(abs(numpy.linalg.det(matrix[:2, :2])))
+                for part in path:
+                    points = numpy.array(part) @ matrix[:2, :2] + matrix[2, :2]
+                    self.strokes.append((points / 72 * 25.4, width * scale / 72 * 25.4))
+                path = []
+            elif token in ("n",):
+                self.clips += len(path)
+                path = []
+            stack = []
+
+    def fill(self, points):
+        low, high = points.min(0), points.max(0)
+        radius = (high - low) / 2
+        # A disc is four cubic curves, and may be closed by a line.
+        if len(points) in (13, 14) and abs(radius[0] - radius[1]) < 0.02 * radius.max() + 0.003:
+            self.discs.append((*(low + high) / 2, radius.mean()))
+        else:
+            self.areas += 1
+
+
 class PlotterCase(ServerCase):
     def assert_refused(self, *cases):
         """@param cases  (query, field, words of the message)"""
@@ -39,11 +110,95 @@ class PlotterCase(ServerCase):
                 self.assertIn(words, problem["detail"])
 
 
+class Formats(ServerCase):
+    """Each format holds the dots of JSON, read by an interpreter of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.inks = {}
+        for colours in ("color=gray", "color=cmyk"):
+            answer = cls.halftone(cls(), CHELSEA, f"?sites=700&{colours}&width_mm=90&format=json").json()
+            unit = 90 / answer["width"]
+            cls.height = answer["height"] * unit
+            cls.inks[colours] = [numpy.array(ink["points"]).reshape(-1, 2) * (unit, -unit) + (0, cls.height)
+                                 for ink in answer.get("inks", [answer])]
+
+    def made(self, colours, options):
+        return self.halftone(CHELSEA, f"?sites=700&{colours}&width_mm=90&{options}")
+
+    def assert_dots(self, found, expected, tolerance):
+        """Each dot is there once, in whatever order."""
+        self.assertEqual(len(found), len(expected))
+        if len(found) == 0:
+            return
+        distances = numpy.linalg.norm(numpy.asarray(found)[:, None] - expected[None], axis=2)
+        nearest = distances.argmin(axis=1)
+        self.assertLess(distances.min(axis=1).max(), tolerance)
+        self.assertEqual(len(set(nearest)), len(expected))
+
+    def test_pdf(self):
+        for colours, inks in self.inks.items():
+            for style in ("fill", "stroke"):
+                with self.subTest(colours=colours, style=style):
+                    options = f"style={style}&dots=ink&format=pdf"
+                    answer = self.made(colours, options)
+                    self.assertEqual(answer.type, "application/pdf")
+                    page = Pdf(answer.body)
+                    numpy.testing.assert_allclose(page.size, (90, self.height), atol=0.01)
+                    dots = page.discs if style == "fill" else [(*points[0], 0) for points, _ in page.strokes]
+                    self.assert_dots(numpy.array(dots)[:, :2], numpy.concatenate(inks), 0.01)
+                    self.assertEqual(answer.body, self.made(colours, options).body)
+
+    def test_pdf_of_both_sides(self):
+        told = self.halftone(CHELSEA, "?sites=700&dots=both&format=json").json()
+        page = Pdf(self.halftone(CHELSEA, "?sites=700&width_mm=90&format=pdf").body)
+        unit = 90 / told["width"]
+        expected = numpy.array(told["points"]) * (unit, -unit) + (0, self.height)
+        found = numpy.array(page.discs)
+        self.assertGreaterEqual(len(found), len(expected))
+        distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
+        self.assertLess(distances.min(axis=1).max(), 0.01)
+        self.assertEqual(set(distances.argmin(axis=1)), set(range(len(expected))))
+        radii = numpy.array(told["radii"])[distances.argmin(axis=1)] * unit
+        numpy.testing.assert_allclose(found[:, 2], radii, atol=0.005)
+        self.assertGreater(page.areas, 0)
+        self.assertGreater(page.clips, 0)
+
+    def test_pdf_of_both_sides_in_colour(self):
+        for colours in ("color=cmyk", "color=rgb"):
+            with self.subTest(colours=colours):
+                query = f"?sites=700&{colours}&dots=both&width_mm=90&format="
+                told = self.halftone(CHELSEA, query + "json").json()
+                page = Pdf(self.halftone(CHELSEA, query + "pdf").body)
+                unit = 90 / told["width"]
+                expected = numpy.concatenate([kind["points"] for kind in told["kinds"]]) * (unit, -unit) + (0, self.height)
+                radii = numpy.concatenate([kind["radii"] for kind in told["kinds"]]) * unit
+                flips = numpy.concatenate([[len(kind["flips"])] * kind["sites"] for kind in told["kinds"]])
+                self.assertGreater(flips.max(), 1)
+                found = numpy.array(page.discs)
+                distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
+                nearest = distances.argmin(axis=1)
+                self.assertLess(distances.min(axis=1).max(), 0.01)
+                numpy.testing.assert_allclose(found[:, 2], radii[nearest], atol=0.005)
+                drawn = numpy.bincount(nearest, minlength=len(expected))
+                self.assertTrue((drawn >= flips).all() and (drawn <= 2 * flips).all(), "once a channel, or twice if cut")
+                self.assertGreaterEqual(page.areas, 3)
+                self.assertGreaterEqual(page.clips, 3)
+
+    def test_samples(self):
+        body = {"sites": 60, "domain": {"type": "rectangle", "width": 2, "height": 1}, "width_mm": 50}
+        expected = numpy.array(post_json(self.server, "/sample", body).json()["points"]) * 25
+        page = Pdf(post_json(self.server, "/sample", {**body, "format": "pdf"}).body)
+        self.assert_dots(numpy.array(page.discs)[:, :2], expected, 0.01)
+
+
 class Refusals(PlotterCase):
     """Errors name the option and its limit."""
 
     def test_of_drawings_without_a_width(self):
-        self.assert_refused(("?format=svg&style=spiral", "width_mm", "style=spiral"))
+        self.assert_refused(("?format=pdf", "width_mm", "format=pdf"),
+                            ("?format=svg&style=spiral", "width_mm", "style=spiral"))
 
     def test_of_pens(self):
         self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),

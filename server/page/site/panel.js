@@ -86,10 +86,11 @@ export class Panel {
     this.find(".download").append(button, this.format);
   }
 
-  /** Offers formats, and keeps the one that is chosen if it is among them. */
+  /** Offers the formats that need no option, and keeps the one that is chosen if it is among them. */
   offerDownloads(formats, file) {
     const { value } = this.format;
-    const options = formats.map(({ name, title, extension }) => {
+    const offered = formats.filter(({ needs = [] }) => needs.length === 0);
+    const options = offered.map(({ name, title, extension }) => {
       const option = new Option(title, name, false, name === value);
       option.dataset.file = `${file}.${extension}`;
       return option;
