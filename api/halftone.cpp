@@ -82,7 +82,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 25> kRules = {{
+constexpr std::array<OptionRule<Draft>, 29> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
@@ -113,6 +113,10 @@ constexpr std::array<OptionRule<Draft>, 25> kRules = {{
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -163,6 +167,8 @@ std::string_view obstacle_to_both(const Draft& draft) {
     if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
         return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
     if (request.drawing.is_stroked()) return "is an option of style=fill alone: a pen can only add ink";
+    const VectorWriter* const shapes = request.format->vector();
+    if (shapes != nullptr && shapes->by_pen) return "is no option of formats for plotters: a pen can only add ink";
     return {};
 }
 

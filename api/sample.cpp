@@ -218,7 +218,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 24> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -243,6 +243,10 @@ constexpr std::array<OptionRule<Draft>, 24> kOptionRules = {{
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
     {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
     {"width",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},

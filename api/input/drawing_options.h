@@ -1,7 +1,7 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
+#include <string>
 
 #include "api/input/option_reader.h"
 #include "core/result.h"
@@ -17,11 +17,20 @@ enum class DotStyle {
     Path,     ///< no dots, but one line through their centres in the order of the path
 };
 
+/// Speed of a plotter, and the commands that move its pen.
+struct Plotter {
+    double speed = 100;                 ///< mm/s, with the pen down or up
+    double dwell = 0.075;               ///< seconds for the pen to go down, and as long to go up
+    std::string pen_down = "M3 S1000";  ///< G-code; `|` stands between two lines
+    std::string pen_up = "M5";
+};
+
 /// Options of drawings that every endpoint shares.
 struct DrawingOptions {
     std::optional<double> width_mm = {};  ///< of the page; none: only pixels are told
     DotStyle style = DotStyle::Fill;
     double pen_mm = 0.3;  ///< width of the pen, where it is not that of the dots
+    Plotter plotter = {};
 
     /// Tells whether a pen draws, which can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
@@ -39,5 +48,13 @@ Result<void> read_style(const Input& input, DrawingOptions& options);
 
 /// Reads a width in millimetres, with or without the unit.
 Result<void> read_pen(const Input& input, DrawingOptions& options);
+
+Result<void> read_speed(const Input& input, DrawingOptions& options);
+Result<void> read_dwell(const Input& input, DrawingOptions& options);
+
+/// Read G-code: letters, digits, blanks, points, signs, and `|` between lines. What would end a line, begin a comment
+/// or be taken out of the stream by a controller is refused.
+Result<void> read_pen_down(const Input& input, DrawingOptions& options);
+Result<void> read_pen_up(const Input& input, DrawingOptions& options);
 
 }  // namespace ccdt::api

@@ -36,6 +36,7 @@ struct VectorWriter {
     Estimate per_turn_point;  ///< of a point of the circles or the spiral that fill a dot
 
     bool in_millimetres = false;  ///< its pages have a width in millimetres
+    bool by_pen = false;          ///< a pen draws, which can only add ink
 
     /// Checks that the pen and the page suit the dots, as check_pen() and check_sides() do.
     /// @param request  has `drawing` and `field_of(option)`

@@ -99,7 +99,7 @@ Result<void> check_sides(const Page& page, const std::string& field) {
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
              const std::stop_token& hurry) {
     const std::vector<std::string> labels = pen_labels(inks_of(inks));
-    Plot plot{page, drawing.style, {}};
+    Plot plot{page, drawing.style, drawing.plotter, {}};
     for (std::size_t i = 0; i < inks.size(); ++i) {
         plot.pens.push_back(make_pen(labels[i], inks[i].ink.colour, inks[i].radius * page.unit(), drawing));
         const std::span<const Point> points = inks[i].dots.points;
@@ -111,7 +111,7 @@ Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptio
 Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& hurry,
              const std::stop_token& stop) {
     const std::vector<std::string> labels = pen_labels(inks_of(map.classes));
-    Plot plot{page, drawing.style, {}};
+    Plot plot{page, drawing.style, drawing.plotter, {}};
     for (std::size_t i = 0; i < map.classes.size(); ++i) {
         const auto& [ink, dots, radius] = map.classes[i];
         plot.pens.push_back(make_pen(labels[i], ink.colour, radius * page.unit(), drawing));

@@ -36,6 +36,7 @@ struct Pen {
 struct Plot {
     const Page& page;
     DotStyle style;
+    Plotter plotter;
     std::vector<Pen> pens;
 };
 

@@ -601,9 +601,9 @@ TEST(Sample, WritesNumbersAtTheEndsOfTheirRanges) {
     }
 }
 
-TEST(Sample, DrawsWithPensAtTheEndsOfRanges) {
+TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
     for (const std::string side : {"1e-140", "1", "1e140"}) {
-        for (const std::string format : {"svg", "pdf"}) {
+        for (const std::string format : {"svg", "pdf", "hpgl", "gcode", "dxf"}) {
             for (const std::string style : {"fill", "stroke", "circles", "spiral", "path"}) {
                 for (const std::string drawing :
                      {R"("width_mm":1)", R"("width_mm":10000,"dot":5e-324)", R"("width_mm":1,"dot":1e308,"pen":100)",
@@ -627,7 +627,7 @@ TEST(Sample, DrawsWithPensAtTheEndsOfRanges) {
     }
 }
 
-TEST(Sample, DrawsNoNeedlesInMillimetres) {
+TEST(Sample, DrawsNoNeedlesForPlotters) {
     for (const std::string height : {"1e-9", "1e9"}) {
         const auto result = answer(
             R"({"sites":3,"format":"pdf","width_mm":100,"method":"random","domain":{"type":"rectangle","width":1,"height":)" +

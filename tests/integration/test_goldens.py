@@ -73,7 +73,7 @@ def halftones(formats):
     for options in ("invert=true", "invert=true&antialias=true", "tone=density", "format=svg&width_mm=200&style=stroke",
                     "format=json&width_mm=100"):
         yield f"sites=1500&{options}", "camera"
-    for form in ("pdf",):
+    for form in ("pdf", "hpgl", "gcode", "dxf"):
         yield f"sites=700&color=cmyk&dots=ink&width_mm=100&format={form}", "astronaut"
     for form in ("json", "csv", "npy", "svg"):
         yield f"sites=700&seed=2&dots=both&format={form}", "astronaut"

@@ -1,4 +1,4 @@
-"""Drawings by pens, read as the programs that drive them do."""
+"""Drawings for plotters, read as the programs that drive them do."""
 
 import re
 import unittest
@@ -28,6 +28,102 @@ def pens_of_vpype(svg):
     for path in root.findall(SVG + "path"):
         pens[1] = pens.get(1, 0) + path.get("d").count("M")
     return pens
+
+
+def run_hpgl(text):
+    """Strokes of each pen, [[(x, y), ...], ...] in millimetres, as a plotter draws them."""
+    pens, pen, down, at = {}, 0, False, (0, 0)
+    for command, numbers in re.findall(r"([A-Z]{2})([^;A-Z]*);", text.decode("ascii")):
+        values = [int(value) / 40 for value in numbers.split(",")] if numbers else []
+        if command == "SP":
+            pen = int(numbers)
+        elif command in ("PU", "PD"):
+            if command == "PD" and not down:
+                pens.setdefault(pen, []).append([at])
+            down = command == "PD"
+            for at in zip(values[::2], values[1::2]):
+                if down:
+                    pens[pen][-1].append(at)
+        elif command not in ("IN", "PA"):
+            raise AssertionError(f"{command} is no command of HPGL that is known here")
+    return pens
+
+
+class Grbl:
+    """What a machine does that reads G-code as GRBL does: one command a line, words of a letter and a number."""
+
+    def __init__(self, text, speed=100):
+        """@param speed  of G0, in millimetres a second"""
+        self.pens, self.pen, self.at, self.seconds = {1: []}, 1, (0.0, 0.0), 0
+        self.speed, self.feed = speed, None
+        self.down, self.ended, self.millimetres, self.absolute = False, False, False, False
+        for line in text.decode("ascii").splitlines():
+            assert not self.ended and len(line) <= 80, line
+            self.run(re.sub(r"\([^()]*\)", "", line))
+
+    def run(self, line):
+        words = re.findall(r"([A-Z])(-?[0-9]+(?:\.[0-9]+)?)", line)
+        assert "".join(map("".join, words)) == line.replace(" ", ""), line
+        values = {letter: float(number) for letter, number in words}
+        for code in ("".join(word) for word in words if word[0] in "GM"):
+            if code in ("G0", "G1"):
+                self.move(code, values)
+            elif code == "G4":
+                self.seconds += values["P"]
+            elif code in ("M3", "M5"):
+                if code == "M3":
+                    self.pens[self.pen].append([self.at])
+                self.down = code == "M3"
+            elif code == "M0":
+                self.pen += 1
+                self.pens[self.pen] = []
+            elif code == "M2":
+                self.ended = True
+            elif code in ("G21", "G90"):
+                self.millimetres |= code == "G21"
+                self.absolute |= code == "G90"
+            else:
+                raise AssertionError(f"{code} is not known to GRBL here")
+
+    def move(self, code, values):
+        assert self.millimetres and self.absolute and self.down == (code == "G1")
+        self.feed = values.get("F", self.feed)
+        before, self.at = self.at, (values["X"], values["Y"])
+        if self.down:
+            self.pens[self.pen][-1].append(self.at)
+        self.seconds += numpy.hypot(*numpy.subtract(self.at, before)) / (self.feed / 60 if self.down else self.speed)
+
+
+def read_dxf(text):
+    """Entities of each layer of DXF R12, [(kind, [(x, y), ...], radius)], and the layers that are declared."""
+    lines = text.decode("ascii").splitlines()
+    groups = [(int(code), value) for code, value in zip(lines[::2], lines[1::2])]
+    assert len(lines) % 2 == 0 and groups[-1] == (0, "EOF")
+    records, layers, layer_entities, line = [], [], {}, None
+    for code, value in groups:
+        if code == 0:
+            records.append((value, {}))
+        elif records:
+            records[-1][1][code] = value
+    section = None
+    for kind, values in records:
+        if kind == "SECTION":
+            section = values[2]
+        elif kind == "LAYER":
+            layers.append(values[2])
+        elif section == "ENTITIES" and kind not in ("ENDSEC", "EOF"):
+            assert values[8] in layers, values
+            entities = layer_entities.setdefault(values[8], [])
+            at = (float(values.get(10, 0)), float(values.get(20, 0)))
+            if kind == "POLYLINE":
+                line = []
+            elif kind == "VERTEX":
+                line.append(at)
+            elif kind == "SEQEND":
+                entities.append(("POLYLINE", line, None))
+            else:
+                entities.append((kind, [at], float(values[40]) if kind == "CIRCLE" else None))
+    return layers, layer_entities
 
 
 class Pdf:
@@ -137,6 +233,39 @@ class Formats(ServerCase):
         self.assertLess(distances.min(axis=1).max(), tolerance)
         self.assertEqual(len(set(nearest)), len(expected))
 
+    def middles(self, strokes):
+        """Of dots, each drawn by a stroke: the middles of their bounds."""
+        return [(numpy.min(stroke, axis=0) + numpy.max(stroke, axis=0)) / 2 for stroke in strokes]
+
+    def test_hpgl(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=hpgl")
+            self.assertEqual(answer.type, "application/vnd.hp-hpgl")
+            pens = run_hpgl(answer.body)
+            for number, expected in enumerate(inks, 1):
+                self.assert_dots([stroke[0] for stroke in pens.get(number, [])], expected, 0.02)
+
+    def test_gcode(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=gcode")
+            self.assertEqual(answer.type, "text/x-gcode")
+            machine = Grbl(answer.body)
+            self.assertTrue(machine.ended)
+            for number, expected in enumerate(inks, 1):
+                self.assert_dots([stroke[0] for stroke in machine.pens[number]], expected, 1e-3)
+
+    def test_dxf(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=dxf")
+            self.assertEqual(answer.type, "image/vnd.dxf")
+            layers, entities = read_dxf(answer.body)
+            self.assertEqual(len(layers), len(inks))
+            for layer, expected in zip(layers, inks):
+                circles = entities.get(layer, [])
+                self.assertLessEqual({kind for kind, *_ in circles}, {"CIRCLE"})
+                self.assertLessEqual(len({radius for *_, radius in circles}), 1)
+                self.assert_dots([points[0] for _, points, _ in circles], expected, 1e-3)
+
     def test_pdf(self):
         for colours, inks in self.inks.items():
             for style in ("fill", "stroke"):
@@ -186,9 +315,35 @@ class Formats(ServerCase):
                 self.assertGreaterEqual(page.areas, 3)
                 self.assertGreaterEqual(page.clips, 3)
 
+    def test_styles(self):
+        for style in ("circles", "spiral"):
+            with self.subTest(style=style):
+                query = f"style={style}&pen=0.2mm&dots=ink&format="
+                for strokes in (run_hpgl(self.made("color=gray", query + "hpgl").body)[1],
+                                Grbl(self.made("color=gray", query + "gcode").body).pens[1],
+                                [points for _, points, _ in
+                                 read_dxf(self.made("color=gray", query + "dxf").body)[1]["PEN1_DOTS"]]):
+                    self.assertGreater(min(map(len, strokes)), 8)
+                    self.assert_dots(self.middles(strokes), self.inks["color=gray"][0], 0.1)
+
+    def test_path_is_one_line(self):
+        query = "style=path&format="
+        for strokes in (run_hpgl(self.made("color=gray", query + "hpgl").body)[1],
+                        Grbl(self.made("color=gray", query + "gcode").body).pens[1],
+                        [points for _, points, _ in
+                         read_dxf(self.made("color=gray", query + "dxf").body)[1]["PEN1_DOTS"]]):
+            self.assertEqual(len(strokes), 1)
+            self.assert_dots(strokes[0], self.inks["color=gray"][0], 0.02)
+        line = numpy.array(Grbl(self.made("color=gray", query + "gcode").body).pens[1][0])
+        points = self.inks["color=gray"][0]
+        self.assertLess(numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum(),
+                        0.7 * numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum())
+
     def test_samples(self):
         body = {"sites": 60, "domain": {"type": "rectangle", "width": 2, "height": 1}, "width_mm": 50}
         expected = numpy.array(post_json(self.server, "/sample", body).json()["points"]) * 25
+        strokes = run_hpgl(post_json(self.server, "/sample", {**body, "format": "hpgl"}).body)[1]
+        self.assert_dots([stroke[0] for stroke in strokes], expected, 0.02)
         page = Pdf(post_json(self.server, "/sample", {**body, "format": "pdf"}).body)
         self.assert_dots(numpy.array(page.discs)[:, :2], expected, 0.01)
 
@@ -198,11 +353,20 @@ class Refusals(PlotterCase):
 
     def test_of_drawings_without_a_width(self):
         self.assert_refused(("?format=pdf", "width_mm", "format=pdf"),
+                            ("?format=hpgl", "width_mm", "format=hpgl"),
                             ("?format=svg&style=spiral", "width_mm", "style=spiral"))
+
+    def test_of_paper_dots(self):
+        self.assert_refused(("?format=gcode&width_mm=90&dots=both", "dots", "pen"))
 
     def test_of_pens(self):
         self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),
-                            ("?format=svg&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
+                            ("?format=dxf&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
+
+    def test_of_commands_that_would_be_others(self):
+        for option in ("pen_down", "pen_up"):
+            for command in ("", "M3%3BM5", "M5%0AM3", "M5%0DM3", "M5%00", "(M5)", "%24H", "!", "%25", "M5%E2%80%A8M3", "M" * 65):
+                self.assert_refused((f"?format=gcode&width_mm=90&{option}={command}", option, "64 letters"))
 
 
 class Layers(ServerCase):

@@ -21,8 +21,8 @@ async function open(address) {
 
 /** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS and for plotters have. */
 const elsewhere = {
-  halftone: ["fit", "format", "height", "invert", "pen"],
-  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh", "pen"],
+  halftone: ["fit", "format", "height", "invert", "pen", "dwell", "pen_down", "pen_up"],
+  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh", "pen", "dwell", "pen_down", "pen_up"],
 };
 
 test("has a field for each option", async () => {
