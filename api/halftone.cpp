@@ -17,6 +17,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr Interval kScales = {.min = 0.1, .max = 16};
+constexpr Interval kMinutes = {.min = 0.1, .max = 10'000};
 constexpr Interval kDetails = {.min = 0, .max = 1};
 constexpr std::uint64_t kMaxSide = 65'535;  // pixels
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
@@ -82,8 +83,10 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 29> kRules = {{
+constexpr std::array<OptionRule<Draft>, 30> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
+    {"minutes",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
@@ -167,6 +170,7 @@ std::string_view obstacle_to_both(const Draft& draft) {
     if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
         return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
     if (request.drawing.is_stroked()) return "is an option of style=fill alone: a pen can only add ink";
+    if (request.minutes) return "is no option beside minutes, which are those of a pen: it can only add ink";
     const VectorWriter* const shapes = request.format->vector();
     if (shapes != nullptr && shapes->by_pen) return "is no option of formats for plotters: a pen can only add ink";
     return {};
@@ -241,6 +245,14 @@ Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>&
     return malformed(*dot, "in mm needs width_mm, the width of the picture");
 }
 
+/// A time that a plotter may take decides on the number of dots, by the lengths that its pen goes.
+Result<void> check_minutes(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (!request.minutes) return {};
+    if (request.sites) return malformed(input_of("minutes", inputs), "stands instead of sites: give one of the two");
+    if (request.drawing.width_mm) return {};
+    return malformed(input_of("minutes", inputs), "needs width_mm, the width of the drawing in millimetres");
+}
+
 Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
                                       std::string_view accept, const Limits& limits) {
     Draft draft;
@@ -255,6 +267,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     }
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
+    errors.add(check_minutes(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);

@@ -45,6 +45,7 @@ struct HalftoneRequest {
     ImageFile image;
     std::string image_field;           ///< for Error::field; empty if it is the body
     std::optional<std::size_t> sites;  ///< none: chosen from the image
+    std::optional<double> minutes;     ///< that a plotter may take: bounds the sites that are chosen
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
     std::optional<int> width;          ///< of the drawing, pixels; instead of a scale

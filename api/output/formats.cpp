@@ -48,6 +48,7 @@ template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_inks(std::span<const InkDots> inks, const Palette&, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
     const Plot plot = plot_of(inks, page, drawing, hurry);
+    body.tell_plot(plot.seconds());
     write(plot, body, stop);
 }
 
@@ -55,6 +56,7 @@ template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_map(const MapOfDots& map, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
               const std::stop_token& hurry, const std::stop_token& stop) {
     const Plot plot = plot_of(map, page, drawing, hurry, stop);
+    body.tell_plot(plot.seconds());
     write(plot, body, stop);
 }
 

@@ -228,6 +228,7 @@ void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, con
 }
 
 void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
+    body.tell_plot(plot.seconds());
     PdfPage page(plot.page.size(), body, stop);
     if (plot.style == DotStyle::Fill) page.paper(palette.paper);
     for (const Pen& pen : plot.pens) {

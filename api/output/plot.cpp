@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "api/output/pen_labels.h"
 #include "api/text/numbers.h"
@@ -18,6 +20,10 @@ std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& pa
     std::vector<std::uint32_t> path(points.size());
     std::iota(path.begin(), path.end(), 0U);
     return path;
+}
+
+double distance(Point a, Point b) {
+    return std::sqrt(dot(a - b, a - b));
 }
 
 /// Appends a turn around the origin.
@@ -62,6 +68,25 @@ Pen make_pen(std::string label, const Colour& colour, double radius, const Drawi
     return {std::move(label), colour, radius, width, dot_stroke(drawing.style, radius, drawing.pen_mm), {}};
 }
 
+double length(std::span<const Point> stroke) {
+    double sum = 0;
+    for (std::size_t i = 1; i < stroke.size(); ++i) sum += distance(stroke[i - 1], stroke[i]);
+    return sum;
+}
+
+/// Estimates how long a plotter draws so many dots; as dots_in() has it.
+double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
+    constexpr double kOverlaps = 1.2;  // area of all dots over what they cover, in most pictures
+    const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
+    const double each = radius.value_or(fitting);
+    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
+    if (fills && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
+    const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
+    const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
+    const double moved = ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
+    return moved / drawing.plotter.speed + 2 * drawing.plotter.dwell * lifts;
+}
+
 }  // namespace
 
 std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
@@ -94,6 +119,35 @@ Result<void> check_sides(const Page& page, const std::string& field) {
     append_shortest(message, size.y);
     message += " mm, whose sides must be from 0.01 to 100000 mm in this format";
     return failure(ErrorCode::Unusable, std::move(message), field);
+}
+
+double Plot::seconds() const {
+    const double unit = page.unit();
+    double moved = 0, lifts = 0;
+    for (const Pen& pen : pens) {
+        const double drawn = length(pen.stroke);
+        std::optional<Point> before;
+        for (const PenRun& run : pen.runs) {
+            for (const std::uint32_t i : run.path) {
+                if (before) moved += unit * distance(*before, run.points[i]);
+                before = run.points[i];
+            }
+            const auto dots = static_cast<double>(run.path.size());
+            moved += dots * drawn;
+            lifts += style == DotStyle::Path ? std::min(dots, 1.0) : dots;
+        }
+    }
+    return moved / plotter.speed + 2 * plotter.dwell * lifts;
+}
+
+double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
+    constexpr int kSteps = 64;
+    double fits = 0, too_many = 1e9;
+    for (int step = 0; step < kSteps && std::floor(fits) != std::floor(too_many); ++step) {
+        const double dots = (fits + too_many) / 2;
+        (seconds_for(dots, ink, radius, drawing) <= seconds ? fits : too_many) = dots;
+    }
+    return std::floor(fits);
 }
 
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -38,7 +39,24 @@ struct Plot {
     DotStyle style;
     Plotter plotter;
     std::vector<Pen> pens;
+
+    /// Estimates how long a plotter draws: it moves at one speed, and lifts its pen between strokes.
+    /// Meaningful on pages that have a width in millimetres.
+    double seconds() const;
 };
+
+/// Ink that pens are to put on a page.
+struct PlotInk {
+    double area = 0;    ///< mm2 that dots of all pens cover
+    double spread = 0;  ///< integral of the square root of each pen's share of the page, mm2
+};
+
+/// Estimates how many dots a plotter draws in a time, as Plot::seconds() has it. The path through n dots, whose density
+/// is in proportion to the share c that they cover, is about sqrt(n) * integral of sqrt(c) / sqrt(integral of c) long
+/// (Beardwood, Halton and Hammersley 1959; the factor of 1 is that of short_path() on blue noise).
+/// @param radius  of the dots in millimetres; none: such that they cover the area
+/// @returns       whole, >= 0
+double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing);
 
 /// Turns of a spiral, or circles, that fill a dot at most.
 inline constexpr int kMostTurns = 50;

@@ -387,6 +387,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     const bool layered = are_named(inks);
     const bool has_paper = drawing.style == DotStyle::Fill;
     const Plot plot = plot_of(inks, page, drawing, hurry);
+    if (page.width_mm) body.tell_plot(plot.seconds());
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
@@ -402,6 +403,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                    Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
     const Plot plot = plot_of(map, page, drawing, hurry, stop);
+    if (page.width_mm) body.tell_plot(plot.seconds());
     DotDocument document(page, map.size(), kLayers, body);
     if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
     for (std::size_t number = 0; number < map.classes.size(); ++number) {

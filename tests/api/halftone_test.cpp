@@ -541,6 +541,7 @@ TEST(HalftoneOptions, ChooseTheSidesOfDots) {
     EXPECT_EQ(dots({{"format", "pdf"}, {"width_mm", "90"}}), Dots::Both);
     for (const auto* plotted : {"hpgl", "gcode", "dxf"})
         EXPECT_EQ(dots({{"format", plotted}, {"width_mm", "90"}}), Dots::Ink) << plotted;
+    EXPECT_EQ(dots({{"minutes", "9"}, {"width_mm", "90"}}), Dots::Ink);
     for (const auto* list : {"json", "csv", "npy"}) {
         EXPECT_EQ(dots({{"format", list}}), Dots::Ink) << list;
         EXPECT_EQ(dots({{"format", list}, {"dots", "both"}}), Dots::Both) << list;
@@ -570,6 +571,7 @@ TEST(HalftoneOptions, HaveDotsOnBothSidesOnlyWhereTheyCanBeDrawn) {
         {{{"dots", "both"}, {"tone", "density"}}, "dots"},
         {{{"dots", "both"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},
         {{{"dots", "both"}, {"format", "dxf"}, {"width_mm", "90"}}, "dots"},
+        {{{"dots", "both"}, {"minutes", "9"}, {"width_mm", "90"}}, "dots"},
         {{{"dots", "both"}, {"background", "transparent"}, {"format", "svg"}}, "dots"},
         {{{"dots", "both"}, {"invert", "true"}}, "invert"},
         {{{"dots", "ink"}, {"invert", "true"}}, "invert"},
@@ -591,11 +593,19 @@ TEST(HalftoneOptions, OfPlottersHaveTheirDefaultsAndLimits) {
     EXPECT_EQ(usual->drawing.plotter.pen_down, "M3 S1000");
     EXPECT_EQ(parse({{"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
     EXPECT_EQ(parse({{"pen_up", "G0 Z2|S0"}})->drawing.plotter.pen_up, "G0 Z2|S0");
-    const std::vector<Options> wrong = {
-        {{"pen", "0.001"}},    {{"pen", "1e308"}},       {{"pen", "1e-308mm"}},
-        {{"speed", "0"}},      {{"dwell", "-1"}},        {{"pen_up", ""}},
-        {{"pen_down", "M3;"}}, {{"pen_down", "M3\nM5"}}, {{"pen_up", std::string(65, 'M')}},
-        {{"pen_up", "$$"}}};
+    const std::vector<Options> wrong = {{{"pen", "0.001"}},
+                                        {{"pen", "1e308"}},
+                                        {{"pen", "1e-308mm"}},
+                                        {{"speed", "0"}},
+                                        {{"dwell", "-1"}},
+                                        {{"pen_up", ""}},
+                                        {{"pen_down", "M3;"}},
+                                        {{"pen_down", "M3\nM5"}},
+                                        {{"pen_up", std::string(65, 'M')}},
+                                        {{"pen_up", "$$"}},
+                                        {{"minutes", "0"}},
+                                        {{"minutes", "9"}},
+                                        {{"minutes", "9"}, {"width_mm", "90"}, {"sites", "9"}}};
     for (const Options& options : wrong) {
         const auto request = parse(options);
         ASSERT_FALSE(request) << options.front().name;

@@ -259,8 +259,10 @@ class Options(ContractCase):
         if option == "format" and value in ("mask", "mask16"):
             del body["sites"]
             body["domain"] = {"type": "torus", "width": 16, "height": 8}
-        if (option, value) in NEED_A_WIDTH:
+        if (option, value) in NEED_A_WIDTH or option == "minutes":
             body["width_mm"] = 100
+        if option == "minutes":
+            body.pop("sites", None)
         if option == "per" and value > 1000:
             body["geometry"] = map_of(20 * value)
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))

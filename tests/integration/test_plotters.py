@@ -348,6 +348,40 @@ class Formats(ServerCase):
         self.assert_dots(numpy.array(page.discs)[:, :2], expected, 0.01)
 
 
+class Time(PlotterCase):
+    """A plotter takes as long as it is told to."""
+
+    def seconds(self, query):
+        answer = self.halftone(CHELSEA, query + "&width_mm=90&format=gcode&speed=40&dwell=0.05")
+        return float(answer.headers["x-plot-seconds"]), Grbl(answer.body, speed=40)
+
+    def test_is_that_of_the_machine(self):
+        for style in ("stroke", "path", "spiral"):
+            told, machine = self.seconds(f"?sites=900&style={style}")
+            # Besides, the machine goes to the first dot and back. Its way to the rim of a filled dot is not counted.
+            self.assertAlmostEqual(told, machine.seconds, delta=0.05 * told + 6)
+            self.assertEqual(len(machine.pens[1]), 1 if style == "path" else 900)
+
+    def test_is_kept(self):
+        for style, minutes in (("stroke", 4), ("path", 4), ("spiral&pen=0.9", 9), ("circles&pen=0.9", 9)):
+            for options in ("", "&dot=0.4mm", "&color=cmyk"):
+                with self.subTest(style=style, options=options):
+                    told, _ = self.seconds(f"?minutes={minutes}&style={style}{options}")
+                    self.assertLess(told, 1.1 * 60 * minutes)
+        for style in ("stroke", "path"):
+            told, _ = self.seconds(f"?minutes=4&style={style}")
+            self.assertGreater(told, 0.85 * 240, style)
+
+    def test_needs_a_width_and_no_number(self):
+        self.assert_refused(("?minutes=4", "minutes", "width_mm"),
+                            ("?minutes=4&width_mm=90&sites=5", "minutes", "sites"),
+                            ("?minutes=0&width_mm=90", "minutes", "0.1 to 10000"),
+                            ("?minutes=1e308&width_mm=90", "minutes", "0.1 to 10000"),
+                            ("?minutes=0.1&dwell=60&width_mm=90", "minutes", "too few"),
+                            ("?minutes=1&style=spiral&pen=0.1&width_mm=90", "minutes", "wider pen"),
+                            ("?minutes=4&width_mm=90&dots=both", "dots", "minutes"))
+
+
 class Refusals(PlotterCase):
     """Errors name the option and its limit."""
 
