@@ -28,6 +28,8 @@ Json describe(const PointFormat& format) {
     const RasterWriter* const pixels = format.raster();
     const bool any_side = pixels == nullptr || pixels->max_side == std::numeric_limits<int>::max();
     json["max_side"] = any_side ? Json() : Json(pixels->max_side);
+    json["needs"] = Json::array();
+    if (format.vector() != nullptr && format.vector()->in_millimetres) json["needs"].push_back("width_mm");
     return json;
 }
 

@@ -8,6 +8,7 @@
 
 #include "api/drawing_size.h"
 #include "api/json/json_document.h"
+#include "api/output/plot.h"
 #include "api/run/estimate.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/repair.h"
@@ -329,6 +330,24 @@ Estimate rasterising(const HalftoneRequest& request, double sites, double pixels
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }
 
+/// Writes the turns that fill dots.
+/// @param radius  of the dots, in millimetres
+Estimate turning(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius) {
+    const VectorWriter* const shapes = format.vector();
+    if (shapes == nullptr) return {};
+    const std::vector<Point> stroke =
+        dot_stroke(drawing.style, std::min(kMostTurns * drawing.pen_mm, radius), drawing.pen_mm);
+    return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
+}
+
+/// Radius of dots in millimetres at most: those of a solid picture overlap so far that they cover it twice.
+double largest_radius(const HalftoneRequest& request, double sites) {
+    if (request.dot && request.dot->millimetres) return request.dot->length;
+    const double width = request.drawing.width_mm.value_or(1);
+    const double height = width * longer_side(request) / shorter_side(request);
+    return std::sqrt(2 * width * height / (std::numbers::pi * sites));
+}
+
 /// Writes a drawing: of shapes once the raster has gone that their radius is from, of pixels beside it.
 Estimate drawing(const PointFormat& format, const Estimate& raster, double sites, double pixels) {
     const Estimate writing = format.per_site * sites + format.per_pixel * pixels;
@@ -340,7 +359,8 @@ Estimate writing(const HalftoneRequest& request, double sites, const Limits& lim
     if (!format.is_drawn()) return format.per_site * sites;
     const double pixels = drawn_pixels(request, limits);
     const bool antialias = request.antialias || format.raster() == nullptr;
-    return drawing(format, rasterising(request, sites, pixels, antialias), sites, pixels);
+    return drawing(format, rasterising(request, sites, pixels, antialias), sites, pixels) +
+           turning(format, request.drawing, sites, largest_radius(request, sites));
 }
 
 Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
@@ -376,8 +396,12 @@ Estimate ordering(const SampleRequest& request) {
 Estimate writing(const SampleRequest& request, const Limits& limits) {
     const PointFormat& format = *request.format;
     const auto sites = static_cast<double>(request.run.sites);
-    if (format.raster() == nullptr) return format.per_site * sites;
     const Box box = bounds_of(request.domain);
+    if (format.raster() == nullptr) {
+        const double unit = request.drawing.width_mm.value_or(1) / box.width();
+        const double radius = request.dot.value_or(std::sqrt(box.width() * box.height() / sites) / 4);
+        return format.per_site * sites + turning(format, request.drawing, sites, unit * radius);
+    }
     // Of other boxes there is no domain, and nothing is drawn.
     const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
     if (!is_length(box.width()) || !is_length(box.height())) return {};

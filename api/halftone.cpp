@@ -17,6 +17,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr Interval kScales = {.min = 0.1, .max = 16};
+constexpr Interval kMinutes = {.min = 0.1, .max = 10'000};
 constexpr Interval kDetails = {.min = 0, .max = 1};
 constexpr std::uint64_t kMaxSide = 65'535;  // pixels
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
@@ -82,8 +83,10 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 24> kRules = {{
+constexpr std::array<OptionRule<Draft>, 30> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
+    {"minutes",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
     {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
@@ -112,6 +115,11 @@ constexpr std::array<OptionRule<Draft>, 24> kRules = {{
      [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -159,9 +167,12 @@ std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
     if (draft.palette) return "is an option of color: dots of a palette are ink";
     if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
-    if (request.format->file.name == "svg" && draft.background.value_or(kWhite).transparent)
-        return "needs in SVG a background that is not transparent, in whose colour paper dots are drawn";
-    if (request.drawing.style == DotStyle::Stroke) return "is no option of style=stroke: a pen can only add ink";
+    if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
+        return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
+    if (request.drawing.is_stroked()) return "is an option of style=fill alone: a pen can only add ink";
+    if (request.minutes) return "is no option beside minutes, which are those of a pen: it can only add ink";
+    const VectorWriter* const shapes = request.format->vector();
+    if (shapes != nullptr && shapes->by_pen) return "is no option of formats for plotters: a pen can only add ink";
     return {};
 }
 
@@ -234,6 +245,14 @@ Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>&
     return malformed(*dot, "in mm needs width_mm, the width of the picture");
 }
 
+/// A time that a plotter may take decides on the number of dots, by the lengths that its pen goes.
+Result<void> check_minutes(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (!request.minutes) return {};
+    if (request.sites) return malformed(input_of("minutes", inputs), "stands instead of sites: give one of the two");
+    if (request.drawing.width_mm) return {};
+    return malformed(input_of("minutes", inputs), "needs width_mm, the width of the drawing in millimetres");
+}
+
 Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
                                       std::string_view accept, const Limits& limits) {
     Draft draft;
@@ -241,16 +260,24 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
     ErrorList errors;
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
-    if (draft.request.format != nullptr) errors.add(settle_sides(draft, inputs));
-    if (draft.request.format != nullptr) errors.add(settle_size(draft, inputs));
+    if (draft.request.format != nullptr) {
+        errors.add(settle_sides(draft, inputs));
+        errors.add(settle_size(draft, inputs));
+        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
+    }
     errors.add(settle_palette(draft, inputs));
     errors.add(check_dot(draft.request, inputs));
+    errors.add(check_minutes(draft.request, inputs));
     errors.add(settle_detail(draft.request, inputs));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }
 
 }  // namespace
+
+std::string HalftoneRequest::field_of(std::string_view option) const {
+    return image_field.empty() ? std::string(option) : pointer_below("", option);
+}
 
 std::vector<std::string_view> halftone_options() {
     return names_of<Draft>(kRules);

@@ -45,6 +45,7 @@ struct HalftoneRequest {
     ImageFile image;
     std::string image_field;           ///< for Error::field; empty if it is the body
     std::optional<std::size_t> sites;  ///< none: chosen from the image
+    std::optional<double> minutes;     ///< that a plotter may take: bounds the sites that are chosen
     Options run;                       ///< seed, iterations, passes
     std::optional<double> scale;       ///< output pixels per input pixel; none: chosen
     std::optional<int> width;          ///< of the drawing, pixels; instead of a scale
@@ -61,6 +62,9 @@ struct HalftoneRequest {
     const PointFormat* format = nullptr;  ///< never null in a request that was parsed
     DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;
+
+    /// Returns the field of an option, for errors about one that was not given.
+    std::string field_of(std::string_view option) const;
 };
 
 /// Names of the options that may come as text.

@@ -53,7 +53,9 @@ public:
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
-        writer.write(inks_, request_.palette, page, request_.drawing.style, body_, hurry_, stop_);
+        const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
+        if (auto checked = writer.check(request_, largest, page); !checked) return checked;
+        writer.write(inks_, request_.palette, page, request_.drawing, body_, hurry_, stop_);
         return {};
     }
 

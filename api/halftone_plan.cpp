@@ -14,6 +14,7 @@
 #include "api/drawing_size.h"
 #include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
+#include "api/output/plot.h"
 #include "api/output/point_drawing.h"
 #include "api/run/deadline.h"
 #include "core/halftone/crop.h"
@@ -291,10 +292,32 @@ bool is_proportional(const HalftoneRequest& request) {
     return request.tone == Tone::Density || request.run.iterations == 0;
 }
 
+/// Counts the dots at most: of a plotter those that it draws in the time that it may take.
+Result<std::size_t> most_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
+                              Executor& executor) {
+    if (!request.minutes) return limits.max_sites;
+    const double unit = *request.drawing.width_mm / picture.size.width;
+    PlotInk ink;
+    for (const std::vector<float>& coverage : picture.inks.coverage) {
+        ink.area += sum(coverage, executor);
+        ink.spread += sum_of_pixels(executor, coverage.size(),
+                                    [&](std::size_t i) { return std::sqrt(static_cast<double>(coverage[i])); });
+    }
+    const double cell = picture.cell_area() * unit * unit;
+    std::optional<double> radius;
+    if (request.dot && request.dot->millimetres) radius = request.dot->length;
+    const double dots = dots_in(60 * *request.minutes, {ink.area * cell, ink.spread * cell}, radius, request.drawing);
+    if (dots >= 1) return static_cast<std::size_t>(std::min(dots, static_cast<double>(limits.max_sites)));
+    return failure(ErrorCode::Unusable, "minutes are too few to draw this picture: give more minutes or a wider pen",
+                   request.field_of("minutes"));
+}
+
 /// Settles how many dots each ink has, and how large they are; what is to be covered becomes what dots are wanted.
 /// @param usual  number of sites, unless their radius decides on it
+/// @param most   of them, that the time of a plotter allows
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
-                         std::span<const double> ink, std::size_t usual, const Limits& limits, const Control& control) {
+                         std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
+                         const Control& control) {
     constexpr double kToneDigits = 1e4;
     plan.radius = wished_radius(request, plan, picture.fineness);
     if (is_proportional(request)) {
@@ -305,14 +328,21 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     DotWish wish{request.sites, plan.radius, request.detail};
     if (!plan.radius) wish.sites = usual;
     if (plan.radius) wish.radius = *plan.radius / side;
+    // Without overlaps they would be as many; there are more.
+    const double fewest =
+        plan.radius ? std::reduce(ink.begin(), ink.end()) / std::numbers::pi / *plan.radius / *plan.radius : 0;
+    if (request.minutes && fewest > static_cast<double>(most)) wish.sites = most;
     DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish,
                              control.stop, *control.executor);
     if (auto going = check_stop(control.stop); !going) return going;
     picture.inks.coverage = std::move(dots.density);
     plan.radius = dots.radius * side;
-    plan.tone = std::round(dots.tone * kToneDigits) / kToneDigits;
+    const double wanted = std::reduce(dots.dots.begin(), dots.dots.end());
+    const double drawn = request.minutes ? std::min(wanted, static_cast<double>(most)) : wanted;
+    const double share = drawn < wanted ? drawn / wanted : 1;
+    plan.tone = std::round(dots.tone * share * kToneDigits) / kToneDigits;
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(wish.sites, std::reduce(dots.dots.begin(), dots.dots.end()), limits);
+    auto sites = sites_of(wish.sites, drawn, limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
     return {};
@@ -428,8 +458,11 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
+    const auto most = most_dots(request, *picture, limits, *control.executor);
+    if (!most) return tl::unexpected(most.error());
     const std::size_t usual =
-        request.sites ? *request.sites : usual_sites(request, plan.picture, all_ink, picture->fineness, limits);
+        request.sites ? *request.sites
+                      : std::min(usual_sites(request, plan.picture, all_ink, picture->fineness, limits), *most);
     const double scale = default_scale(ink_of_scale(request, all_ink, pixels), pixels, usual);
     auto canvas = plan_canvas(request, plan, scale, limits);
     if (!canvas) return tl::unexpected(canvas.error());
@@ -439,7 +472,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
         return tl::unexpected(checked.error());
     auto settled = request.dots == Dots::Both
                        ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
-                       : settle_dots(request, plan, *picture, ink, usual, limits, control);
+                       : settle_dots(request, plan, *picture, ink, usual, *most, limits, control);
     if (!settled) return tl::unexpected(settled.error());
     plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.executor);
     auto densities = make_densities(plan, *picture);

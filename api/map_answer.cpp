@@ -50,7 +50,8 @@ public:
     }
 
     Result<void> operator()(const VectorWriter& writer) const {
-        writer.write_map(map_, palette_, page_, request_.drawing.style, body_, hurry_, stop_);
+        if (auto checked = writer.check(request_, map_.classes.front().radius, page_); !checked) return checked;
+        writer.write_map(map_, palette_, page_, request_.drawing, body_, hurry_, stop_);
         return {};
     }
 

@@ -218,7 +218,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
 }};
 
 /// Members of a JSON body, or parameters beside a GeoJSON document.
-constexpr std::array<OptionRule<Draft>, 23> kOptionRules = {{
+constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
     {"classes", [](const Input& i, const Limits&, Draft& d) { return assign(d.counting.classes, read_classes(i)); }},
@@ -242,6 +242,11 @@ constexpr std::array<OptionRule<Draft>, 23> kOptionRules = {{
     {"order", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.order, read_point_order(i)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
     {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
     {"width",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},
@@ -574,7 +579,8 @@ public:
     }
 
     Result<void> operator()(const VectorWriter& writer) const {
-        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing.style, body_, hurry_, stop_);
+        if (auto checked = writer.check(request_, ink_.radius, page_); !checked) return checked;
+        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing, body_, hurry_, stop_);
         return {};
     }
 
@@ -683,6 +689,8 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     errors.add(domain);
     if (domain && draft.request.mask_format != nullptr) errors.add(check_mask(draft.request));
     errors.add(settle_format(accept, draft));
+    if (draft.request.format != nullptr && draft.request.mask_format == nullptr)
+        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
 }

@@ -1,14 +1,45 @@
 #include "api/input/drawing_options.h"
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string_view>
 
 namespace ccdt::api {
 namespace {
 
 constexpr Interval kWidths = {.min = 1, .max = 10'000};
-constexpr std::array<Choice<DotStyle>, 2> kStyles = {{{"fill", DotStyle::Fill}, {"stroke", DotStyle::Stroke}}};
+constexpr Interval kPens = {.min = 0.01, .max = 100};
+constexpr Interval kSpeeds = {.min = 0.1, .max = 10'000};
+constexpr Interval kDwells = {.min = 0, .max = 60};
+constexpr std::size_t kLongestCommand = 64;
+
+constexpr std::array<Choice<DotStyle>, 5> kStyles = {{{"fill", DotStyle::Fill},
+                                                      {"stroke", DotStyle::Stroke},
+                                                      {"circles", DotStyle::Circles},
+                                                      {"spiral", DotStyle::Spiral},
+                                                      {"path", DotStyle::Path}}};
+
+bool is_of_command(char c) {
+    constexpr std::string_view kOthers = " .+-|";
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+           kOthers.find(c) != std::string_view::npos;
+}
+
+Result<std::string> read_command(const Input& input) {
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    if (!text->empty() && text->size() <= kLongestCommand && std::ranges::all_of(*text, is_of_command))
+        return std::string(*text);
+    return malformed(input, "must be 1 to " + std::to_string(kLongestCommand) +
+                                " letters, digits, blanks, points and signs of G-code, with | between lines");
+}
 
 }  // namespace
+
+std::string_view name_of(DotStyle style) {
+    return std::ranges::find(kStyles, style, &Choice<DotStyle>::value)->word;
+}
 
 Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
     return assign(options.width_mm, read_number(input, kWidths));
@@ -16,6 +47,30 @@ Result<void> read_width_mm(const Input& input, DrawingOptions& options) {
 
 Result<void> read_style(const Input& input, DrawingOptions& options) {
     return assign(options.style, read_choice<DotStyle>(input, kStyles));
+}
+
+Result<void> read_pen(const Input& input, DrawingOptions& options) {
+    constexpr std::string_view kUnit = "mm";
+    Input number = input;
+    if (const auto text = read_text(input); text && text->ends_with(kUnit))
+        number.value = text->substr(0, text->size() - kUnit.size());
+    return assign(options.pen_mm, read_number(number, kPens));
+}
+
+Result<void> read_speed(const Input& input, DrawingOptions& options) {
+    return assign(options.plotter.speed, read_number(input, kSpeeds));
+}
+
+Result<void> read_dwell(const Input& input, DrawingOptions& options) {
+    return assign(options.plotter.dwell, read_number(input, kDwells));
+}
+
+Result<void> read_pen_down(const Input& input, DrawingOptions& options) {
+    return assign(options.plotter.pen_down, read_command(input));
+}
+
+Result<void> read_pen_up(const Input& input, DrawingOptions& options) {
+    return assign(options.plotter.pen_up, read_command(input));
 }
 
 }  // namespace ccdt::api

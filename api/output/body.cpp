@@ -25,6 +25,7 @@ void Body::hand_all_on() {
         Answer head = *head_;
         // A stop may have made the path of a drawing longer.
         head.repeats = head.repeats && !hurry_.stop_requested();
+        head.plot_seconds = plot_seconds_;
         taken_ = taker_->begin(head);
     }
     for (std::string_view rest = text_; !rest.empty() && taken_; rest.remove_prefix(std::min(kPiece, rest.size())))
@@ -39,6 +40,7 @@ Result<Answer> Body::finish(Answer answer) {
         answer.body = std::move(text_);
         answer.repeats = answer.repeats && !hurry_.stop_requested();
     }
+    answer.plot_seconds = plot_seconds_;
     answer.streamed = begun_;
     if (!taken_) return tl::unexpected(taken_.error());
     return answer;

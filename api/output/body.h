@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
@@ -47,6 +48,9 @@ public:
     /// Makes room for so many bytes in all.
     void expect(std::size_t bytes);
 
+    /// Has the answer tell how long a plotter draws it; before anything is handed on.
+    void tell_plot(double seconds) { plot_seconds_ = seconds; }
+
     /// Hands on what was written, if that is enough.
     /// @returns  false if nobody takes any more: all further writing is in vain
     bool hand_on();
@@ -62,6 +66,7 @@ private:
     BodyTaker* taker_ = nullptr;
     std::stop_token hurry_;
     std::string text_;
+    std::optional<double> plot_seconds_;
     bool begun_ = false;
     Result<void> taken_;
 };

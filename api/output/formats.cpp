@@ -7,6 +7,8 @@
 #include "api/image/tiff_writer.h"
 #include "api/image/webp_writer.h"
 #include "api/input/file_formats.h"
+#include "api/output/pdf_drawing.h"
+#include "api/output/plotter_files.h"
 #include "api/output/point_table.h"
 
 namespace ccdt::api {
@@ -41,6 +43,23 @@ void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::st
     write_map_npy(map, body, stop);
 }
 
+/// Writes the strokes of dots in the language of a plotter.
+template <void (&write)(const Plot&, Body&, const std::stop_token&)>
+void plot_inks(std::span<const InkDots> inks, const Palette&, const Page& page, const DrawingOptions& drawing,
+               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
+    const Plot plot = plot_of(inks, page, drawing, hurry);
+    body.tell_plot(plot.seconds());
+    write(plot, body, stop);
+}
+
+template <void (&write)(const Plot&, Body&, const std::stop_token&)>
+void plot_map(const MapOfDots& map, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
+              const std::stop_token& hurry, const std::stop_token& stop) {
+    const Plot plot = plot_of(map, page, drawing, hurry, stop);
+    body.tell_plot(plot.seconds());
+    write(plot, body, stop);
+}
+
 constexpr PointFormat kPngPoints{kPng, 0, {}, {}, RasterWriter{kAnySide, false, write_png, nullptr}};
 constexpr PointFormat kTiffPoints{
     {"tiff", "TIFF", "tiff", "image/tiff", ""}, 0, {}, {}, RasterWriter{kAnySide, true, write_tiff, write_tiff_plates}};
@@ -49,7 +68,31 @@ constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   {},
                                   kColours,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg}};
+constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {18, 0.3 * kMicrosecond}}};
+constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
+                                 0,
+                                 kPath,
+                                 {},
+                                 VectorWriter{write_pdf, write_map_pdf, {40, 0.3 * kMicrosecond}, true}};
+constexpr PointFormat kHpglPoints{
+    {"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""},
+    0,
+    kPath,
+    {},
+    VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {12, 0.2 * kMicrosecond}, true, true}};
+// Nobody has registered a media type for G-code.
+constexpr PointFormat kGcodePoints{
+    {"gcode", "G-code", "gcode", "text/x-gcode", ""},
+    0,
+    kPath,
+    {},
+    VectorWriter{plot_inks<write_gcode>, plot_map<write_gcode>, {24, 0.3 * kMicrosecond}, true, true}};
+constexpr PointFormat kDxfPoints{
+    {"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
+    0,
+    kPath,
+    {},
+    VectorWriter{plot_inks<write_dxf>, plot_map<write_dxf>, {60, 0.3 * kMicrosecond}, true, true}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
@@ -83,16 +126,28 @@ constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
                                  {},
                                  ListWriter{true, list_npy, list_map_npy}};
 
-constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints, &kJsonPoints, &kSvgPoints, &kCsvPoints,
-                                                   &kNpyPoints, &kWebPPoints, &kTiffPoints};
-constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints, &kGeoJsonPoints, &kJsonLines,
-                                                 &kJsonSequence, &kNpyPoints, &kSvgPoints,     &kPngPoints};
+constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints,
+                                                   &kNpyPoints,  &kWebPPoints,  &kTiffPoints, &kPdfPoints,
+                                                   &kHpglPoints, &kGcodePoints, &kDxfPoints};
+constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints,  &kGeoJsonPoints, &kJsonLines,
+                                                 &kJsonSequence, &kNpyPoints,  &kSvgPoints,     &kPngPoints,
+                                                 &kPdfPoints,    &kHpglPoints, &kGcodePoints,   &kDxfPoints};
 
 }  // namespace
 
 bool PointFormat::repeats() const {
     const auto* list = std::get_if<ListWriter>(&writer);
     return list == nullptr || list->repeats;
+}
+
+Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
+    if (vector() == nullptr || drawing.width_mm) return {};
+    const std::string what = "width_mm is missing, the width of the drawing in millimetres, which ";
+    if (vector()->in_millimetres)
+        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs", field);
+    if (drawing.has_pen_width())
+        return failure(ErrorCode::Malformed, what + "style=" + std::string(name_of(drawing.style)) + " needs", field);
+    return {};
 }
 
 Result<void> PointFormat::check_side(const Canvas& canvas, const std::string& option, const std::string& field) const {

@@ -13,6 +13,7 @@
 #include "api/output/ink_dots.h"
 #include "api/output/json_writer.h"
 #include "api/output/map_dots.h"
+#include "api/output/plot.h"
 #include "api/output/point_drawing.h"
 #include "api/run/estimate.h"
 #include "core/result.h"
@@ -28,10 +29,25 @@ struct ListWriter {
 
 /// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
 struct VectorWriter {
-    void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
-                  const std::stop_token& hurry, const std::stop_token& stop);
-    void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
-                      const std::stop_token& hurry, const std::stop_token& stop);
+    void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page,
+                  const DrawingOptions& drawing, Body& body, const std::stop_token& hurry, const std::stop_token& stop);
+    void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                      Body& body, const std::stop_token& hurry, const std::stop_token& stop);
+    Estimate per_turn_point;  ///< of a point of the circles or the spiral that fill a dot
+
+    bool in_millimetres = false;  ///< its pages have a width in millimetres
+    bool by_pen = false;          ///< a pen draws, which can only add ink
+
+    /// Checks that the pen and the page suit the dots, as check_pen() and check_sides() do.
+    /// @param request  has `drawing` and `field_of(option)`
+    /// @param radius   of the largest dots, in the points' units
+    /// Errors: Unusable.
+    template <class Request>
+    Result<void> check(const Request& request, double radius, const Page& page) const {
+        auto fills = check_pen(request.drawing, radius, page, request.field_of("pen"));
+        if (!fills || !in_millimetres) return fills;
+        return check_sides(page, request.field_of("width_mm"));
+    }
 };
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
@@ -61,9 +77,15 @@ struct PointFormat {
 
     bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
     const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
+    const VectorWriter* vector() const { return std::get_if<VectorWriter>(&writer); }
 
     /// Tells whether the same request gets the same bytes each time.
     bool repeats() const;
+
+    /// Checks that a drawing has a width in millimetres if its format or its style needs one.
+    /// @param field  of that option
+    /// Errors: Malformed.
+    Result<void> check_drawing(const DrawingOptions& drawing, const std::string& field) const;
 
     /// Checks the size of a canvas, which `option` makes smaller.
     /// Errors: LimitExceeded for one that is larger than what the format holds.

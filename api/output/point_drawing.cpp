@@ -6,10 +6,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <string_view>
 #include <vector>
 
+#include "api/output/channel_dots.h"
+#include "api/output/ground_curves.h"
+#include "api/output/pen_labels.h"
+#include "api/output/plot.h"
 #include "api/text/numbers.h"
 #include "core/tour/short_path.h"
 
@@ -24,21 +27,6 @@ constexpr int kMostDecimals = 300;
 /// Attributes of a drawing with layers. Isolated, they do not mix with the page that the drawing stands on.
 constexpr std::string_view kLayers =
     R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")";
-
-/// Mapping of points to the page, from its upper left corner, in units of it.
-class Placing {
-public:
-    Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
-
-    Point operator()(Point p) const {
-        const Box& box = page_.box;
-        return {(p.x - box.min.x) * unit_, (page_.y_up ? box.max.y - p.y : p.y - box.min.y) * unit_};
-    }
-
-private:
-    const Page& page_;
-    double unit_;
-};
 
 /// Points in the order of a path, as they lie on the page.
 class PlacedPath {
@@ -71,15 +59,37 @@ private:
     const Placing& placing_;
 };
 
+/// Writes a text as the value of an attribute.
+std::string escaped(std::string_view text) {
+    std::string out;
+    for (const char c : text) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                // Characters that XML 1.0 has no way to write.
+                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        }
+    }
+    return out;
+}
+
 /// SVG document of dots in the making.
 class DotDocument {
 public:
     /// @param attributes  of the root, besides what it always has
     DotDocument(const Page& page, std::size_t dots, std::string_view attributes, Body& body)
         : body_(body),
-          unit_(page.width_mm ? *page.width_mm / page.box.width() : 1),
-          width_(page.box.width() * unit_),
-          height_(page.box.height() * unit_),
+          unit_(page.unit()),
+          width_(page.size().x),
+          height_(page.size().y),
           decimals_(
               std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
         decimals_ = std::max(decimals_, 0);
@@ -106,27 +116,28 @@ public:
         write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
     }
 
-    /// @param blend  of CSS
-    void begin_layer(std::string_view name, std::string_view blend) {
-        write(R"(<g inkscape:groupmode="layer" inkscape:label=")", name, R"(" style="mix-blend-mode:)", blend, "\">\n");
+    /// Begins a layer of the drawing. Its id numbers it for programs that change pens between layers.
+    /// @param number  from 1, in drawing order
+    /// @param blend   of CSS; empty: the layer hides what is below it
+    /// @param clip    id of the path outside of which nothing is seen; empty: none
+    void begin_layer(std::size_t number, std::string_view label, std::string_view blend, std::string_view clip = {}) {
+        write(R"(<g id="layer)", std::to_string(number), R"(" inkscape:groupmode="layer" inkscape:label=")",
+              escaped(label), "\"");
+        if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
+        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
+        write(">\n");
     }
 
     void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
 
     void end_layer() { write("</g>\n"); }
 
-    void dots(const PlacedPath& centres, double radius, DotStyle style, const Colour& colour,
+    /// Draws discs of equal size, or the strokes of a pen.
+    void dots(const Plot& plot, const Pen& pen, const PenRun& run, const PlacedPath& centres,
               const std::stop_token& stop) {
-        if (style == DotStyle::Stroke) return strokes(centres, radius, colour, stop);
-        discs(centres, radius, colour, stop);
-    }
-
-    /// Begins a layer that is not mixed with those below it.
-    /// @param clip  id of the path outside of which nothing is seen; empty: none
-    void begin_plain_layer(std::string_view id, std::string_view label, std::string_view clip) {
-        write(R"(<g id=")", id, R"(" inkscape:groupmode="layer" inkscape:label=")", label, "\"");
-        if (!clip.empty()) write(R"( clip-path="url(#)", clip, ")\"");
-        write(">\n");
+        if (plot.style != DotStyle::Fill) return strokes(plot, pen, run, stop);
+        discs(
+            centres, [&](std::size_t) { return pen.radius; }, pen.colour, stop);
     }
 
     /// Defines a clip path.
@@ -159,21 +170,58 @@ public:
     void finish() { write("</svg>\n"); }
 
 private:
-    void discs(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
-        discs(
-            centres, [radius](std::size_t) { return radius; }, colour, stop);
-    }
+    /// Writes strokes as paths of a length that programs read. Programs for plotters leave out strokes of no length, so
+    /// a touch of the pen has some.
+    class Strokes {
+    public:
+        Strokes(DotDocument& document, double touch, const std::stop_token& stop)
+            : document_(document), touch_(touch), stop_(stop) {}
 
-    /// Draws strokes of some length: programs for plotters leave out those of none.
-    void strokes(const PlacedPath& centres, double radius, const Colour& colour, const std::stop_token& stop) {
-        const double length = std::max(radius / 50, std::pow(10, -decimals_));
-        write(R"(<g fill="none" stroke=")", hexadecimal(colour), R"(" stroke-width=")", 2 * radius,
-              "\" stroke-linecap=\"round\">\n");
-        for_chunks(centres, stop, [&](std::size_t first, std::size_t end) {
-            write("<path d=\"");
-            for (std::size_t i = first; i < end; ++i) write("M", centres[i].x, " ", centres[i].y, "h", length, "\n");
-            write("\"/>\n");
-        });
+        bool goes_on() { return document_.body_.hand_on() && !stop_.stop_requested(); }
+
+        void begin(Point at) {
+            if (points_ == 0) document_.write("<path d=\"");
+            document_.write("M", at.x, " ", at.y);
+            ++points_;
+            is_touch_ = true;
+        }
+
+        void line_to(Point at) {
+            // A line that goes on needs a path of its own after so many points.
+            constexpr std::size_t kLongest = 250'000;
+            document_.write("L", at.x, " ", at.y);
+            is_touch_ = false;
+            if (++points_ < kLongest) return;
+            close();
+            begin(at);
+            is_touch_ = false;
+        }
+
+        void end() {
+            if (is_touch_) document_.write("h", touch_);
+            document_.write("\n");
+            if (points_ >= kChunk) close();
+        }
+
+        void close() {
+            if (points_ > 0) document_.write("\"/>\n");
+            points_ = 0;
+        }
+
+    private:
+        DotDocument& document_;
+        double touch_;  ///< length of it
+        const std::stop_token& stop_;
+        std::size_t points_ = 0;  ///< in the path that is open
+        bool is_touch_ = false;
+    };
+
+    void strokes(const Plot& plot, const Pen& pen, const PenRun& run, const std::stop_token& stop) {
+        write(R"(<g fill="none" stroke=")", hexadecimal(pen.colour), R"(" stroke-width=")", pen.width,
+              "\" stroke-linecap=\"round\"", plot.style == DotStyle::Stroke ? "" : " stroke-linejoin=\"round\"", ">\n");
+        Strokes medium(*this, std::max(pen.radius / 50, std::pow(10, -decimals_)), stop);
+        trace(plot, pen, run, medium);
+        medium.close();
         write("</g>\n");
     }
 
@@ -205,28 +253,6 @@ std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
     return result;
 }
 
-/// Writes a text as the value of an attribute.
-std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                // Characters that XML 1.0 has no way to write.
-                out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-        }
-    }
-    return out;
-}
-
 /// Adds the copies of dots that reach in from beyond the border of a torus.
 void add_copies(std::vector<Point>& dots, Point size, double radius) {
     for (const bool along_x : {true, false}) {
@@ -241,31 +267,21 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
-/// Orders dots as a page has them.
-std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& hurry) {
-    if (page.along_path) return short_path(points, hurry);
-    std::vector<std::uint32_t> path(points.size());
-    std::iota(path.begin(), path.end(), 0U);
-    return path;
-}
-
-/// Draws dots along a path, and has the document tell of it before.
+/// Draws a run of dots, and has the document tell of it before.
 /// @param ranks  of the dots, or none
 /// @param paper  that lies below them, if any
-void draw(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
-          double radius, const Colour& colour, const Page& page, DotStyle style, const Colour* paper,
-          DotDocument& document, const std::stop_token& stop) {
-    const Placing place(page, document.unit());
-    const PlacedPath dots(points, ranks, path, place);
-    document.describe(points.size(), document.unit() * radius, dots.length(), document.unit() * path_length(points),
-                      page.width_mm ? " mm" : "");
+void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
+          const Colour* paper, DotDocument& document, const std::stop_token& stop) {
+    const Placing place(plot.page, document.unit());
+    const PlacedPath dots(run.points, ranks, run.path, place);
+    document.describe(run.points.size(), pen.radius, dots.length(), document.unit() * path_length(run.points),
+                      plot.page.width_mm ? " mm" : "");
     if (paper != nullptr) document.paper(*paper);
-    document.dots(dots, radius * document.unit(), style, colour, stop);
+    document.dots(plot, pen, run, dots, stop);
 }
 
-/// Writes rings as closed curves: quadratic splines with the rings' points as controls, but straight along the border
-/// of the page.
-std::string curves(std::span<const std::vector<Point>> rings, const Page& page, const Placing& place, int decimals) {
+/// Writes the ground's outline as path data of SVG.
+std::string curves(std::span<const std::vector<Point>> rings, const Page& page, int decimals) {
     std::string data;
     const auto append = [&](std::string_view command, Point p) {
         data += command;
@@ -273,52 +289,29 @@ std::string curves(std::span<const std::vector<Point>> rings, const Page& page, 
         data += ' ';
         append_rounded(data, p.y, decimals);
     };
-    const auto is_on_border = [&](Point p) {
-        return p.x <= page.box.min.x || p.y <= page.box.min.y || p.x >= page.box.max.x || p.y >= page.box.max.y;
-    };
-    for (const std::vector<Point>& ring : rings) {
-        const auto middle = [&](std::size_t i) { return place(0.5 * (ring[i] + ring[(i + 1) % ring.size()])); };
-        append("M", middle(ring.size() - 1));
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-            append(is_on_border(ring[i]) ? "L" : "Q", place(ring[i]));
-            append(is_on_border(ring[i]) ? "L" : " ", middle(i));
+    struct Data {
+        const decltype(append)& add;
+        std::string& text;
+        void move_to(Point p) { add("M", p); }
+        void line_to(Point p) { add("L", p); }
+        void curve_to(Point control, Point end) {
+            add("Q", control);
+            add(" ", end);
         }
-        data += "Z\n";
-    }
+        void close() { text += "Z\n"; }
+    } writer{append, data};
+    trace_ground(rings, page, writer);
     return data;
 }
 
-/// Dots of all kinds that flip a channel.
-struct ChannelDots {
-    std::vector<Point> points;
-    std::vector<float> radii;
-    std::vector<std::vector<std::uint32_t>> paths;  ///< of ink dots, and of paper dots; those that are cut are in both
-};
-
-ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel, const Page& page,
-                            const std::stop_token& hurry) {
-    ChannelDots all;
-    std::vector<bool> white, cut;
-    for (const InkDots& kind : kinds) {
-        const auto& [dots, flips, grounds] = *kind.two_sides;
-        if ((flips >> channel & 1) == 0) continue;
-        all.points.insert(all.points.end(), kind.dots.points.begin(), kind.dots.points.end());
-        all.radii.insert(all.radii.end(), dots.radii.begin(), dots.radii.end());
-        for (const std::uint8_t bits : dots.white) white.push_back((bits >> channel & 1) != 0);
-        for (const std::uint8_t bits : dots.cut) cut.push_back((bits >> channel & 1) != 0);
-    }
-    for (const bool of_ink : {true, false}) {
-        std::vector<std::uint32_t> numbers;
-        std::vector<Point> own;
-        for (std::uint32_t i = 0; i < all.points.size(); ++i) {
-            if (white[i] != of_ink && !cut[i]) continue;
-            numbers.push_back(i);
-            own.push_back(all.points[i]);
-        }
-        all.paths.emplace_back();
-        for (const std::uint32_t i : path_of(own, page, hurry)) all.paths.back().push_back(numbers[i]);
-    }
-    return all;
+/// Orders some dots along a short path.
+std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, std::span<const Point> points,
+                                        const std::stop_token& hurry) {
+    std::vector<Point> own;
+    for (const std::uint32_t i : numbers) own.push_back(points[i]);
+    std::vector<std::uint32_t> path;
+    for (const std::uint32_t i : short_path(own, hurry)) path.push_back(numbers[i]);
+    return path;
 }
 
 /// Draws dots on both sides of the tonal scale, of each channel as three layers: ink dots, ink ground on them, paper
@@ -327,18 +320,23 @@ ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel,
 void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& page, Body& body,
                     const std::stop_token& hurry, const std::stop_token& stop) {
     const Grounds& grounds = kinds.front().two_sides->grounds;
-    const bool layered = are_named(kinds), adds = palette.mixing == Mixing::Add;
+    const bool layered = are_named(kinds);
+    const Colour bare = bare_colour(kinds, palette);
     std::vector<ChannelDots> channels;
-    for (std::size_t c = 0; c < grounds.inks.size(); ++c) channels.push_back(dots_of_channel(kinds, c, page, hurry));
+    for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
+        ChannelDots& dots = channels.emplace_back(dots_of_channel(kinds, c));
+        dots.ink = path_through(dots.ink, dots.points, hurry);
+        dots.paper = path_through(dots.paper, dots.points, hurry);
+    }
     DotDocument document(page, count_points(kinds), kLayers, body);
     const Placing place(page, document.unit());
+    std::size_t number = layered ? channels.size() : 0;  // layers at the top come first, for programs that number these
     document.paper(palette.paper);
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const ChannelDots& dots = channels[c];
         const Ink& ink = grounds.inks[c];
-        const Colour& bare = !layered ? palette.paper : adds ? kBlack : kWhite;
-        const std::string id = layered ? ink.name + "-" : "", black = id + "black";
-        const std::string ground = curves(grounds.rings[c], page, place, document.decimals());
+        const std::string black = layered ? ink.name + "-black" : "black";
+        const std::string ground = curves(grounds.rings[c], page, document.decimals());
         const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
             const PlacedPath centres(dots.points, {}, path, place);
             const auto radius_of = [&](std::size_t i) {
@@ -346,16 +344,16 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
             };
             document.discs(centres, radius_of, colour, stop);
         };
-        if (layered) document.begin_layer(ink.name, adds ? "screen" : "multiply");
+        if (layered) document.begin_layer(c + 1, ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
         document.define_clip(black, ground);
-        document.begin_plain_layer(id + "ink", "ink dots", "");
-        draw_side(dots.paths[0], ink.colour);
+        document.begin_layer(++number, "ink dots", "");
+        draw_side(dots.ink, ink.colour);
         document.end_layer();
-        document.begin_plain_layer(id + "ground", "ground", "");
+        document.begin_layer(++number, "ground", "");
         document.area(ground, ink.colour);
         document.end_layer();
-        document.begin_plain_layer(id + "paper", "paper dots", black);
-        draw_side(dots.paths[1], bare);
+        document.begin_layer(++number, "paper dots", "", black);
+        draw_side(dots.paper, bare);
         document.end_layer();
         if (layered) document.end_layer();
     }
@@ -383,50 +381,45 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
     return scale;
 }
 
-void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
-               const std::stop_token& hurry, const std::stop_token& stop) {
+void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
     if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, hurry, stop);
     const bool layered = are_named(inks);
-    const bool has_paper = style == DotStyle::Fill;
-    std::vector<std::vector<std::uint32_t>> paths;
-    for (const InkDots& each : inks) paths.push_back(path_of(each.dots.points, page, hurry));
+    const bool has_paper = drawing.style == DotStyle::Fill;
+    const Plot plot = plot_of(inks, page, drawing, hurry);
+    if (page.width_mm) body.tell_plot(plot.seconds());
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
-        const auto& [ink, distribution, radius, two_sides] = inks[i];
-        if (layered) document.begin_layer(ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        draw(distribution.points, distribution.ranks, paths[i], radius, ink.colour, page, style,
-             !layered && has_paper ? &palette.paper : nullptr, document, stop);
+        const Pen& pen = plot.pens[i];
+        if (layered) document.begin_layer(i + 1, pen.label, palette.mixing == Mixing::Add ? "screen" : "multiply");
+        draw(plot, pen, pen.runs.front(), inks[i].dots.ranks, !layered && has_paper ? &palette.paper : nullptr,
+             document, stop);
         if (layered) document.end_layer();
     }
     document.finish();
 }
 
-void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
-                   const std::stop_token& hurry, const std::stop_token& stop) {
-    const bool layered = map.are_named();
-    std::vector<std::vector<std::uint32_t>> paths;  // of all groups
-    for (const MapDots& each : map.classes) {
-        for_features(each.dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
-            if (stop.stop_requested()) return;
-            paths.push_back(path_of(std::span(each.dots.dots.points).subspan(first, count), page, hurry));
-        });
-    }
-    DotDocument document(page, map.size(), layered ? kLayers : "", body);
-    if (style == DotStyle::Fill) document.paper(palette.paper);
-    std::size_t number = 0, group = 0;
-    for (const auto& [ink, dots, radius] : map.classes) {
-        if (layered) document.begin_layer(escaped(ink.name), "multiply");
-        const std::string prefix = layered ? "class-" + std::to_string(number++) + "-feature-" : "feature-";
-        for_features(dots, [&, &ink = ink, &radius = radius, &all = dots.dots](std::uint32_t feature, std::size_t first,
-                                                                               std::size_t count) {
-            if (stop.stop_requested() || group == paths.size()) return;
+void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                   Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
+    const Plot plot = plot_of(map, page, drawing, hurry, stop);
+    if (page.width_mm) body.tell_plot(plot.seconds());
+    DotDocument document(page, map.size(), kLayers, body);
+    if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
+    for (std::size_t number = 0; number < map.classes.size(); ++number) {
+        const ClassDots& dots = map.classes[number].dots;
+        const Pen& pen = plot.pens[number];
+        // Also the only class is a layer: programs for plotters take each group at the top for one.
+        const std::string prefix = map.are_named() ? "class-" + std::to_string(number) + "-feature-" : "feature-";
+        document.begin_layer(number + 1, pen.label, "multiply");
+        std::size_t run = 0;
+        for_features(dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+            if (stop.stop_requested() || run == pen.runs.size()) return;
             document.begin_group(prefix + std::to_string(feature));
-            draw(std::span(all.points).subspan(first, count), ranks_of(all, first, count), paths[group++], radius,
-                 ink.colour, page, style, nullptr, document, stop);
+            draw(plot, pen, pen.runs[run++], ranks_of(dots.dots, first, count), nullptr, document, stop);
             document.end_layer();
         });
-        if (layered) document.end_layer();
+        document.end_layer();
     }
     document.finish();
 }

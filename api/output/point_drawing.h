@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -10,20 +9,11 @@
 #include "api/output/body.h"
 #include "api/output/ink_dots.h"
 #include "api/output/map_dots.h"
+#include "api/output/page.h"
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 
 namespace ccdt::api {
-
-/// Sheet that shows a box all over.
-struct Page {
-    Box box;                ///< in the points' units; its sides as those of a Domain
-    bool y_up = false;      ///< the points' y runs up; on the page it always runs down
-    bool periodic = false;  ///< the box is a torus
-    Canvas canvas;          ///< its size in pixels, its scale in pixels per unit of the points
-    std::optional<double> width_mm;
-    bool along_path = true;  ///< dots are drawn along a short path, else in the order that they come in
-};
 
 /// Makes the canvas that shows a box at a scale, at least a pixel each way and at most as many as an int can tell.
 /// @param scale  > 0
@@ -42,7 +32,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// millimetres if the page has a width in these, else the points' units; the origin is the page's upper left corner,
 /// and the paper is drawn for discs only, as a pen would draw it, too. The element `desc` tells how long a path is, and how long
 /// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between
-/// them.
+/// them: their ids are `layer1`, `layer2` and so on, and their labels have no digits, which would count as a number.
 ///
 /// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots; of several channels each
 /// is a layer of these three.
@@ -51,14 +41,14 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// @param palette  that of the inks
 /// @param hurry    stopped, the paths are longer; all are there before anything is handed on
 /// @param stop     stopped, it ends early, with nothing of use
-void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, DotStyle style, Body& body,
-               const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+               Body& body, const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
-/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer if it has a name, a group for
-/// each feature, whose id is `feature-` and the index of the feature, of classes with names with the class' number in
-/// front. Paths are short within a group.
-void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, DotStyle style, Body& body,
-                   const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer, a group for each feature,
+/// whose id is `feature-` and the index of the feature, of classes with names with the class' number in front. Paths
+/// are short within a group.
+void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                   Body& body, const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
 /// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
 ///

@@ -56,6 +56,7 @@ struct Answer {
     bool partial = false;              ///< of a run that was stopped, which the request allows
     bool repeats = true;               ///< to the byte, however often it is computed
     std::optional<DotSize> dots = {};  ///< of a halftone
+    std::optional<double> plot_seconds = {};  ///< that a plotter draws it
 };
 
 }  // namespace ccdt::api

@@ -14,4 +14,7 @@ void append_shortest(std::string& out, float value);
 /// @param value  finite, also times 10^decimals
 void append_rounded(std::string& out, double value, int decimals);
 
+/// Writes as append_rounded() does, but never with an exponent, which the languages of machines do not have.
+void append_fixed(std::string& out, double value, int decimals);
+
 }  // namespace ccdt::api

@@ -12,7 +12,7 @@ namespace ccdt::server {
 namespace {
 
 /// Before the names; the number is the version of what is kept.
-constexpr std::string_view kPrefix = "ccdt:1:answer:";
+constexpr std::string_view kPrefix = "ccdt:2:answer:";
 
 constexpr std::string_view kSecondsKept = "86400";
 
@@ -39,14 +39,14 @@ Result<std::vector<std::string>> RedisCache::find_faults(RedisClient& client) {
 std::optional<api::Answer> RedisCache::find(const std::string& name) {
     const std::string key = std::string(kPrefix) + name;
     auto reply = client_.run(RedisCommand{"HMGET", key, "body", "media_type", "coding", "sites", "pixels", "repaired",
-                                          "warnings", "repeats", "radius", "tone", "digest"});
+                                          "warnings", "repeats", "radius", "tone", "plot_seconds", "digest"});
     if (!reply && reply.error().code == ErrorCode::Unusable) return drop_damaged(key);
-    if (!reply || reply->items.size() != 11 || reply->items[0].kind != RedisReply::Kind::Text) return std::nullopt;
+    if (!reply || reply->items.size() != 12 || reply->items[0].kind != RedisReply::Kind::Text) return std::nullopt;
     auto& items = reply->items;
     Digest digest;
     digest.add(name);
-    for (std::size_t i = 0; i < 10; ++i) digest.add(items[i].text);
-    if (items[10].text != digest.finish()) return drop_damaged(key);
+    for (std::size_t i = 0; i < 11; ++i) digest.add(items[i].text);
+    if (items[11].text != digest.finish()) return drop_damaged(key);
     api::Answer answer;
     answer.body = std::move(items[0].text);
     answer.media_type = std::move(items[1].text);
@@ -57,6 +57,7 @@ std::optional<api::Answer> RedisCache::find(const std::string& name) {
     answer.warnings = std::move(items[6].text);
     answer.repeats = number_of<int>(items[7]) != 0;
     if (!items[8].text.empty()) answer.dots = api::DotSize{number_of<double>(items[8]), number_of<double>(items[9])};
+    if (!items[10].text.empty()) answer.plot_seconds = number_of<double>(items[10]);
     return answer;
 }
 
@@ -74,17 +75,19 @@ void RedisCache::keep(const std::string& name, const api::Answer& answer) {
     const std::string pixels = text_of(answer.pixels);
     const std::string radius = answer.dots ? text_of(answer.dots->radius) : "";
     const std::string tone = answer.dots ? text_of(answer.dots->tone) : "";
-    RedisCommand store{"HSET",       key,
-                       "body",       answer.body,
-                       "media_type", answer.media_type,
-                       "coding",     answer.coding,
-                       "sites",      sites,
-                       "pixels",     pixels,
-                       "repaired",   answer.repaired,
-                       "warnings",   answer.warnings,
-                       "repeats",    answer.repeats ? "1" : "0",
-                       "radius",     radius,
-                       "tone",       tone};
+    const std::string plot_seconds = answer.plot_seconds ? text_of(*answer.plot_seconds) : "";
+    RedisCommand store{"HSET",         key,
+                       "body",         answer.body,
+                       "media_type",   answer.media_type,
+                       "coding",       answer.coding,
+                       "sites",        sites,
+                       "pixels",       pixels,
+                       "repaired",     answer.repaired,
+                       "warnings",     answer.warnings,
+                       "repeats",      answer.repeats ? "1" : "0",
+                       "radius",       radius,
+                       "tone",         tone,
+                       "plot_seconds", plot_seconds};
     Digest digest;
     digest.add(name);
     for (std::size_t value = 3; value < store.size(); value += 2) digest.add(store[value]);

@@ -69,6 +69,7 @@ struct Reply {
     std::uint32_t streamed = 0;
     double radius = 0;  ///< of a halftone's dots; 0: none is told
     double tone = 0;
+    double plot_seconds = -1;  ///< that a plotter draws the answer; below 0: none is told
     std::array<std::uint64_t, kTexts> sizes{};
 };
 

@@ -32,10 +32,11 @@ bool allows_origin(const std::vector<std::string>& allowed, std::string_view ori
 
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin) {
     if (allowed.empty()) return {};
-    const Header exposed{"Access-Control-Expose-Headers",
-                         "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Radius, "
-                         "X-Repaired, X-Request-ID, X-Warnings, "
-                         "X-Tone"};
+    const Header exposed{
+        "Access-Control-Expose-Headers",
+        "ETag, Location, Preference-Applied, Retry-After, Server-Timing, X-Partial, X-Plot-Seconds, X-Radius, "
+        "X-Repaired, X-Request-ID, X-Warnings, "
+        "X-Tone"};
     if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Caches must not give one origin's answer to another, not even one without permission.
     std::vector<Header> headers{{"Vary", "Origin"}};

@@ -538,6 +538,10 @@ TEST(Halftone, ListsRadiusAndSideOfEachDot) {
 TEST(HalftoneOptions, ChooseSidesOfDots) {
     const auto dots = [](const Options& options) { return parse(options)->dots; };
     for (const auto* drawn : {"png", "webp", "tiff", "svg"}) EXPECT_EQ(dots({{"format", drawn}}), Dots::Both) << drawn;
+    EXPECT_EQ(dots({{"format", "pdf"}, {"width_mm", "90"}}), Dots::Both);
+    for (const auto* plotted : {"hpgl", "gcode", "dxf"})
+        EXPECT_EQ(dots({{"format", plotted}, {"width_mm", "90"}}), Dots::Ink) << plotted;
+    EXPECT_EQ(dots({{"minutes", "9"}, {"width_mm", "90"}}), Dots::Ink);
     for (const auto* list : {"json", "csv", "npy"}) {
         EXPECT_EQ(dots({{"format", list}}), Dots::Ink) << list;
         EXPECT_EQ(dots({{"format", list}, {"dots", "both"}}), Dots::Both) << list;
@@ -566,6 +570,8 @@ TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
         {{{"dots", "paper"}, {"palette", "#f00"}}, "dots"},
         {{{"dots", "both"}, {"tone", "density"}}, "dots"},
         {{{"dots", "both"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},
+        {{{"dots", "both"}, {"format", "dxf"}, {"width_mm", "90"}}, "dots"},
+        {{{"dots", "both"}, {"minutes", "9"}, {"width_mm", "90"}}, "dots"},
         {{{"dots", "both"}, {"background", "transparent"}, {"format", "svg"}}, "dots"},
         {{{"dots", "both"}, {"invert", "true"}}, "invert"},
         {{{"dots", "ink"}, {"invert", "true"}}, "invert"},
@@ -576,6 +582,39 @@ TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
         ASSERT_FALSE(request) << field;
         EXPECT_EQ(request.error().code, ErrorCode::Malformed) << field;
         EXPECT_EQ(request.error().field, field);
+    }
+}
+
+TEST(HalftoneOptions, OfPlottersHaveTheirDefaultsAndLimits) {
+    const auto usual = parse({});
+    EXPECT_EQ(usual->drawing.pen_mm, 0.3);
+    EXPECT_EQ(usual->drawing.plotter.speed, 100);
+    EXPECT_EQ(usual->drawing.plotter.dwell, 0.075);
+    EXPECT_EQ(usual->drawing.plotter.pen_down, "M3 S1000");
+    EXPECT_EQ(parse({{"pen", "0.5mm"}})->drawing.pen_mm, 0.5);
+    EXPECT_EQ(parse({{"pen_up", "G0 Z2|S0"}})->drawing.plotter.pen_up, "G0 Z2|S0");
+    const std::vector<Options> wrong = {{{"pen", "0.001"}},
+                                        {{"pen", "1e308"}},
+                                        {{"pen", "1e-308mm"}},
+                                        {{"speed", "0"}},
+                                        {{"dwell", "-1"}},
+                                        {{"pen_up", ""}},
+                                        {{"pen_down", "M3;"}},
+                                        {{"pen_down", "M3\nM5"}},
+                                        {{"pen_up", std::string(65, 'M')}},
+                                        {{"pen_up", "$$"}},
+                                        {{"minutes", "0"}},
+                                        {{"minutes", "9"}},
+                                        {{"minutes", "9"}, {"width_mm", "90"}, {"sites", "9"}}};
+    for (const Options& options : wrong) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request) << options.front().name;
+        EXPECT_EQ(request.error().field, options.front().name);
+    }
+    for (const auto* format : {"pdf", "hpgl", "gcode", "dxf"}) {
+        const auto request = parse({{"format", format}});
+        ASSERT_FALSE(request) << format;
+        EXPECT_EQ(request.error().field, "width_mm");
     }
 }
 

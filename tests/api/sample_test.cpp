@@ -601,6 +601,45 @@ TEST(Sample, WritesNumbersAtTheEndsOfTheirRanges) {
     }
 }
 
+TEST(Sample, DrawsForPlottersAtTheEndsOfRanges) {
+    for (const std::string side : {"1e-140", "1", "1e140"}) {
+        for (const std::string format : {"svg", "pdf", "hpgl", "gcode", "dxf"}) {
+            for (const std::string style : {"fill", "stroke", "circles", "spiral", "path"}) {
+                for (const std::string drawing :
+                     {R"("width_mm":1)", R"("width_mm":10000,"dot":5e-324)", R"("width_mm":1,"dot":1e308,"pen":100)",
+                      R"("width_mm":10000,"dot":1e308,"pen":0.01)"}) {
+                    const std::string body = R"({"sites":3,"domain":{"type":"rectangle","width":)" + side +
+                                             R"(,"height":)" + side + R"(},"format":")" + format + R"(","style":")" +
+                                             style + "\"," + drawing + '}';
+                    const auto result = answer(body);
+                    if (!result) {
+                        EXPECT_EQ(result.error().code, ErrorCode::Unusable) << body;
+                        EXPECT_EQ(result.error().field, "/pen") << body;
+                        continue;
+                    }
+                    ASSERT_TRUE(result->plot_seconds) << body;
+                    EXPECT_TRUE(std::isfinite(*result->plot_seconds)) << body;
+                    if (format != "pdf") {
+                        EXPECT_EQ(result->body.find("nan"), std::string::npos) << body;
+                        EXPECT_EQ(result->body.find("inf"), std::string::npos) << body;
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(Sample, DrawsNoNeedlesForPlotters) {
+    for (const std::string height : {"1e-9", "1e9"}) {
+        const auto result = answer(
+            R"({"sites":3,"format":"pdf","width_mm":100,"method":"random","domain":{"type":"rectangle","width":1,"height":)" +
+            height + "}}");
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+        EXPECT_EQ(result.error().field, "/width_mm");
+    }
+}
+
 TEST(Sample, StopsWhenAsked) {
     std::stop_source stop;
     const auto request = parse('{' + kSquare + R"(,"sites":100})");

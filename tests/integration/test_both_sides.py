@@ -197,7 +197,7 @@ class Options(ServerCase):
         for query, field, words in (
                 ("dots=both&palette=%23f00", "dots", "dots of a palette are ink"),
                 ("dots=both&tone=density", "dots", "tone=density"),
-                ("dots=both&style=stroke&format=svg", "dots", "style=stroke"),
+                ("dots=both&style=stroke&format=svg", "dots", "style=fill"),
                 ("dots=both&background=transparent&format=svg", "dots", "background"),
                 ("dots=paper&color=rgb", "dots", "color=gray"), ("dots=none", "dots", "'both' or 'ink' or 'paper'"),
                 ("dots=both&invert=true", "invert", "contradicts dots"),

@@ -215,6 +215,10 @@ class Routes(ContractCase):
                 self.assertEqual(gone.status, 204)
 
 
+NEED_A_WIDTH = [*(("format", name) for name in ("pdf", "hpgl", "gcode", "dxf")),
+                *(("style", name) for name in ("circles", "spiral", "path"))]
+
+
 def map_of(people):
     square = {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]]}
     return {"type": "FeatureCollection",
@@ -229,6 +233,9 @@ class Options(ContractCase):
              ("/halftone", "height"): {"format": "png", "width": 1},
              ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
+             **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
+                for path in ("/halftone", "/sample") for option in ("speed", "dwell", "pen_down", "pen_up")},
+             **{(path, "pen"): {"format": "svg", "style": "path", "width_mm": 100} for path in ("/halftone", "/sample")},
              ("/sample", "per"): {"domain": None, "geometry": map_of(20), "sites": "people"},
              ("/sample", "buffer"): {"domain": {"type": "rectangle", "width": 1, "height": 1}},
              ("/sample", "coordinates"): {"domain": None, "polygon": [[0, 0], [90, 0], [90, 80]]}}
@@ -253,6 +260,10 @@ class Options(ContractCase):
         if option == "format" and value in ("mask", "mask16"):
             del body["sites"]
             body["domain"] = {"type": "torus", "width": 16, "height": 8}
+        if (option, value) in NEED_A_WIDTH or option == "minutes":
+            body["width_mm"] = 100
+        if option == "minutes":
+            body.pop("sites", None)
         if option == "per" and value > 1000:
             body["geometry"] = map_of(20 * value)
         self.assertEqual(faults(body, schema(SCHEMAS[path])), [], (option, value))
@@ -324,7 +335,7 @@ class Options(ContractCase):
     def test_have_the_documented_defaults(self):
         others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
-                  "color": "cmyk", "style": "stroke", "method": "odt", "mesh": True, "coordinates": "lonlat",
+                  "color": "cmyk", "style": "stroke", "pen": 1, "speed": 50, "dwell": 1, "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
         alike = {"on_deadline", "invalid"}  # these make no difference to a request that is valid and in time
         tried = set()
@@ -374,10 +385,11 @@ class Formats(ContractCase):
         for path, name in SCHEMAS.items():
             content = DOCUMENT["paths"][path]["post"]["responses"]["200"]["content"]
             words = properties(name)["format"]["enum"]
-            made = [self.pose(path, {**BODIES[path], "format": word}).type.split(";")[0]
+            given = BODIES[path] if path == "/analyze" else {**BODIES[path], "width_mm": 100}
+            made = [self.pose(path, {**given, "format": word}).type.split(";")[0]
                     for word in words if not word.startswith("mask")]
             self.assertEqual(sorted(made), sorted(content))
-            body = {option: value for option, value in BODIES[path].items() if option != "format"}
+            body = {option: value for option, value in given.items() if option != "format"}
             for media in content:
                 answer = self.pose(path, body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)

@@ -209,7 +209,7 @@ class Drawings(FormatCase):
             self.assertEqual(root.find(SVG + "rect").get("fill"), "#001122")
         self.assertEqual(ink.find(SVG + "g").get("fill"), "#ff8800")
         fills = {layer.get("id"): {part.get("fill") for part in layer} for layer in both.findall(SVG + "g")}
-        self.assertEqual(fills, {"ink": {"#ff8800"}, "ground": {"#ff8800"}, "paper": {"#001122"}})
+        self.assertEqual(fills, {"layer1": {"#ff8800"}, "layer2": {"#ff8800"}, "layer3": {"#001122"}})
 
     def test_png_has_the_requested_size(self):
         body = {"sites": 100, "domain": {"type": "rectangle", "width": 3, "height": 1}, "width": 600}

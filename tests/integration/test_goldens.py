@@ -53,7 +53,7 @@ INKS = ("color=gray", "dots=ink", "color=cmyk", "color=rgb", "color=cmyk&dots=in
 
 
 def names(rows):
-    return [row["name"] for row in rows]
+    return [row["name"] for row in rows if not row.get("needs")]
 
 
 def halftones(formats):
@@ -73,6 +73,8 @@ def halftones(formats):
     for options in ("invert=true", "invert=true&antialias=true", "tone=density", "format=svg&width_mm=200&style=stroke",
                     "format=json&width_mm=100"):
         yield f"sites=1500&{options}", "camera"
+    for form in ("pdf", "hpgl", "gcode", "dxf"):
+        yield f"sites=700&color=cmyk&dots=ink&width_mm=100&format={form}", "astronaut"
     for form in ("json", "csv", "npy", "svg"):
         yield f"sites=700&seed=2&dots=both&format={form}", "astronaut"
     for options in ("background=transparent", "background=%23ffeecc", "tone=perceptual", "dot=2", "scale=0.7",

@@ -330,7 +330,7 @@ class Shared(unittest.TestCase):
             self.assertEqual(ask(second, "/health/ready").status, 200)
             redis.start()
             wait_until(lambda: ask(second, "/sample", data=json.dumps({**SMALL, "seed": 5})).status == 200
-                  and redis.cli("KEYS", "ccdt:1:answer:*"))
+                  and redis.cli("KEYS", "ccdt:2:answer:*"))
 
     def test_rates_are_counted_over_all_servers(self):
         with Redis() as redis:

@@ -19,10 +19,10 @@ async function open(address) {
   await settled(world.page, address.match(/\w+/)[0]);
 }
 
-/** Options that are no fields: an older name, sizes in pixels, shapes, downloads, boxes and sliders beside the picture, the properties of a map's features, and what files for GIS have. */
+/** Options that are no fields of their names: an older name, shapes, downloads, boxes and sliders beside the picture, the properties that a map counts, and the pen, which has two fields. */
 const elsewhere = {
-  halftone: ["fit", "format", "height", "invert"],
-  sample: ["polygon", "holes", "geometry", "domain", "classes", "properties", "object", "multipoint", "iterations", "mesh"],
+  halftone: ["dwell", "format", "invert", "pen"],
+  sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
 };
 
 test("has a field for each option", async () => {
@@ -52,6 +52,32 @@ test("sets scale, passes, and what happens at the deadline", async () => {
   await more("scale").locator("input[type=number]").blur();
   await settled(page, "halftone", "failed");
   assert.match(await more("scale").locator(".error").textContent(), /0\.1 to 16/);
+});
+
+test("fits a picture into a width and a height", async () => {
+  const size = async () => (await world.page.textContent("#halftone .status")).match(/(\d+) \u00d7 (\d+) pixels/).slice(1).map(Number);
+  await open("#halftone?picture=cat.jpg&height=300");
+  const [width, height] = await size();
+  assert.ok(height === 300 && width > 300);
+  assert.ok(await world.page.locator("#halftone .more [data-name=fit]").isHidden());
+  await open("#halftone?picture=cat.jpg&height=300&width=300");
+  assert.deepEqual(await size(), [300, Math.round(300 * (height / width))]);
+  await open("#halftone?picture=cat.jpg&height=300&width=300&fit=cover");
+  assert.deepEqual(await size(), [300, 300]);
+});
+
+test("gives points the properties of their features", async () => {
+  await open("#sample?shape=texas.geojson&counted=&sites=100&properties=name&multipoint=false");
+  const { page } = world;
+  const ask = async (title) => {
+    const asked = page.waitForRequest((one) => one.method() === "POST" && one.url().includes("properties=name"));
+    await download(page, "sample", title);
+    return new URL((await asked).url()).searchParams;
+  };
+  assert.equal((await ask("GeoJSON")).get("multipoint"), "false");
+  assert.equal((await ask("CSV")).get("multipoint"), null);
+  await open("#sample?shape=polygon");
+  assert.ok(await page.locator("#sample [data-name=properties]").isHidden());
 });
 
 test("takes pictures for density and mask, and areas and points as text", async () => {

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";
 
-import { looksAsKept, settled, useBrowser } from "./harness.js";
+import { download, looksAsKept, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
@@ -86,6 +86,36 @@ test("estimates the time at once, and fits into a given time", async () => {
   assert.match(await page.textContent("#halftone .figures .note"), /^The whole tone takes about [\d,]+ dots of this pen, or a pen [\d.]+ mm wide/);
   assert.equal(await page.textContent("#halftone .warnings"), "");
   assert.match(await page.evaluate(() => location.hash), /minutes=5/);
+});
+
+test("fills dots, or joins them by one line", async () => {
+  await open("#halftone?picture=cat.jpg&sites=auto&plotter=on&pen_mm=0.5&paper=a5&style=spiral&dot_mm=3");
+  const { page } = world;
+  const spirals = await saved();
+  assert.match(spirals, /stroke-width="0.5"/);
+  const [, dots] = spirals.match(/<desc>(\d+) dots/).map(Number);
+  assert.equal(spirals.match(/M/g).length, dots);
+  assert.ok((await figures()).includes(`${dots.toLocaleString("en")} dots in 1 layer`));
+  await looksAsKept(world, page.locator("#halftone .stage"), "halftone-spirals");
+  await page.selectOption("#halftone .plot [data-name=style] select", "path");
+  await settled(page, "halftone");
+  assert.ok(await page.isHidden("#halftone .plot [data-name=dot_mm]"));
+  assert.equal((await saved()).match(/M/g).length, 1);
+});
+
+test("downloads what machines read, with their commands", async () => {
+  await open("#halftone?sites=200");
+  const { page } = world;
+  const titles = () => page.locator("#halftone .download option").allTextContents();
+  const formats = ["PDF", "HPGL", "G-code", "DXF"];
+  assert.deepEqual((await titles()).filter((title) => formats.includes(title)), []);
+  await open("#halftone?sites=200&plotter=on&style=fill&speed=50&lift=0.5&pen_down=G1 Z-1 F300&pen_up=G0 Z2");
+  assert.deepEqual((await titles()).filter((title) => formats.includes(title)), formats);
+  const save = async (title) => readFile(await (await download(page, "halftone", title)).path(), "latin1");
+  assert.match(await save("PDF"), /^%PDF-/);
+  assert.equal((await save("HPGL")).match(/PD;/g).length, 200);
+  assert.match(await save("G-code"), /G1 Z-1 F300\nG4 P0.25\nG0 Z2\nG4 P0.25\n/);
+  assert.equal((await save("DXF")).match(/\nCIRCLE\n/g).length, 200);
 });
 
 test("has a layer for each ink, and paper of any size", async () => {

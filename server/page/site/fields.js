@@ -175,6 +175,13 @@ function paletteField(field, id, change) {
   return { input: wells[0], parts: [place], value, text: value, put };
 }
 
+/** A line of text; an empty one is left out of requests. */
+function textField(field, id, change) {
+  const input = make("input", { id, type: "text", value: field.value ?? "", spellcheck: false, autocomplete: "off" });
+  input.addEventListener("change", () => change(false));
+  return { input, parts: [input], value: () => input.value || undefined, text: () => input.value, put: (text) => { input.value = text; } };
+}
+
 /** A text that is JSON. One that is not goes to the server as it is, which objects. */
 function jsonField(field, id, change) {
   const area = make("textarea", { id, rows: 2, spellcheck: false });
@@ -214,7 +221,7 @@ function pictureField(field, id, change) {
   return { input, parts, value: () => (image === null ? undefined : { image }), text: () => "", put: () => take(null, "") };
 }
 
-const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, json: jsonField, picture: pictureField };
+const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, text: textField, json: jsonField, picture: pictureField };
 
 /** A button that shows and hides a line of help: {button, line}. */
 function helpFor(label, text, id) {

@@ -37,6 +37,30 @@ function canvasOf(bitmap) {
   return canvas;
 }
 
+/** Draws what a pen draws, on the paper. */
+async function drawingOf(svg, width, height, paper = "#ffffff") {
+  const image = new Image();
+  image.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+  await image.decode();
+  const canvas = new OffscreenCanvas(width, height);
+  const context = canvas.getContext("2d", { willReadFrequently: true });
+  context.fillStyle = paper;
+  context.fillRect(0, 0, width, height);
+  context.drawImage(image, 0, 0, width, height);
+  URL.revokeObjectURL(image.src);
+  return canvas;
+}
+
+/** Cuts a picture to the aspect of a drawing that shows its middle alone. */
+async function shownPart(original, dots) {
+  if (!original) return null;
+  const scale = Math.max(dots.width / original.width, dots.height / original.height);
+  const [width, height] = [dots.width / scale, dots.height / scale].map(Math.round);
+  // Whole drawings have the picture's aspect, up to a pixel of theirs.
+  if (Math.max(original.width - width, original.height - height) * scale < 2) return original;
+  return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
+}
+
 /** The middle of a picture, as a square; of one that the browser cannot read its name. */
 function thumbnailOf({ name, original }) {
   if (!original) return make("span", { textContent: name });
@@ -49,8 +73,11 @@ function thumbnailOf({ name, original }) {
 }
 
 /** Tells whether pictures with such options have dots of ink and of paper. */
-const isOfBothSides = ({ palette, dots, tone, style, background }) =>
-  !palette && !dots && tone !== "density" && style !== "stroke" && background !== "transparent";
+const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
+  !palette && !dots && tone !== "density" && style === "fill" && minutes === undefined && background !== "transparent";
+
+/** Tells whether a pen draws more than a touch for each dot, so that the drawing differs from that of dots. */
+const isOfStrokes = ({ style = "fill" }) => !["fill", "stroke"].includes(style);
 
 /** Tells whether the server draws crisp pixels, unless it is told otherwise. */
 const isForPrint = ({ scale, width_mm: print }) => scale !== undefined || print !== undefined;
@@ -106,13 +133,12 @@ export class Halftone extends Panel {
       turned: (isOn) => this.#penTurned(isOn),
       noted: () => this.note(),
     });
+    this.addDownload((format, signal) => this.ask(format, signal));
     this.#offerPresets();
     this.#offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });
     this.#tellDivider();
-    this.addDownload((format, signal) => this.ask(format, signal));
-    this.offerDownloads(capabilities.halftone.formats, "dots");
     this.#listenForPictures();
   }
 
@@ -252,6 +278,10 @@ export class Halftone extends Panel {
     this.fields.setStandard("background", isInverted ? "#000000" : "#ffffff");
     this.moreFields.offer("width_mm", !isInMm && !isPlotted);
     this.moreFields.offer("style", !isPlotted);
+    for (const name of ["width", "height"]) this.moreFields.offer(name, !isPlotted);
+    const { width, height } = this.moreFields.values();
+    this.moreFields.offer("fit", width !== undefined && height !== undefined);
+    this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
   }
 
   /** A pen that is taken up makes as many dots as the tone wants; one may still say how many. */
@@ -262,8 +292,8 @@ export class Halftone extends Panel {
 
   /** A radius in pixels is one of the output, whose width then must stay what it was when the radius was seen: that. */
   get #heldWidth() {
-    const { width, scale, width_mm: print } = this.moreFields.values();
-    const isHeld = typeof this.fields.values().dot === "number" && [width, scale, print].every((one) => one === undefined);
+    const { width, height, scale, width_mm: print } = this.moreFields.values();
+    const isHeld = typeof this.fields.values().dot === "number" && [width, height, scale, print].every((one) => one === undefined);
     return isHeld ? this.#shownWidth : {};
   }
 
@@ -273,28 +303,29 @@ export class Halftone extends Panel {
     return scale ? { width: Math.round(scale * original.width) } : {};
   }
 
-  #options() {
-    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options()) };
+  #options(format) {
+    const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) };
     if (options.palette) delete options.color;
     // Paper alone is of grey, and pens have a layer for each ink.
     if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
     if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
-    return this.plotter.isOn ? { ...options, ...this.plotter.sites() } : options;
+    return options;
   }
 
   /** What the panel shows, in a format. */
   async ask(format, signal, told = this.tell) {
     if (!this.#picture) await this.#take(await sample(firstSample));
-    const options = this.#options();
-    if (isOfBothSides(options)) options.dots = "both";  // also of lists, whose default is ink
-    return this.#post({ ...options, ...this.#sizeOf(options, format), format }, signal, told);
+    const options = this.#options(format);
+    const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
+    if (!drawn && isOfBothSides(options)) options.dots = "both";  // which is the default of drawings
+    return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, told);
   }
 
   /** What makes a format as large as what is shown: lists of dots have no width, and TIFFs are for print by default. */
-  #sizeOf(options, format) {
-    const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
-    if (!drawn) return { width: undefined, ...(options.width !== undefined && { scale: this.#shown.scale?.toFixed(2) }) };
-    return format === "tiff" && !isForPrint(options) && options.width === undefined ? this.#shownWidth : {};
+  #sizeOf(options, format, drawn) {
+    const isSized = options.width !== undefined || options.height !== undefined;
+    if (!drawn) return { width: undefined, height: undefined, fit: undefined, ...(isSized && { scale: this.#shown.scale?.toFixed(2) }) };
+    return format === "tiff" && !isForPrint(options) && !isSized ? this.#shownWidth : {};
   }
 
   #post(options, signal, told, blob = this.#picture.blob) {
@@ -326,7 +357,7 @@ export class Halftone extends Panel {
       const response = await (draft ? this.#postDraft(options, signal) : this.#post(options, signal, this.tell));
       const dots = canvasOf(await createImageBitmap(await response.blob()));
       if (signal.aborted) return;
-      const { original } = this.#picture;
+      const original = await shownPart(this.#picture.original, dots);
       this.#before = null;
       this.#keepOwn();
       this.#tellPicture();
@@ -345,7 +376,11 @@ export class Halftone extends Panel {
   async #plot(options, signal) {
     if (!this.plotter.isOn) return;
     const response = await this.#post({ ...options, format: "svg" }, signal, this.tell);
-    this.plotter.tell(await response.text());
+    const svg = await response.text();
+    this.plotter.tell(svg);
+    if (!isOfStrokes(options)) return;
+    const { width, height } = this.#shown.dots;
+    this.#show({ ...this.#shown, dots: await drawingOf(svg, width, height, options.background) });
   }
 
   /** Place and zoom stay while the picture does, though the scale of its output may change. */

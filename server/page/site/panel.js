@@ -86,10 +86,14 @@ export class Panel {
     this.find(".download").append(button, this.format);
   }
 
-  /** Offers formats, and keeps the one that is chosen if it is among them. */
-  offerDownloads(formats, file) {
+  /**
+   * Offers formats, and keeps the one that is chosen if it is among them.
+   * @param given  names of options that are set: a format is offered if it needs no others
+   */
+  offerDownloads(formats, file, given = []) {
     const { value } = this.format;
-    const options = formats.map(({ name, title, extension }) => {
+    const offered = formats.filter(({ needs = [] }) => needs.every((name) => given.includes(name)));
+    const options = offered.map(({ name, title, extension }) => {
       const option = new Option(title, name, false, name === value);
       option.dataset.file = `${file}.${extension}`;
       return option;

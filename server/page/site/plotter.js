@@ -9,19 +9,28 @@ const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420],
 /** The mean way from dot to dot, over the root of the area that each has, where all have as much. */
 const meanStep = 1;
 
+/** Styles in which the pen fills dots that are wider than it. */
+const fillings = ["spiral", "circles"];
+
 const fields = [
   { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "none: a width"]] },
   { kind: "number", name: "margin_mm", label: "Least margin, mm", value: 10, min: 0, max: 50, step: 1 },
   { kind: "number", name: "width_mm", label: "Width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
   { kind: "number", name: "pen_mm", label: "Pen's width, mm", value: 0.7, min: 0.1, max: 5, log: true,
-    help: "A dot is as wide as what the pen leaves when it touches the paper. A wider pen needs fewer dots." },
-  { kind: "choice", name: "style", label: "A dot is", choices: [["stroke", "a short stroke"], ["fill", "a circle"]],
-    help: "Of a stroke as short as these the pen goes down and up in one place. Programs for plotters draw circles around, or fill them." },
+    help: "A dot is as wide as what the pen leaves when it touches the paper, unless the pen fills it. A wider pen needs fewer dots." },
+  { kind: "choice", name: "style", label: "A dot is", choices: [["stroke", "a short stroke"], ["fill", "a circle"], ["spiral", "a spiral"], ["circles", "nested circles"], ["path", "on one line"]],
+    help: "For a short stroke the pen goes down and up in one place. Programs for plotters draw circles around, or fill them. A spiral and nested circles fill dots that are wider than the pen. One line goes through all dots, which are not drawn themselves." },
+  { kind: "number", name: "dot_mm", label: "Dot's width, mm", value: 2, min: 0.2, max: 20, log: true,
+    help: "The pen fills a dot in rounds that are as far apart as the pen is wide." },
   { kind: "number", name: "minutes", label: "Minutes", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "any",
     help: "As many dots as the pen can draw in this time. If they are fewer than the tone takes, the drawing is lighter: a wider pen makes up for that." },
   { kind: "number", name: "speed", label: "Speed, mm a second", value: 100, min: 5, max: 500, step: 1, log: true },
   { kind: "number", name: "lift", label: "Down and up, seconds", value: 0.15, min: 0.01, max: 2, log: true,
-    help: "How long the pen takes for one dot, besides the way there." },
+    help: "How long the pen takes to go down and up again, for each stroke." },
+  { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
+    help: "Commands that lower the pen, with | between lines. For a Z axis: G1 Z-1 F300." },
+  { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
+    help: "Commands that lift the pen, with | between lines. For a Z axis: G0 Z2." },
 ];
 
 /** In hours and minutes, in minutes, or in seconds. */
@@ -31,23 +40,36 @@ function duration(seconds) {
   return seconds >= 60 ? `${minutes} min` : `${Math.round(seconds)} s`;
 }
 
-/** How far it is from dot to dot, in the order of a drawing: {dots, path}, in units of the drawing. */
-function pathOf(part) {
-  let [dots, path, before] = [0, 0, null];
-  for (const [, x, y, cx = x, cy = y] of part.matchAll(/M([-\d.e]+) ([-\d.e]+)h|cx="([^"]+)" cy="([^"]+)"/g)) {
+/** Estimates the length of the stroke that fills a dot. */
+function fillLength(style, width, pen) {
+  const reach = (width - pen) / 2;
+  if (reach <= 0) return 0;
+  if (style === "spiral") return Math.PI * reach * (Math.ceil(reach / pen) + 2);
+  const inner = Math.min(reach, pen / 2);
+  return Math.PI * (reach + inner) * (Math.ceil((reach - inner) / pen) + 1);
+}
+
+/**
+ * Follows the pen through a drawing.
+ * @returns  {dots, strokes, path}: path is the whole way of the pen, in units of the drawing
+ */
+function pathOf(part, style) {
+  let [strokes, corners, path, before] = [0, 0, 0, null];
+  for (const [, command, x, y, cx = x, cy = y] of part.matchAll(/([ML])([-\d.e]+) ([-\d.e]+)|cx="([^"]+)" cy="([^"]+)"/g)) {
     const here = [Number(cx), Number(cy)];
     if (before) path += Math.hypot(here[0] - before[0], here[1] - before[1]);
     before = here;
-    ++dots;
+    ++corners;
+    if (command !== "L") ++strokes;
   }
-  return { dots, path };
+  return { dots: style === "path" ? corners : strokes, strokes, path };
 }
 
-/** The layers of a drawing: [{name, colour, dots, path}]; one that has none is a layer itself. */
-function layersOf(svg) {
+/** The layers of a drawing: [{name, colour, dots, strokes, path}]; one that has none is a layer itself. */
+function layersOf(svg, style) {
   const parts = svg.split(/inkscape:groupmode="layer" inkscape:label="([^"]*)"/);
   const named = parts.length === 1 ? [["dots", svg]] : parts.slice(1).flatMap((name, i, all) => (i % 2 ? [] : [[name, all[i + 1]]]));
-  return named.map(([name, part]) => ({ name, colour: part.match(/(?:stroke|fill)="(#[0-9a-f]+)"/)?.[1], ...pathOf(part) }));
+  return named.map(([name, part]) => ({ name, colour: part.match(/(?:stroke|fill)="(#[0-9a-f]+)"/)?.[1], ...pathOf(part, style) }));
 }
 
 export class Plotter {
@@ -72,7 +94,8 @@ export class Plotter {
     this.box = make("input", { type: "checkbox" });
     this.figures = make("div", { className: "figures", role: "status" });
     this.button = make("button", { type: "button", textContent: "SVG on this paper", disabled: true });
-    this.body = make("div", { className: "plot" }, form, this.figures, this.button);
+    this.body = make("div", { className: "plot" }, form, this.figures, this.button,
+      make("p", { className: "hint", textContent: "Download has it as PDF, HPGL, G-code and DXF, on a page as large as the drawing." }));
     place.append(make("label", {}, this.box, " Draw with a pen"), this.body);
     this.fields = new Fields(form, fields, (draft) => this.#fieldChanged(draft));
     this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
@@ -94,11 +117,32 @@ export class Plotter {
     this.#settle();
   }
 
-  /** What is wished of the drawing: its width in mm, and a pen's width for each dot. */
-  options() {
-    const { pen_mm: pen, style } = this.fields.values();
+  get style() {
+    return this.fields.values().style;
+  }
+
+  /** Width of a dot in mm; undefined: dots are not drawn. */
+  get #dotWidth() {
+    const { pen_mm: pen, dot_mm: dot, style } = this.fields.values();
+    if (style === "path") return undefined;
+    return fillings.includes(style) ? dot : pen;
+  }
+
+  /** Options of the drawing: its width, its dots and pen, and the time if that bounds the dots. G-code tells the speed, too. */
+  options(format) {
+    const { pen_mm: pen, style, speed, lift, pen_down, pen_up } = this.fields.values();
     const { width } = this.#page();
-    return { width_mm: width, dot: this.dot(pen / 2, width), ...(style === "stroke" && { style }) };
+    const { minutes } = this;
+    return {
+      width_mm: width,
+      ...(style !== "path" && { dot: this.dot(this.#dotWidth / 2, width) }),
+      ...(style !== "fill" && { style }),
+      ...((style === "path" || fillings.includes(style)) && { pen }),
+      ...(minutes !== undefined && { minutes }),
+      ...((minutes !== undefined || format === "gcode") && { speed, dwell: lift / 2 }),
+      ...(format === "gcode" && pen_down !== undefined && { pen_down }),
+      ...(format === "gcode" && pen_up !== undefined && { pen_up }),
+    };
   }
 
   /** Minutes that a drawing may take; undefined: as many as it takes. */
@@ -106,32 +150,31 @@ export class Plotter {
     return this.isOn ? this.fields.values().minutes : undefined;
   }
 
-  /** The option `sites` of a drawing that may take no longer, if that is fewer dots than its tone takes. */
-  sites() {
-    const estimate = this.#estimate();
-    return estimate && estimate.dots < estimate.wanted ? { sites: estimate.dots } : {};
-  }
-
   /**
    * What a drawing takes, about.
-   * @returns  {dots, path, wanted, pen}: dots, as far as there is time for them, and the length of their path in mm; how
-   *           many there would be with more time; the width of a pen that makes the whole tone with so few. null: unknown
+   * @returns  {dots, strokes, path, wanted, whole}: dots, as far as there is time for them, and the whole way of the pen in
+   *           mm; how many dots there would be with more time; the width of dots that make the whole tone with so few.
+   *           null: unknown
    */
   #estimate() {
     const plan = this.plan();
     if (!plan) return null;
-    const { pen_mm: pen, minutes, speed, lift } = this.fields.values();
+    const { pen_mm: pen, style, minutes, speed, lift } = this.fields.values();
     const { width, height } = this.#page();
     const area = width * height;
     const share = plan.inks.reduce((sum, ink) => sum + ink.share, 0);
-    const full = (share * area) / (Math.PI * (pen / 2) ** 2);
+    const dot = this.#dotWidth;
+    const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
     // A path over n dots is as long as its step times the root of n.
     const step = meanStep * Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
+    const filling = fillings.includes(style) ? fillLength(style, dot, pen) : 0;
+    const each = style === "path" ? 0 : lift + filling / speed;
     const half = step / speed / 2;
-    const root = (Math.sqrt(half ** 2 + 60 * minutes * lift) - half) / lift;
+    const root = (60 * minutes) / (half + Math.sqrt(half ** 2 + 60 * minutes * each));
     const dots = minutes > 0 ? Math.max(Math.min(wanted, Math.floor(root ** 2)), 1) : wanted;
-    return Number.isFinite(dots) ? { dots, path: step * Math.sqrt(dots), wanted, pen: pen * Math.sqrt(full / dots) } : null;
+    if (!Number.isFinite(dots)) return null;
+    return { dots, strokes: style === "path" ? 1 : dots, path: step * Math.sqrt(dots) + dots * filling, wanted, whole: dot * Math.sqrt(full / dots) };
   }
 
   /** Tells of a drawing as the server made it; null: there is none. */
@@ -139,7 +182,7 @@ export class Plotter {
     this.#svg = svg;
     this.button.disabled = svg === null;
     this.#asked = svg === null ? null : this.#wish;
-    this.#layers = svg === null ? [] : layersOf(svg);
+    this.#layers = svg === null ? [] : layersOf(svg, this.style);
     this.#tellFigures();
   }
 
@@ -153,11 +196,12 @@ export class Plotter {
 
   /** What the server objects to, in its own names. */
   show(errors) {
-    this.fields.show(errors.map((error) => (/^\/?dot$/.test(error.pointer) ? { ...error, pointer: "pen_mm" } : error)));
+    const ownNames = { dot: fillings.includes(this.style) ? "dot_mm" : "pen_mm", pen: "pen_mm", dwell: "lift" };
+    this.fields.show(errors.map((error) => ({ ...error, pointer: ownNames[error.pointer.replace(/^\//, "")] ?? error.pointer })));
   }
 
   get #wish() {
-    return JSON.stringify([this.options(), this.sites()]);
+    return JSON.stringify(this.options());
   }
 
   /** How fast a pen is changes nothing of a drawing that may take any time. */
@@ -178,6 +222,7 @@ export class Plotter {
     this.fields.offer("width_mm", isFree);
     this.fields.offer("margin_mm", !isFree);
     this.fields.offer("minutes", this.isTimed);
+    this.fields.offer("dot_mm", fillings.includes(this.style));
   }
 
   /** Width and height of the drawing, and of the paper that it lies on the middle of; in mm, turned as it fits best. */
@@ -202,9 +247,9 @@ export class Plotter {
       ` width="${paper[0]}mm" height="${paper[1]}mm" viewBox="${x} ${y} ${paper[0]} ${paper[1]}"`);
   }
 
-  #time({ dots, path }) {
+  #time({ strokes, path }) {
     const { speed, lift } = this.fields.values();
-    return path / speed + dots * lift;
+    return path / speed + strokes * lift;
   }
 
   /** What is told before there is a drawing. */
@@ -219,9 +264,10 @@ export class Plotter {
   }
 
   /** What is told of a drawing that is lighter than its picture, for want of time. */
-  #advice({ dots, wanted, pen }) {
-    if (dots >= wanted) return [];
-    return [make("p", { className: "note", textContent: `The whole tone takes about ${count(wanted)} dots of this pen, or a pen ${Number(pen.toPrecision(2))} mm wide.` })];
+  #advice({ dots, wanted, whole }) {
+    if (!(dots < wanted && whole > 0)) return [];
+    const wider = fillings.includes(this.style) ? "dots" : "a pen";
+    return [make("p", { className: "note", textContent: `The whole tone takes about ${count(wanted)} dots of this pen, or ${wider} ${Number(whole.toPrecision(2))} mm wide.` })];
   }
 
   #describe(layers) {
@@ -229,7 +275,8 @@ export class Plotter {
     const estimate = this.#estimate();
     const round = (value) => Number(value.toFixed(1));
     const time = (layer) => this.#time(layer);
-    const sum = layers.reduce((all, { dots, path }) => ({ dots: all.dots + dots, path: all.path + path }), { dots: 0, path: 0 });
+    const sumOf = (name) => layers.reduce((sum, layer) => sum + layer[name], 0);
+    const sum = { dots: sumOf("dots"), strokes: sumOf("strokes"), path: sumOf("path") };
     const line = ({ name, colour, ...layer }) => make("li", { style: `--class: ${colour}` },
       `${name}: ${count(layer.dots)}, ${metres(layer.path / 1000)}, ${duration(time(layer))}`);
     return [

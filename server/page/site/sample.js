@@ -9,7 +9,7 @@ import { postPatiently } from "./jobs.js";
 import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, formats, masks, methodNamed, moreFields, mostPoints, shapeFields } from "./sample_options.js";
+import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, mostPoints, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -20,6 +20,7 @@ const dotShare = 0.3;  // a dot's radius over the mean spacing,
 const mapShare = 0.15;  // and on a map of dots, which are much denser in places
 const wishedOfMap = Math.min(5000, Math.floor(mostPoints / 2.5));  // dots at least, and up to 2.5 times as many, as long as nobody has said how many each stands for
 const mostCounts = 24;  // properties that one may choose among
+const listsProperties = ["geojson", "ndjson", "geojsonseq", "csv"];
 const mostRepairs = 20;  // that are shown
 const mostParts = 30;  // that one may choose among
 const mostPast = 100;  // polygons
@@ -97,7 +98,9 @@ export class Sample extends Panel {
     this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => this.#sidesChanged());
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more .of-points"), moreFields, (draft) => this.refresh(draft));
-    this.drawingFields = new Fields(this.find(".more .of-drawings"), drawingFields, (draft) => { if (!draft) this.note(); });
+    const noted = (draft) => { this.#offerFields(); if (!draft) this.note(); };
+    this.fileFields = new Fields(this.find(".more .of-files"), fileFields, noted);
+    this.drawingFields = new Fields(this.find(".more .of-drawings"), drawingFields, noted);
     this.plotter = new Plotter(this.find(".plotter"), {
       size: () => this.#given,
       plan: () => ({ sites: this.#sites(this.options()), inks: [{ share: 1, spread: 1 }] }),
@@ -108,7 +111,7 @@ export class Sample extends Panel {
     });
     explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
-    this.addDownload((format, signal) => this.#ask({ ...this.options(), ...this.#drawingOptions(format), format }, signal));
+    this.addDownload((format, signal) => this.#ask({ ...this.options(), ...this.#fileOptions(format), format }, signal));
     this.#listen();
     this.#shapeChosen();
   }
@@ -118,7 +121,7 @@ export class Sample extends Panel {
     const kind = this.shapeChoice.value;
     const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
     const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= mostInAddress;
-    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.drawingFields, this.plotter];
+    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.fileFields, this.drawingFields, this.plotter];
     const others = {
       ...(isDrawn && { corners }),
       ...Object.assign({}, ...parts.map((part) => part.state())),
@@ -140,7 +143,7 @@ export class Sample extends Panel {
   async restore(state) {
     this.#isStale = this.#isBegun = true;
     this.element.dataset.state = "busy";
-    for (const part of [this.shapeFields, this.fields, this.moreFields, this.drawingFields, this.plotter]) part.restore(state);
+    for (const part of [this.shapeFields, this.fields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part.restore(state);
     this.iteration.value = state.iteration ?? this.iteration.max;
     this.first.value = state.first ?? this.first.max;
     this.mesh.checked = state.mesh === "on";
@@ -482,16 +485,22 @@ export class Sample extends Panel {
     return counted.length === 1 ? { sites: counted[0], per, ...others } : { classes: counted.join(","), per, ...others };
   }
 
-  /** Options of drawings, in a format that is one. */
-  #drawingOptions(format) {
-    if (this.isMask || !formats.find(({ name }) => name === format).drawn) return {};
-    return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options()) };
+  /** Options of a format: those of drawings if it is one, and what GIS programs want of others. */
+  #fileOptions(format) {
+    if (this.isMask) return {};
+    if (formats.find(({ name }) => name === format).drawn)
+      return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options(format)) };
+    const { properties, multipoint } = this.fileFields.values();
+    return {
+      ...(properties !== undefined && listsProperties.includes(format) && { properties }),
+      ...(multipoint !== undefined && format === "geojson" && { multipoint }),
+    };
   }
 
   /** Tells how a plotter would draw what is shown. */
   async #plot(signal) {
     if (!this.plotter.isOn) return;
-    const response = await this.#ask({ ...this.options(), ...this.#drawingOptions("svg"), format: "svg" }, signal);
+    const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
     this.plotter.tell(await response.text());
   }
 
@@ -514,7 +523,7 @@ export class Sample extends Panel {
     for (const name of ["sites", "method"]) this.fields.offer(name, !isMap && !this.isMask);
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
-    else this.offerDownloads(formats, "points");
+    else this.offerDownloads(formats, "points", Object.keys(this.#fileOptions("svg")));
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
     const { options, max_sites: most } = methodNamed(this.options().method);
@@ -525,6 +534,8 @@ export class Sample extends Panel {
     this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
     const isTorus = this.shapeChoice.value === "torus";
     this.fields.allow("quality", "stealthy", isTorus);
+    for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
+    this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
     for (const name of ["avoid", "mask", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
   }
@@ -652,7 +663,7 @@ export class Sample extends Panel {
     const isAboutShape = ({ pointer }) => (isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
-    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.drawingFields, this.plotter]) part?.show(others);
+    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
   }
 
   /** The outline is left. */
@@ -720,7 +731,7 @@ export class Sample extends Panel {
 
   #drawResult(context, result, [dx, dy]) {
     const pitch = Math.sqrt(areaOf(result.outline.parts) / result.places.length);
-    const dot = this.plotter.isOn ? this.plotter.options().dot : (result.features ? mapShare : dotShare) * pitch;
+    const dot = (this.plotter.isOn && this.plotter.options().dot) || (result.features ? mapShare : dotShare) * pitch;
     const radius = Math.max(dot * this.viewport.scale, leastRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
     const all = result.places.length, shown = result.rank ? this.#shownFirst : all;

@@ -52,6 +52,14 @@ export const moreFields = [
     help: "The server has a limit on how long a request may take." },
 ];
 
+/** Options of files for GIS. */
+export const fileFields = [
+  { kind: "text", name: "properties", label: "Properties",
+    help: "Of its feature, which each point is to have: names with commas between, or * for all. In GeoJSON, GeoJSON lines and CSV." },
+  { kind: "check", name: "multipoint", label: "All points in one Feature", checked: true, standard: true,
+    help: "In GeoJSON. Without it each point is a Feature, as most GIS programs want to style and to join them." },
+];
+
 /** Of the formats that are drawings alone. */
 export const drawingFields = [
   { kind: "number", name: "dot", label: "Dot radius", value: 0.01, min: 0.001, max: 1, log: true, auto: true,

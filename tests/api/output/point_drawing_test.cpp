@@ -31,7 +31,9 @@ std::string svg_of(const std::vector<Point>& points, const Page& page, double ra
                    const Palette& palette = {}, const std::stop_token& hurry = {}, const std::stop_token& stop = {}) {
     const Distribution dots = dots_at(points);
     const InkDots ink{palette.inks.front(), dots, radius};
-    return test::whole_body([&](Body& body) { write_svg({&ink, 1}, palette, page, style, body, hurry, stop); });
+    return test::whole_body([&](Body& body) {
+        write_svg({&ink, 1}, palette, page, {.style = style}, body, hurry, stop);
+    });
 }
 
 std::stop_token stopped_token() {
@@ -82,10 +84,10 @@ TEST(Svg, HasALayerForEachInk) {
     const Distribution one = dots_at({{10, 20}});
     const std::vector<InkDots> inks = {{palette.inks[0], all, 0.5}, {palette.inks[1], one, 0.25}};
     EXPECT_EQ(
-        test::whole_body([&](Body& body) { write_svg(inks, palette, page(), DotStyle::Fill, body); }),
+        test::whole_body([&](Body& body) { write_svg(inks, palette, page(), {}, body); }),
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
-<g inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
+<g id="layer1" inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
 <desc>3 dots along a path of 10.5873; in their original order it is 15.29931; their radius is 0.5</desc>
 <g fill="#00ffff">
 <circle cx="1" cy="4" r="0.5"/>
@@ -93,7 +95,7 @@ TEST(Svg, HasALayerForEachInk) {
 <circle cx="9" cy="4" r="0.5"/>
 </g>
 </g>
-<g inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
+<g id="layer2" inkscape:groupmode="layer" inkscape:label="black" style="mix-blend-mode:multiply">
 <desc>1 dots along a path of 0; in their original order it is 0; their radius is 0.25</desc>
 <g fill="#000000">
 <circle cx="0" cy="5" r="0.25"/>
@@ -103,11 +105,26 @@ TEST(Svg, HasALayerForEachInk) {
 )");
     palette.mixing = Mixing::Add;
     const std::string lights =
-        test::whole_body([&](Body& body) { write_svg(inks, palette, page(100), DotStyle::Stroke, body); });
+        test::whole_body([&](Body& body) { write_svg(inks, palette, page(100), {.style = DotStyle::Stroke}, body); });
     EXPECT_NE(lights.find(R"(inkscape:label="cyan" style="mix-blend-mode:screen")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#00ffff" stroke-width="10")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#000000" stroke-width="5")"), std::string::npos);
     EXPECT_EQ(lights.find("<rect"), std::string::npos);
+}
+
+TEST(Svg, FillsDotsWithFinePens) {
+    for (const DotStyle style : {DotStyle::Circles, DotStyle::Spiral}) {
+        const std::string svg = svg_of(kPoints, page(100), 0.5, style);
+        EXPECT_NE(svg.find(R"(stroke-width="0.3" stroke-linecap="round" stroke-linejoin="round">)"), std::string::npos);
+        EXPECT_EQ(std::count(svg.begin(), svg.end(), 'M'), 3);
+        EXPECT_GT(std::count(svg.begin(), svg.end(), 'L'), 3 * 100);
+    }
+}
+
+TEST(Svg, JoinsDotsByOneLine) {
+    const std::string svg = svg_of(kPoints, page(100), 0.5, DotStyle::Path);
+    EXPECT_NE(svg.find("<path d=\"M10 40L23.4568 10L90 40\n\"/>"), std::string::npos);
+    EXPECT_NE(svg_of({{15, 22}}, page(100), 0.5, DotStyle::Path).find("<path d=\"M50 30h0.1\n\"/>"), std::string::npos);
 }
 
 TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {

@@ -19,6 +19,7 @@ api::Answer whole_answer() {
     answer.warnings = "[2]";
     answer.repeats = false;
     answer.dots = api::DotSize{0.1, 0.7};
+    answer.plot_seconds = 0.3;
     return answer;
 }
 
@@ -46,11 +47,13 @@ TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
     ASSERT_TRUE(found->dots);
     EXPECT_EQ(found->dots->radius, answer.dots->radius);
     EXPECT_EQ(found->dots->tone, answer.dots->tone);
-    EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:1:answer:a"})->number, 0) << "jobs are never dropped for it";
+    EXPECT_EQ(found->plot_seconds, answer.plot_seconds);
+    EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:2:answer:a"})->number, 0) << "jobs are never dropped for it";
     api::Answer plain;
     plain.body = "plain";
     cache_.keep("b", plain);
     EXPECT_FALSE(cache_.find("b")->dots);
+    EXPECT_FALSE(cache_.find("b")->plot_seconds);
     EXPECT_TRUE(cache_.find("b")->repeats);
 }
 
@@ -63,13 +66,13 @@ TEST_F(RedisCacheTest, DoesNotStoreLargeAnswers) {
 
 TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
     for (const char* field : {"body", "media_type", "coding", "sites", "pixels", "repaired", "warnings", "repeats",
-                              "radius", "tone", "digest"}) {
+                              "radius", "tone", "plot_seconds", "digest"}) {
         cache_.keep("a", whole_answer());
-        ASSERT_TRUE(client_.run(RedisCommand{"HSET", "ccdt:1:answer:a", field, "junk"}));
+        ASSERT_TRUE(client_.run(RedisCommand{"HSET", "ccdt:2:answer:a", field, "junk"}));
         EXPECT_FALSE(cache_.find("a")) << field;
-        EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:1:answer:a"})->number, 0);
+        EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:2:answer:a"})->number, 0);
     }
-    ASSERT_TRUE(client_.run(RedisCommand{"SET", "ccdt:1:answer:a", "junk"}));
+    ASSERT_TRUE(client_.run(RedisCommand{"SET", "ccdt:2:answer:a", "junk"}));
     EXPECT_FALSE(cache_.find("a"));
     cache_.keep("a", whole_answer());
     EXPECT_TRUE(cache_.find("a")) << "it can be kept again";

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "api/input/palette.h"
+#include "api/output/ink_dots.h"
+#include "core/geometry/point.h"
+
+namespace ccdt::api {
+
+/// Dots of all kinds that flip a channel of a drawing with dots on both sides of the tonal scale, in the points' units.
+struct ChannelDots {
+    std::vector<Point> points;
+    std::vector<float> radii;
+    std::vector<std::uint32_t> ink;  ///< indices of dots on ground that is not ink
+    std::vector<std::uint32_t>
+        paper;  ///< indices of dots on ground that is ink; dots that its boundary cuts are in both
+};
+
+inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel) {
+    ChannelDots all;
+    for (const InkDots& kind : kinds) {
+        const auto& [dots, flips, grounds] = *kind.two_sides;
+        if ((flips >> channel & 1) == 0) continue;
+        const auto first = static_cast<std::uint32_t>(all.points.size());
+        all.points.insert(all.points.end(), kind.dots.points.begin(), kind.dots.points.end());
+        all.radii.insert(all.radii.end(), dots.radii.begin(), dots.radii.end());
+        for (std::uint32_t i = 0; i < kind.dots.points.size(); ++i) {
+            const bool is_ink = (dots.white[i] >> channel & 1) != 0, is_cut = (dots.cut[i] >> channel & 1) != 0;
+            if (is_ink || is_cut) all.ink.push_back(first + i);
+            if (!is_ink || is_cut) all.paper.push_back(first + i);
+        }
+    }
+    return all;
+}
+
+/// Returns the colour of the paper dots of a channel. Channels of several mix, each from where it has no ink.
+/// @param palette  that of the inks
+inline Colour bare_colour(std::span<const InkDots> kinds, const Palette& palette) {
+    if (!are_named(kinds)) return palette.paper;
+    return palette.mixing == Mixing::Add ? kBlack : kWhite;
+}
+
+}  // namespace ccdt::api

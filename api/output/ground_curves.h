@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "api/output/page.h"
+#include "core/geometry/point.h"
+
+namespace ccdt::api {
+
+/// Draws the rings around black ground as closed curves: quadratic splines with the rings' points as controls, but
+/// straight along the border of the page.
+/// @param sink  takes move_to(), line_to(), curve_to(control, end) and close(), with points on the page
+template <class Sink>
+void trace_ground(std::span<const std::vector<Point>> rings, const Page& page, Sink& sink) {
+    const Placing place(page, page.unit());
+    const auto is_on_border = [&](Point p) {
+        return p.x <= page.box.min.x || p.y <= page.box.min.y || p.x >= page.box.max.x || p.y >= page.box.max.y;
+    };
+    for (const std::vector<Point>& ring : rings) {
+        const auto middle = [&](std::size_t i) { return place(0.5 * (ring[i] + ring[(i + 1) % ring.size()])); };
+        sink.move_to(middle(ring.size() - 1));
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+            if (is_on_border(ring[i])) {
+                sink.line_to(place(ring[i]));
+                sink.line_to(middle(i));
+            } else {
+                sink.curve_to(place(ring[i]), middle(i));
+            }
+        }
+        sink.close();
+    }
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,255 @@
+#include "api/output/pdf_drawing.h"
+
+#include <cairo-pdf.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <span>
+#include <vector>
+
+#include "api/output/channel_dots.h"
+#include "api/output/ground_curves.h"
+#include "api/output/plot.h"
+
+namespace ccdt::api {
+namespace {
+
+struct Release {
+    void operator()(cairo_surface_t* surface) const { cairo_surface_destroy(surface); }
+    void operator()(cairo_t* context) const { cairo_destroy(context); }
+};
+
+cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
+    auto& taker = *static_cast<Body*>(body);
+    try {
+        taker.text().append(reinterpret_cast<const char*>(data), size);
+        return taker.hand_on() ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+    } catch (const std::exception&) {
+        return CAIRO_STATUS_NO_MEMORY;
+    }
+}
+
+/// Document of one page in the making, in millimetres from its upper left corner.
+class PdfPage {
+public:
+    PdfPage(Point size, Body& body, const std::stop_token& stop) : stop_(stop), size_(size) {
+        constexpr double kPoints = 72 / 25.4;  // per millimetre
+        surface_.reset(cairo_pdf_surface_create_for_stream(hand_to, &body, kPoints * size.x, kPoints * size.y));
+        // The same drawing is the same bytes at any time.
+        cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
+        context_.reset(cairo_create(surface_.get()));
+        cairo_scale(context_.get(), kPoints, kPoints);
+        cairo_set_line_cap(context_.get(), CAIRO_LINE_CAP_ROUND);
+        cairo_set_line_join(context_.get(), CAIRO_LINE_JOIN_ROUND);
+    }
+
+    void paper(const Colour& colour) {
+        if (colour.transparent) return;
+        cairo_rectangle(context_.get(), 0, 0, size_.x, size_.y);
+        fill(colour);
+    }
+
+    /// Begins what is drawn as one before it is mixed with what is below it.
+    void begin_group() { cairo_push_group(context_.get()); }
+
+    void end_group(Mixing mixing) {
+        cairo_pop_group_to_source(context_.get());
+        if (mixing == Mixing::Multiply) cairo_set_operator(context_.get(), CAIRO_OPERATOR_MULTIPLY);
+        if (mixing == Mixing::Add) cairo_set_operator(context_.get(), CAIRO_OPERATOR_SCREEN);
+        cairo_paint(context_.get());
+        cairo_set_operator(context_.get(), CAIRO_OPERATOR_OVER);
+    }
+
+    /// Adds a disc of four cubic curves, whose radius is right to a third of a thousandth.
+    void disc(Point centre, double radius) {
+        constexpr double kArm = 0.5522847498307936;
+        Point out{radius, 0};
+        move_to(centre + out);
+        for (int quarter = 0; quarter < 4; ++quarter) {
+            const Point next{-out.y, out.x};
+            const Point first = centre + out + kArm * next, second = centre + next + kArm * out, end = centre + next;
+            cairo_curve_to(context_.get(), first.x, first.y, second.x, second.y, end.x, end.y);
+            out = next;
+        }
+        close();
+    }
+
+    void fill(const Colour& colour) {
+        choose(colour);
+        cairo_fill(context_.get());
+    }
+
+    void stroke(const Colour& colour, double width) {
+        choose(colour);
+        cairo_set_line_width(context_.get(), width);
+        cairo_stroke(context_.get());
+    }
+
+    void move_to(Point p) { cairo_move_to(context_.get(), p.x, p.y); }
+    void line_to(Point p) { cairo_line_to(context_.get(), p.x, p.y); }
+
+    /// Adds a quadratic curve, as the cubic one that it is.
+    void curve_to(Point control, Point end) {
+        Point begin;
+        cairo_get_current_point(context_.get(), &begin.x, &begin.y);
+        const Point first = begin + (2.0 / 3) * (control - begin);
+        const Point second = end + (2.0 / 3) * (control - end);
+        cairo_curve_to(context_.get(), first.x, first.y, second.x, second.y, end.x, end.y);
+    }
+
+    void close() { cairo_close_path(context_.get()); }
+
+    void fill_even_odd(const Colour& colour) {
+        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
+        fill(colour);
+        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_WINDING);
+    }
+
+    void begin_clip_even_odd() {
+        cairo_save(context_.get());
+        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
+        cairo_clip(context_.get());
+        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_WINDING);
+    }
+
+    void end_clip() { cairo_restore(context_.get()); }
+
+    bool goes_on() const { return !stop_.stop_requested(); }
+
+    void finish() {
+        cairo_surface_finish(surface_.get());
+        if (cairo_surface_status(surface_.get()) == CAIRO_STATUS_NO_MEMORY ||
+            cairo_status(context_.get()) == CAIRO_STATUS_NO_MEMORY)
+            throw std::bad_alloc();
+    }
+
+private:
+    void choose(const Colour& colour) {
+        cairo_set_source_rgb(context_.get(), colour.red / 255.0, colour.green / 255.0, colour.blue / 255.0);
+    }
+
+    const std::stop_token& stop_;
+    Point size_;
+    std::unique_ptr<cairo_surface_t, Release> surface_;
+    std::unique_ptr<cairo_t, Release> context_;
+};
+
+/// Shapes that readers take at once: a path of many is slow to fill.
+constexpr std::size_t kChunk = 1'000;
+
+/// Strokes of a pen on a page.
+class PdfStrokes {
+public:
+    PdfStrokes(PdfPage& page, const Pen& pen) : page_(page), pen_(pen) {}
+
+    bool goes_on() const { return page_.goes_on(); }
+
+    void begin(Point at) {
+        page_.move_to(at);
+        page_.line_to(at);  // of a touch: with round caps it is a disc
+        ++count_;
+    }
+
+    void line_to(Point at) { page_.line_to(at); }
+
+    void end() {
+        if (count_ % kChunk == 0) draw();
+    }
+
+    void draw() { page_.stroke(pen_.colour, pen_.width); }
+
+private:
+    PdfPage& page_;
+    const Pen& pen_;
+    std::size_t count_ = 0;
+};
+
+/// Draws discs, so many at a time.
+template <class DrawDisc>
+void fill_discs(PdfPage& page, std::size_t count, const Colour& colour, DrawDisc&& draw_disc) {
+    for (std::size_t i = 0; i < count && page.goes_on(); ++i) {
+        draw_disc(i);
+        if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(colour);
+    }
+}
+
+void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
+    if (plot.style != DotStyle::Fill) {
+        PdfStrokes strokes(page, pen);
+        for (const PenRun& run : pen.runs) trace(plot, pen, run, strokes);
+        return strokes.draw();
+    }
+    const Placing place(plot.page, plot.page.unit());
+    for (const PenRun& run : pen.runs) {
+        fill_discs(page, run.path.size(), pen.colour,
+                   [&](std::size_t i) { page.disc(place(run.points[run.path[i]]), pen.radius); });
+    }
+}
+
+/// Draws a channel: ink dots, ink ground on them, and paper dots on that. Dots that the boundary of the ground cuts are
+/// in the first and in the last.
+/// @param ground  rings around ground that is ink
+/// @param bare    colour of paper dots
+void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::vector<Point>> ground,
+                  const Colour& bare, const Page& sheet, PdfPage& page) {
+    const double unit = sheet.unit();
+    const Placing place(sheet, unit);
+    const auto draw_side = [&](const std::vector<std::uint32_t>& own, const Colour& colour) {
+        fill_discs(page, own.size(), colour, [&](std::size_t k) {
+            page.disc(place(dots.points[own[k]]), unit * static_cast<double>(dots.radii[own[k]]));
+        });
+    };
+    draw_side(dots.ink, ink.colour);
+    trace_ground(ground, sheet, page);
+    page.fill_even_odd(ink.colour);
+    trace_ground(ground, sheet, page);
+    page.begin_clip_even_odd();
+    draw_side(dots.paper, bare);
+    page.end_clip();
+}
+
+/// Draws dots on both sides of the tonal scale; channels that have names mix.
+void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& sheet, Body& body,
+                     const std::stop_token& stop) {
+    const Grounds& grounds = kinds.front().two_sides->grounds;
+    const Colour bare = bare_colour(kinds, palette);
+    const bool mixes = are_named(kinds);
+    PdfPage page(sheet.size(), body, stop);
+    page.paper(palette.paper);
+    for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
+        if (mixes) page.begin_group();
+        draw_channel(dots_of_channel(kinds, c), grounds.inks[c], grounds.rings[c], bare, sheet, page);
+        if (mixes) page.end_group(palette.mixing);
+    }
+    page.finish();
+}
+
+void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
+    body.tell_plot(plot.seconds());
+    PdfPage page(plot.page.size(), body, stop);
+    if (plot.style == DotStyle::Fill) page.paper(palette.paper);
+    for (const Pen& pen : plot.pens) {
+        if (mixes) page.begin_group();
+        draw_pen(plot, pen, page);
+        if (mixes) page.end_group(palette.mixing);
+    }
+    page.finish();
+}
+
+}  // namespace
+
+void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
+    if (inks.front().two_sides != nullptr) return write_two_sides(inks, palette, page, body, stop);
+    write_plot(plot_of(inks, page, drawing, hurry), palette, are_named(inks), body, stop);
+}
+
+void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                   Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
+    write_plot(plot_of(map, page, drawing, hurry, stop), palette, map.are_named(), body, stop);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,181 @@
+#include "api/output/plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "api/output/pen_labels.h"
+#include "api/text/numbers.h"
+#include "core/tour/short_path.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Orders dots as a page has them.
+std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& hurry) {
+    if (page.along_path) return short_path(points, hurry);
+    std::vector<std::uint32_t> path(points.size());
+    std::iota(path.begin(), path.end(), 0U);
+    return path;
+}
+
+double distance(Point a, Point b) {
+    return std::sqrt(dot(a - b, a - b));
+}
+
+/// Appends a turn around the origin.
+/// @param from, to  its radii at the beginning and at the end
+void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
+    constexpr double kTolerance = 1.0 / 50;
+    constexpr int kFewest = 8;
+    const double outer = std::max(from, to);
+    const double step = 2 * std::acos(std::max(1 - kTolerance * pen / outer, 0.0));
+    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kFewest);
+    for (int i = 1; i <= count; ++i) {
+        const double share = static_cast<double>(i) / count;
+        const double angle = 2 * std::numbers::pi * share;
+        const double radius = from + (to - from) * share;
+        stroke.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+    }
+}
+
+std::vector<Point> spiral(double reach, double pen) {
+    std::vector<Point> stroke = {{0, 0}};
+    const int turns = static_cast<int>(std::ceil(reach / pen));
+    for (int turn = 0; turn < turns; ++turn) append_turn(stroke, reach * turn / turns, reach * (turn + 1) / turns, pen);
+    append_turn(stroke, reach, reach, pen);
+    return stroke;
+}
+
+/// The innermost circle covers the centre.
+std::vector<Point> circles(double reach, double pen) {
+    const double inner = std::min(reach, pen / 2);
+    const int steps = static_cast<int>(std::ceil((reach - inner) / pen));
+    std::vector<Point> stroke;
+    for (int i = 0; i <= steps; ++i) {
+        const double radius = steps == 0 ? inner : inner + (reach - inner) * i / steps;
+        stroke.push_back({radius, 0});
+        append_turn(stroke, radius, radius, pen);
+    }
+    return stroke;
+}
+
+Pen make_pen(std::string label, const Colour& colour, double radius, const DrawingOptions& drawing) {
+    const double width = drawing.has_pen_width() ? drawing.pen_mm : 2 * radius;
+    return {std::move(label), colour, radius, width, dot_stroke(drawing.style, radius, drawing.pen_mm), {}};
+}
+
+double length(std::span<const Point> stroke) {
+    double sum = 0;
+    for (std::size_t i = 1; i < stroke.size(); ++i) sum += distance(stroke[i - 1], stroke[i]);
+    return sum;
+}
+
+/// Estimates how long a plotter draws so many dots; as dots_in() has it.
+double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
+    constexpr double kOverlaps = 1.2;  // area of all dots over what they cover, in most pictures
+    const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
+    const double each = radius.value_or(fitting);
+    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
+    if (fills && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
+    const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
+    const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
+    const double moved = ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
+    return moved / drawing.plotter.speed + 2 * drawing.plotter.dwell * lifts;
+}
+
+}  // namespace
+
+std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
+    const double reach = radius - pen / 2;  // of the middle of the pen
+    if (!(reach > 0)) return {{0, 0}};
+    if (style == DotStyle::Spiral) return spiral(reach, pen);
+    if (style == DotStyle::Circles) return circles(reach, pen);
+    return {{0, 0}};
+}
+
+Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field) {
+    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
+    if (!fills || radius * page.unit() <= kMostTurns * drawing.pen_mm) return {};
+    std::string message = "pen is ";
+    append_shortest(message, drawing.pen_mm);
+    message += " mm wide, but dots have a radius of ";
+    append_rounded(message, radius * page.unit(), 2);
+    message += " mm: filling each would take more than " + std::to_string(kMostTurns) +
+               " turns; give a wider pen or more sites";
+    return failure(ErrorCode::Unusable, std::move(message), field);
+}
+
+Result<void> check_sides(const Page& page, const std::string& field) {
+    constexpr double kLeast = 0.01, kMost = 100'000;
+    const Point size = page.size();
+    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMost) return {};
+    std::string message = "width_mm makes a page of ";
+    append_shortest(message, size.x);
+    message += " x ";
+    append_shortest(message, size.y);
+    message += " mm, whose sides must be from 0.01 to 100000 mm in this format";
+    return failure(ErrorCode::Unusable, std::move(message), field);
+}
+
+double Plot::seconds() const {
+    const double unit = page.unit();
+    double moved = 0, lifts = 0;
+    for (const Pen& pen : pens) {
+        const double drawn = length(pen.stroke);
+        std::optional<Point> before;
+        for (const PenRun& run : pen.runs) {
+            for (const std::uint32_t i : run.path) {
+                if (before) moved += unit * distance(*before, run.points[i]);
+                before = run.points[i];
+            }
+            const auto dots = static_cast<double>(run.path.size());
+            moved += dots * drawn;
+            lifts += style == DotStyle::Path ? std::min(dots, 1.0) : dots;
+        }
+    }
+    return moved / plotter.speed + 2 * plotter.dwell * lifts;
+}
+
+double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
+    constexpr int kSteps = 64;
+    double fits = 0, too_many = 1e9;
+    for (int step = 0; step < kSteps && std::floor(fits) != std::floor(too_many); ++step) {
+        const double dots = (fits + too_many) / 2;
+        (seconds_for(dots, ink, radius, drawing) <= seconds ? fits : too_many) = dots;
+    }
+    return std::floor(fits);
+}
+
+Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
+             const std::stop_token& hurry) {
+    const std::vector<std::string> labels = pen_labels(inks_of(inks));
+    Plot plot{page, drawing.style, drawing.plotter, {}};
+    for (std::size_t i = 0; i < inks.size(); ++i) {
+        plot.pens.push_back(make_pen(labels[i], inks[i].ink.colour, inks[i].radius * page.unit(), drawing));
+        const std::span<const Point> points = inks[i].dots.points;
+        plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+    }
+    return plot;
+}
+
+Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& hurry,
+             const std::stop_token& stop) {
+    const std::vector<std::string> labels = pen_labels(inks_of(map.classes));
+    Plot plot{page, drawing.style, drawing.plotter, {}};
+    for (std::size_t i = 0; i < map.classes.size(); ++i) {
+        const auto& [ink, dots, radius] = map.classes[i];
+        plot.pens.push_back(make_pen(labels[i], ink.colour, radius * page.unit(), drawing));
+        for_features(dots, [&, &all = dots.dots](std::uint32_t, std::size_t first, std::size_t count) {
+            if (stop.stop_requested()) return;
+            const auto points = std::span(all.points).subspan(first, count);
+            plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+        });
+    }
+    return plot;
+}
+
+}  // namespace ccdt::api

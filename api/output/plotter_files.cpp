@@ -1,0 +1,259 @@
+#include "api/output/plotter_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "api/text/numbers.h"
+
+namespace ccdt::api {
+namespace {
+
+/// What the writers have in common: the page turned over, so that y runs up, and text.
+class PlotterFile {
+public:
+    PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
+        : body_(body), stop_(stop), size_(plot.page.size()) {}
+
+    bool goes_on() { return body_.hand_on() && !stop_.stop_requested(); }
+
+protected:
+    Point upright(Point p) const { return {p.x, size_.y - p.y}; }
+    Point size() const { return size_; }
+
+    template <class... Parts>
+    void write(const Parts&... parts) {
+        (append(parts), ...);
+    }
+
+private:
+    void append(std::string_view words) { body_.text() += words; }
+
+    /// Appends micrometres at most, a hundredth of what machines resolve.
+    void append(double length) { append_fixed(body_.text(), length, 4); }
+
+    void append(long long whole) { body_.text() += std::to_string(whole); }
+
+    Body& body_;
+    const std::stop_token& stop_;
+    Point size_;
+};
+
+template <class Medium>
+void trace(const Plot& plot, const Pen& pen, Medium& medium) {
+    for (const PenRun& run : pen.runs) trace(plot, pen, run, medium);
+}
+
+/// Keeps letters of ASCII, and writes a low line for all else: labels go into languages with words of their own.
+std::string plain(std::string_view label) {
+    constexpr std::size_t kLongest = 24;
+    std::string text(label.substr(0, kLongest));
+    for (char& c : text) {
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+        if (c < 'A' || c > 'Z') c = '_';
+    }
+    return text;
+}
+
+class Hpgl : public PlotterFile {
+public:
+    using PlotterFile::PlotterFile;
+
+    void initialise() { write("IN;PA;\n"); }
+    void select(std::size_t number) { write("SP", static_cast<long long>(number), ";\n"); }
+    void finish() { write("PU;SP0;\n"); }
+
+    void begin(Point at) {
+        write("PU");
+        write_units(at);
+        write(";PD");
+        is_touch_ = true;
+    }
+
+    void line_to(Point at) {
+        if (!is_touch_) write(",");
+        write_units(at);
+        is_touch_ = false;
+    }
+
+    void end() { write(";\n"); }
+
+private:
+    void write_units(Point at) {
+        constexpr double kUnits = 40;  // per millimetre
+        const Point p = upright(at);
+        write(std::llround(kUnits * p.x), ",", std::llround(kUnits * p.y));
+    }
+
+    bool is_touch_ = false;
+};
+
+class Gcode : public PlotterFile {
+public:
+    Gcode(const Plot& plot, Body& body, const std::stop_token& stop)
+        : PlotterFile(plot, body, stop),
+          feed_(60 * plot.plotter.speed),
+          down_(movement(plot.plotter.pen_down, plot.plotter.dwell)),
+          up_(movement(plot.plotter.pen_up, plot.plotter.dwell)) {}
+
+    void initialise() { write("G21\nG90\n", up_); }
+
+    void select(std::size_t number, std::string_view label) {
+        if (number > 1) write("M0\n");
+        write("(PEN ", static_cast<long long>(number), " ", plain(label), ")\n");
+        is_feed_told_ = false;
+    }
+
+    void finish() { write("G0 X0 Y0\nM2\n"); }
+
+    void begin(Point at) {
+        move("G0", at);
+        write("\n", down_);
+    }
+
+    void line_to(Point at) {
+        move("G1", at);
+        if (!is_feed_told_) write(" F", feed_);
+        is_feed_told_ = true;
+        write("\n");
+    }
+
+    void end() { write(up_); }
+
+private:
+    /// Commands that move the pen, and the time that it takes.
+    static std::string movement(std::string commands, double dwell) {
+        std::ranges::replace(commands, '|', '\n');
+        commands += '\n';
+        if (!(dwell > 0)) return commands;
+        commands += "G4 P";
+        append_fixed(commands, std::max(dwell, 1e-3), 3);
+        return commands += '\n';
+    }
+
+    void move(std::string_view command, Point at) {
+        const Point p = upright(at);
+        write(command, " X", p.x, " Y", p.y);
+    }
+
+    double feed_;  ///< mm a minute
+    std::string down_;
+    std::string up_;
+    bool is_feed_told_ = false;
+};
+
+/// Colour of AutoCAD's palette that is nearest; 7 is black on a white ground.
+int index_of(const Colour& colour) {
+    constexpr std::array<Colour, 9> kIndexed = {{{255, 0, 0},
+                                                 {255, 255, 0},
+                                                 {0, 255, 0},
+                                                 {0, 255, 255},
+                                                 {0, 0, 255},
+                                                 {255, 0, 255},
+                                                 kBlack,
+                                                 {128, 128, 128},
+                                                 {192, 192, 192}}};
+    const auto distance = [&](const Colour& other) {
+        const int red = colour.red - other.red, green = colour.green - other.green, blue = colour.blue - other.blue;
+        return red * red + green * green + blue * blue;
+    };
+    return 1 + static_cast<int>(std::ranges::min_element(kIndexed, {}, distance) - kIndexed.begin());
+}
+
+class Dxf : public PlotterFile {
+public:
+    Dxf(const Plot& plot, Body& body, const std::stop_token& stop)
+        : PlotterFile(plot, body, stop), is_filled_(plot.style == DotStyle::Fill) {
+        for (const Pen& pen : plot.pens)
+            layers_.push_back("PEN" + std::to_string(layers_.size() + 1) + "_" + plain(pen.label));
+    }
+
+    void initialise(const Plot& plot) {
+        write("0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1009\n9\n$EXTMIN\n10\n0\n20\n0\n9\n$EXTMAX\n");
+        write("10\n", size().x, "\n20\n", size().y, "\n0\nENDSEC\n0\nSECTION\n2\nTABLES\n");
+        write("0\nTABLE\n2\nLTYPE\n70\n1\n0\nLTYPE\n2\nCONTINUOUS\n70\n0\n3\nSolid\n72\n65\n73\n0\n40\n0\n0\nENDTAB\n");
+        write("0\nTABLE\n2\nLAYER\n70\n", static_cast<long long>(layers_.size()), "\n");
+        for (std::size_t i = 0; i < layers_.size(); ++i) {
+            write("0\nLAYER\n2\n", layers_[i], "\n70\n0\n62\n", static_cast<long long>(index_of(plot.pens[i].colour)),
+                  "\n6\nCONTINUOUS\n");
+        }
+        write("0\nENDTAB\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n");
+    }
+
+    void select(std::size_t number, const Pen& pen) {
+        layer_ = layers_[number];
+        radius_ = pen.radius;
+    }
+
+    void finish() { write("0\nENDSEC\n0\nEOF\n"); }
+
+    void begin(Point at) {
+        start_ = at;
+        is_touch_ = true;
+    }
+
+    void line_to(Point at) {
+        if (is_touch_) {
+            write("0\nPOLYLINE\n8\n", layer_, "\n66\n1\n10\n0\n20\n0\n30\n0\n70\n0\n");
+            place("VERTEX", start_);
+        }
+        place("VERTEX", at);
+        is_touch_ = false;
+    }
+
+    void end() {
+        if (!is_touch_) return write("0\nSEQEND\n8\n", layer_, "\n");
+        place(is_filled_ ? "CIRCLE" : "POINT", start_);
+        if (is_filled_) write("40\n", radius_, "\n");
+    }
+
+private:
+    void place(std::string_view entity, Point at) {
+        const Point p = upright(at);
+        write("0\n", entity, "\n8\n", layer_, "\n10\n", p.x, "\n20\n", p.y, "\n30\n0\n");
+    }
+
+    std::vector<std::string> layers_;
+    bool is_filled_;
+    std::string layer_;
+    double radius_ = 0;
+    Point start_;
+    bool is_touch_ = false;
+};
+
+}  // namespace
+
+void write_hpgl(const Plot& plot, Body& body, const std::stop_token& stop) {
+    Hpgl file(plot, body, stop);
+    file.initialise();
+    for (std::size_t i = 0; i < plot.pens.size(); ++i) {
+        file.select(i + 1);
+        trace(plot, plot.pens[i], file);
+    }
+    file.finish();
+}
+
+void write_gcode(const Plot& plot, Body& body, const std::stop_token& stop) {
+    Gcode file(plot, body, stop);
+    file.initialise();
+    for (std::size_t i = 0; i < plot.pens.size(); ++i) {
+        file.select(i + 1, plot.pens[i].label);
+        trace(plot, plot.pens[i], file);
+    }
+    file.finish();
+}
+
+void write_dxf(const Plot& plot, Body& body, const std::stop_token& stop) {
+    Dxf file(plot, body, stop);
+    file.initialise(plot);
+    for (std::size_t i = 0; i < plot.pens.size(); ++i) {
+        file.select(i, plot.pens[i]);
+        trace(plot, plot.pens[i], file);
+    }
+    file.finish();
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,442 @@
+"""Drawings for plotters, read as the programs that drive them do."""
+
+import re
+import unittest
+import zlib
+from xml.etree import ElementTree
+
+import numpy
+
+from harness import PICTURES, ServerCase, post_json
+
+CHELSEA = (PICTURES / "chelsea.png").read_bytes()
+SVG = "{http://www.w3.org/2000/svg}"
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+
+
+def pens_of_vpype(svg):
+    """The strokes of each layer, by the numbers that vpype's `read` gives: a group at the top is a layer. Its number is
+    the digits of its label or, where there are none, those of its id or, where there are none, its place from 1. 0 counts
+    as 1. What is at the top without a group is in layer 1."""
+    root = ElementTree.fromstring(svg)
+    pens = {}
+    for place, group in enumerate(root.findall(SVG + "g"), 1):
+        digits = re.sub("[^0-9]", "", group.get(LABEL) or "") or re.sub("[^0-9]", "", group.get("id") or "")
+        number = max(int(digits), 1) if digits else place
+        strokes = " ".join(path.get("d") for path in group.iter(SVG + "path"))
+        pens[number] = pens.get(number, 0) + strokes.count("M")
+    for path in root.findall(SVG + "path"):
+        pens[1] = pens.get(1, 0) + path.get("d").count("M")
+    return pens
+
+
+def run_hpgl(text):
+    """Strokes of each pen, [[(x, y), ...], ...] in millimetres, as a plotter draws them."""
+    pens, pen, down, at = {}, 0, False, (0, 0)
+    for command, numbers in re.findall(r"([A-Z]{2})([^;A-Z]*);", text.decode("ascii")):
+        values = [int(value) / 40 for value in numbers.split(",")] if numbers else []
+        if command == "SP":
+            pen = int(numbers)
+        elif command in ("PU", "PD"):
+            if command == "PD" and not down:
+                pens.setdefault(pen, []).append([at])
+            down = command == "PD"
+            for at in zip(values[::2], values[1::2]):
+                if down:
+                    pens[pen][-1].append(at)
+        elif command not in ("IN", "PA"):
+            raise AssertionError(f"{command} is no command of HPGL that is known here")
+    return pens
+
+
+class Grbl:
+    """What a machine does that reads G-code as GRBL does: one command a line, words of a letter and a number."""
+
+    def __init__(self, text, speed=100):
+        """@param speed  of G0, in millimetres a second"""
+        self.pens, self.pen, self.at, self.seconds = {1: []}, 1, (0.0, 0.0), 0
+        self.speed, self.feed = speed, None
+        self.down, self.ended, self.millimetres, self.absolute = False, False, False, False
+        for line in text.decode("ascii").splitlines():
+            assert not self.ended and len(line) <= 80, line
+            self.run(re.sub(r"\([^()]*\)", "", line))
+
+    def run(self, line):
+        words = re.findall(r"([A-Z])(-?[0-9]+(?:\.[0-9]+)?)", line)
+        assert "".join(map("".join, words)) == line.replace(" ", ""), line
+        values = {letter: float(number) for letter, number in words}
+        for code in ("".join(word) for word in words if word[0] in "GM"):
+            if code in ("G0", "G1"):
+                self.move(code, values)
+            elif code == "G4":
+                self.seconds += values["P"]
+            elif code in ("M3", "M5"):
+                if code == "M3":
+                    self.pens[self.pen].append([self.at])
+                self.down = code == "M3"
+            elif code == "M0":
+                self.pen += 1
+                self.pens[self.pen] = []
+            elif code == "M2":
+                self.ended = True
+            elif code in ("G21", "G90"):
+                self.millimetres |= code == "G21"
+                self.absolute |= code == "G90"
+            else:
+                raise AssertionError(f"{code} is not known to GRBL here")
+
+    def move(self, code, values):
+        assert self.millimetres and self.absolute and self.down == (code == "G1")
+        self.feed = values.get("F", self.feed)
+        before, self.at = self.at, (values["X"], values["Y"])
+        if self.down:
+            self.pens[self.pen][-1].append(self.at)
+        self.seconds += numpy.hypot(*numpy.subtract(self.at, before)) / (self.feed / 60 if self.down else self.speed)
+
+
+def read_dxf(text):
+    """Entities of each layer of DXF R12, [(kind, [(x, y), ...], radius)], and the layers that are declared."""
+    lines = text.decode("ascii").splitlines()
+    groups = [(int(code), value) for code, value in zip(lines[::2], lines[1::2])]
+    assert len(lines) % 2 == 0 and groups[-1] == (0, "EOF")
+    records, layers, layer_entities, line = [], [], {}, None
+    for code, value in groups:
+        if code == 0:
+            records.append((value, {}))
+        elif records:
+            records[-1][1][code] = value
+    section = None
+    for kind, values in records:
+        if kind == "SECTION":
+            section = values[2]
+        elif kind == "LAYER":
+            layers.append(values[2])
+        elif section == "ENTITIES" and kind not in ("ENDSEC", "EOF"):
+            assert values[8] in layers, values
+            entities = layer_entities.setdefault(values[8], [])
+            at = (float(values.get(10, 0)), float(values.get(20, 0)))
+            if kind == "POLYLINE":
+                line = []
+            elif kind == "VERTEX":
+                line.append(at)
+            elif kind == "SEQEND":
+                entities.append(("POLYLINE", line, None))
+            else:
+                entities.append((kind, [at], float(values[40]) if kind == "CIRCLE" else None))
+    return layers, layer_entities
+
+
+class Pdf:
+    """What a page of PDF draws: discs, [(x, y, radius)], other areas, and strokes, in millimetres from the lower left."""
+
+    def __init__(self, file):
+        self.file, self.discs, self.areas, self.strokes, self.clips = file, [], 0, [], 0
+        assert file.startswith(b"%PDF-") and file.rstrip().endswith(b"%%EOF")
+        assert b"/Subtype /Image" not in file and b"/Filter /DCTDecode" not in file
+        box = re.search(rb"/MediaBox \[ ([-0-9. ]+) ?\]", file)
+        self.size = [float(value) / 72 * 25.4 for value in box[1].split()[2:]]
+        for content in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", file, re.DOTALL):
+            try:
+                content = zlib.decompress(content)
+            except zlib.error:
+                pass
+            if b" m\n" in content or b" m " in content or b" re" in content:
+                self.run(content.decode("latin-1"))
+
+    def run(self, content):
+        # Groups have no matrix of their own: the page, which they are drawn on, has turned y over before.
+        height = self.size[1] * 72 / 25.4
+        turned = numpy.array([[1, 0, 0], [0, -1, 0], [0, height, 1]])
+        stack, saved, path, width = [], [], [], 1
+        matrix = numpy.identity(3) if " cm\n" in content[:60] else turned
+        for token in re.findall(r"\[[^\]]*\]|<<.*?>>|\([^)]*\)|/\S+|[^\s\[\]]+", content):
+            if re.fullmatch(r"-?\d*\.?\d+", token):
+                stack.append(float(token))
+                continue
+            if token == "q":
+                saved.append((matrix, width))
+            elif token == "Q":
+                matrix, width = saved.pop()
+            elif token == "cm":
+                a, b, c, d, e, f = stack[-6:]
+                matrix = numpy.array([[a, b, 0], [c, d, 0], [e, f, 1]]) @ matrix
+            elif token == "w":
+                width = stack[-1]
+            elif token == "m":
+                path.append([stack[-2:]])
+            elif token == "l":
+                path[-1].append(stack[-2:])
+            elif token == "c":
+                path[-1] += [stack[-6:-4], stack[-4:-2], stack[-2:]]
+            elif token in ("f", "f*"):
+                for part in path:
+                    points = numpy.array(part) @ matrix[:2, :2] + matrix[2, :2]
+                    self.fill(points / 72 * 25.4)
+                path = []
+            elif token == "S":
+                scale = numpy.sqrt(abs(numpy.linalg.det(matrix[:2, :2])))
+                for part in path:
+                    points = numpy.array(part) @ matrix[:2, :2] + matrix[2, :2]
+                    self.strokes.append((points / 72 * 25.4, width * scale / 72 * 25.4))
+                path = []
+            elif token in ("n",):
+                self.clips += len(path)
+                path = []
+            stack = []
+
+    def fill(self, points):
+        low, high = points.min(0), points.max(0)
+        radius = (high - low) / 2
+        # A disc is four cubic curves, and may be closed by a line.
+        if len(points) in (13, 14) and abs(radius[0] - radius[1]) < 0.02 * radius.max() + 0.003:
+            self.discs.append((*(low + high) / 2, radius.mean()))
+        else:
+            self.areas += 1
+
+
+class PlotterCase(ServerCase):
+    def assert_refused(self, *cases):
+        """@param cases  (query, field, words of the message)"""
+        for query, field, words in cases:
+            with self.subTest(query=query):
+                answer = self.ask("/halftone" + query, data=CHELSEA)
+                self.assertIn(answer.status, (400, 422), answer)
+                problem = answer.json()
+                self.assertEqual(problem["errors"][0]["pointer"], field)
+                self.assertIn(words, problem["detail"])
+
+
+class Formats(ServerCase):
+    """Each format holds the dots of JSON, read by an interpreter of its own."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.inks = {}
+        for colours in ("color=gray", "color=cmyk"):
+            answer = cls.halftone(cls(), CHELSEA, f"?sites=700&{colours}&width_mm=90&format=json").json()
+            unit = 90 / answer["width"]
+            cls.height = answer["height"] * unit
+            cls.inks[colours] = [numpy.array(ink["points"]).reshape(-1, 2) * (unit, -unit) + (0, cls.height)
+                                 for ink in answer.get("inks", [answer])]
+
+    def made(self, colours, options):
+        return self.halftone(CHELSEA, f"?sites=700&{colours}&width_mm=90&{options}")
+
+    def assert_dots(self, found, expected, tolerance):
+        """Each dot is there once, in whatever order."""
+        self.assertEqual(len(found), len(expected))
+        if len(found) == 0:
+            return
+        distances = numpy.linalg.norm(numpy.asarray(found)[:, None] - expected[None], axis=2)
+        nearest = distances.argmin(axis=1)
+        self.assertLess(distances.min(axis=1).max(), tolerance)
+        self.assertEqual(len(set(nearest)), len(expected))
+
+    def middles(self, strokes):
+        """Of dots, each drawn by a stroke: the middles of their bounds."""
+        return [(numpy.min(stroke, axis=0) + numpy.max(stroke, axis=0)) / 2 for stroke in strokes]
+
+    def test_hpgl(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=hpgl")
+            self.assertEqual(answer.type, "application/vnd.hp-hpgl")
+            pens = run_hpgl(answer.body)
+            for number, expected in enumerate(inks, 1):
+                self.assert_dots([stroke[0] for stroke in pens.get(number, [])], expected, 0.02)
+
+    def test_gcode(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=gcode")
+            self.assertEqual(answer.type, "text/x-gcode")
+            machine = Grbl(answer.body)
+            self.assertTrue(machine.ended)
+            for number, expected in enumerate(inks, 1):
+                self.assert_dots([stroke[0] for stroke in machine.pens[number]], expected, 1e-3)
+
+    def test_dxf(self):
+        for colours, inks in self.inks.items():
+            answer = self.made(colours, "format=dxf")
+            self.assertEqual(answer.type, "image/vnd.dxf")
+            layers, entities = read_dxf(answer.body)
+            self.assertEqual(len(layers), len(inks))
+            for layer, expected in zip(layers, inks):
+                circles = entities.get(layer, [])
+                self.assertLessEqual({kind for kind, *_ in circles}, {"CIRCLE"})
+                self.assertLessEqual(len({radius for *_, radius in circles}), 1)
+                self.assert_dots([points[0] for _, points, _ in circles], expected, 1e-3)
+
+    def test_pdf(self):
+        for colours, inks in self.inks.items():
+            for style in ("fill", "stroke"):
+                with self.subTest(colours=colours, style=style):
+                    options = f"style={style}&dots=ink&format=pdf"
+                    answer = self.made(colours, options)
+                    self.assertEqual(answer.type, "application/pdf")
+                    page = Pdf(answer.body)
+                    numpy.testing.assert_allclose(page.size, (90, self.height), atol=0.01)
+                    dots = page.discs if style == "fill" else [(*points[0], 0) for points, _ in page.strokes]
+                    self.assert_dots(numpy.array(dots)[:, :2], numpy.concatenate(inks), 0.01)
+                    self.assertEqual(answer.body, self.made(colours, options).body)
+
+    def test_pdf_of_both_sides(self):
+        told = self.halftone(CHELSEA, "?sites=700&dots=both&format=json").json()
+        page = Pdf(self.halftone(CHELSEA, "?sites=700&width_mm=90&format=pdf").body)
+        unit = 90 / told["width"]
+        expected = numpy.array(told["points"]) * (unit, -unit) + (0, self.height)
+        found = numpy.array(page.discs)
+        self.assertGreaterEqual(len(found), len(expected))
+        distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
+        self.assertLess(distances.min(axis=1).max(), 0.01)
+        self.assertEqual(set(distances.argmin(axis=1)), set(range(len(expected))))
+        radii = numpy.array(told["radii"])[distances.argmin(axis=1)] * unit
+        numpy.testing.assert_allclose(found[:, 2], radii, atol=0.005)
+        self.assertGreater(page.areas, 0)
+        self.assertGreater(page.clips, 0)
+
+    def test_pdf_of_both_sides_in_colour(self):
+        for colours in ("color=cmyk", "color=rgb"):
+            with self.subTest(colours=colours):
+                query = f"?sites=700&{colours}&dots=both&width_mm=90&format="
+                told = self.halftone(CHELSEA, query + "json").json()
+                page = Pdf(self.halftone(CHELSEA, query + "pdf").body)
+                unit = 90 / told["width"]
+                expected = numpy.concatenate([kind["points"] for kind in told["kinds"]]) * (unit, -unit) + (0, self.height)
+                radii = numpy.concatenate([kind["radii"] for kind in told["kinds"]]) * unit
+                flips = numpy.concatenate([[len(kind["flips"])] * kind["sites"] for kind in told["kinds"]])
+                self.assertGreater(flips.max(), 1)
+                found = numpy.array(page.discs)
+                distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
+                nearest = distances.argmin(axis=1)
+                self.assertLess(distances.min(axis=1).max(), 0.01)
+                numpy.testing.assert_allclose(found[:, 2], radii[nearest], atol=0.005)
+                drawn = numpy.bincount(nearest, minlength=len(expected))
+                self.assertTrue((drawn >= flips).all() and (drawn <= 2 * flips).all(), "once a channel, or twice if cut")
+                self.assertGreaterEqual(page.areas, 3)
+                self.assertGreaterEqual(page.clips, 3)
+
+    def test_styles(self):
+        for style in ("circles", "spiral"):
+            with self.subTest(style=style):
+                query = f"style={style}&pen=0.2mm&dots=ink&format="
+                for strokes in (run_hpgl(self.made("color=gray", query + "hpgl").body)[1],
+                                Grbl(self.made("color=gray", query + "gcode").body).pens[1],
+                                [points for _, points, _ in
+                                 read_dxf(self.made("color=gray", query + "dxf").body)[1]["PEN1_DOTS"]]):
+                    self.assertGreater(min(map(len, strokes)), 8)
+                    self.assert_dots(self.middles(strokes), self.inks["color=gray"][0], 0.1)
+
+    def test_path_is_one_line(self):
+        query = "style=path&format="
+        for strokes in (run_hpgl(self.made("color=gray", query + "hpgl").body)[1],
+                        Grbl(self.made("color=gray", query + "gcode").body).pens[1],
+                        [points for _, points, _ in
+                         read_dxf(self.made("color=gray", query + "dxf").body)[1]["PEN1_DOTS"]]):
+            self.assertEqual(len(strokes), 1)
+            self.assert_dots(strokes[0], self.inks["color=gray"][0], 0.02)
+        line = numpy.array(Grbl(self.made("color=gray", query + "gcode").body).pens[1][0])
+        points = self.inks["color=gray"][0]
+        self.assertLess(numpy.linalg.norm(numpy.diff(line, axis=0), axis=1).sum(),
+                        0.7 * numpy.linalg.norm(numpy.diff(points, axis=0), axis=1).sum())
+
+    def test_samples(self):
+        body = {"sites": 60, "domain": {"type": "rectangle", "width": 2, "height": 1}, "width_mm": 50}
+        expected = numpy.array(post_json(self.server, "/sample", body).json()["points"]) * 25
+        strokes = run_hpgl(post_json(self.server, "/sample", {**body, "format": "hpgl"}).body)[1]
+        self.assert_dots([stroke[0] for stroke in strokes], expected, 0.02)
+        page = Pdf(post_json(self.server, "/sample", {**body, "format": "pdf"}).body)
+        self.assert_dots(numpy.array(page.discs)[:, :2], expected, 0.01)
+
+
+class Time(PlotterCase):
+    """A plotter takes as long as it is told to."""
+
+    def seconds(self, query):
+        answer = self.halftone(CHELSEA, query + "&width_mm=90&format=gcode&speed=40&dwell=0.05")
+        return float(answer.headers["x-plot-seconds"]), Grbl(answer.body, speed=40)
+
+    def test_is_that_of_the_machine(self):
+        for style in ("stroke", "path", "spiral"):
+            told, machine = self.seconds(f"?sites=900&style={style}")
+            # Besides, the machine goes to the first dot and back. Its way to the rim of a filled dot is not counted.
+            self.assertAlmostEqual(told, machine.seconds, delta=0.05 * told + 6)
+            self.assertEqual(len(machine.pens[1]), 1 if style == "path" else 900)
+
+    def test_is_kept(self):
+        for style, minutes in (("stroke", 4), ("path", 4), ("spiral&pen=0.9", 9), ("circles&pen=0.9", 9)):
+            for options in ("", "&dot=0.4mm", "&color=cmyk"):
+                with self.subTest(style=style, options=options):
+                    told, _ = self.seconds(f"?minutes={minutes}&style={style}{options}")
+                    self.assertLess(told, 1.1 * 60 * minutes)
+        for style in ("stroke", "path"):
+            told, _ = self.seconds(f"?minutes=4&style={style}")
+            self.assertGreater(told, 0.85 * 240, style)
+
+    def test_needs_a_width_and_no_number(self):
+        self.assert_refused(("?minutes=4", "minutes", "width_mm"),
+                            ("?minutes=4&width_mm=90&sites=5", "minutes", "sites"),
+                            ("?minutes=0&width_mm=90", "minutes", "0.1 to 10000"),
+                            ("?minutes=1e308&width_mm=90", "minutes", "0.1 to 10000"),
+                            ("?minutes=0.1&dwell=60&width_mm=90", "minutes", "too few"),
+                            ("?minutes=1&style=spiral&pen=0.1&width_mm=90", "minutes", "wider pen"),
+                            ("?minutes=4&width_mm=90&dots=both", "dots", "minutes"))
+
+
+class Refusals(PlotterCase):
+    """Errors name the option and its limit."""
+
+    def test_of_drawings_without_a_width(self):
+        self.assert_refused(("?format=pdf", "width_mm", "format=pdf"),
+                            ("?format=hpgl", "width_mm", "format=hpgl"),
+                            ("?format=svg&style=spiral", "width_mm", "style=spiral"))
+
+    def test_of_paper_dots(self):
+        self.assert_refused(("?format=gcode&width_mm=90&dots=both", "dots", "pen"))
+
+    def test_of_pens(self):
+        self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),
+                            ("?format=dxf&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
+
+    def test_of_commands_that_would_be_others(self):
+        for option in ("pen_down", "pen_up"):
+            for command in ("", "M3%3BM5", "M5%0AM3", "M5%0DM3", "M5%00", "(M5)", "%24H", "!", "%25", "M5%E2%80%A8M3", "M" * 65):
+                self.assert_refused((f"?format=gcode&width_mm=90&{option}={command}", option, "64 letters"))
+
+
+class Layers(ServerCase):
+    """vpype finds one layer for each pen."""
+
+    def check(self, svg, sites):
+        pens = pens_of_vpype(svg)
+        self.assertEqual(list(pens.items()), list(enumerate(sites, 1)))
+        self.assertTrue(ElementTree.fromstring(svg).get("viewBox").startswith("0 0 "))
+
+    def test_of_inks(self):
+        for inks in ("color=cmyk", "color=rgb", "palette=%23ff0000,%2300ff00,%230000ff,%23000000",
+                     "palette=%23ff0000,%23fe0000,%2378f480", "color=gray"):
+            with self.subTest(inks=inks):
+                query = f"?sites=900&{inks}&format="
+                answer = self.halftone(CHELSEA, query + "json").json()
+                sites = [ink["sites"] for ink in answer["inks"]] if "inks" in answer else [answer["sites"]]
+                self.check(self.halftone(CHELSEA, query + "svg&style=stroke&width_mm=100").body, sites)
+
+    def test_have_ids_of_their_own(self):
+        for colours in ("color=gray", "color=cmyk"):
+            root = ElementTree.fromstring(self.halftone(CHELSEA, f"?sites=700&{colours}&dots=both&format=svg").body)
+            ids = [part.get("id") for part in root.iter() if part.get("id")]
+            self.assertEqual(len(set(ids)), len(ids))
+            self.assertEqual([group.get("id") for group in root.findall(SVG + "g")], ["layer1", "layer2", "layer3"])
+
+    def test_of_classes(self):
+        land = {"type": "FeatureCollection", "features": [
+            {"type": "Feature", "properties": {"pop2010": 40, "pop2020": 60}, "geometry":
+             {"type": "Polygon", "coordinates": [[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]]}} for x in range(3)]}
+        for counts, sites in (({"classes": ["pop2010", "pop2020"]}, [120, 180]), ({"sites": "pop2020"}, [180])):
+            body = {"geometry": land, **counts, "format": "svg", "style": "stroke", "width_mm": 100}
+            answer = post_json(self.server, "/sample", body)
+            self.assertEqual(answer.status, 200, answer)
+            self.check(answer.body, sites)
+
+
+if __name__ == "__main__":
+    unittest.main()
