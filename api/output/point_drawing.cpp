@@ -288,6 +288,11 @@ std::string curves(std::span<const std::vector<Point>> rings, const Page& page, 
     return data;
 }
 
+/// Name of an ink as a part of ids: links to these cannot have a number sign.
+std::string id_of(const Ink& ink) {
+    return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
+}
+
 /// Dots of all kinds that flip a channel.
 struct ChannelDots {
     std::vector<Point> points;
@@ -337,7 +342,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
         const ChannelDots& dots = channels[c];
         const Ink& ink = grounds.inks[c];
         const Colour& bare = !layered ? palette.paper : adds ? kBlack : kWhite;
-        const std::string id = layered ? ink.name + "-" : "", black = id + "black";
+        const std::string id = layered ? id_of(ink) + "-" : "", black = id + "black";
         const std::string ground = curves(grounds.rings[c], page, place, document.decimals());
         const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
             const PlacedPath centres(dots.points, {}, path, place);
