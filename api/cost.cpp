@@ -62,7 +62,19 @@ bool has_channels(const HalftoneRequest& request) {
 
 /// Counts the inks, or the channels that stand for them.
 double inks_of(const HalftoneRequest& request) {
-    return has_channels(request) ? 3 : static_cast<double>(request.palette.inks.size());
+    const auto inks = static_cast<double>(request.palette.inks.size());
+    return request.dots == Dots::Both && is_cmyk(request.palette.inks) ? inks - 1 : inks;
+}
+
+/// Whether such channels are inks of one's own.
+bool has_ink_channels(const HalftoneRequest& request) {
+    return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
+}
+
+/// Counts the kinds of dots of several channels.
+double kinds_of_dots(const HalftoneRequest& request) {
+    const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
+    return static_cast<double>(std::min(kinds, kMostKindsOfInks));
 }
 
 /// Counts the cells at most that dots on both sides of the tonal scale are planned in.
@@ -84,8 +96,15 @@ double planned_cells(const HalftoneRequest& request, double sites) {
 /// Divides the picture into grounds, and plans the dots on both of them.
 Estimate dividing(const HalftoneRequest& request, double sites) {
     constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
+    constexpr Estimate kInk{48, 0.5 * kMicrosecond}, kKind{8, 0.05 * kMicrosecond}, kInks{80, 1.5 * kMicrosecond};
     constexpr double kReading = 8;
-    return (has_channels(request) ? kColour : kGrey) * planned_cells(request, sites) +
+    const Estimate cell = has_ink_channels(request) ? kInk * inks_of(request) + kKind * kinds_of_dots(request) + kInks
+                          : has_channels(request)   ? kColour
+                                                    : kGrey;
+    // Two tables for each ground, as far as these occur.
+    constexpr Estimate kTable{1.4e6, 5'000 * kMicrosecond};
+    const Estimate tables = has_ink_channels(request) ? kTable * std::exp2(inks_of(request) + 1) : Estimate{};
+    return cell * planned_cells(request, sites) + tables +
            Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
@@ -94,7 +113,10 @@ Estimate sizing(const HalftoneRequest& request, double sites) {
     constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
     constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
     if (request.dots != Dots::Both) return {};
-    if (has_channels(request)) return kPixelOfChannels * planned_cells(request, sites) + kSiteOfChannels * sites;
+    if (has_channels(request)) {
+        const double channels = std::max(inks_of(request) / 3, 1.0);
+        return (kPixelOfChannels * planned_cells(request, sites) + kSiteOfChannels * sites) * channels;
+    }
     return kPixel * planned_cells(request, sites) + kSite * sites;
 }
 
@@ -112,7 +134,7 @@ Estimate sharpening(const HalftoneRequest& request, double sites) {
 Estimate decoding(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
-    if (has_channels(request)) return decoding(request.image, 28 + 4 * inks_of(request));
+    if (has_channels(request) && !has_ink_channels(request)) return decoding(request.image, 28 + 4 * inks_of(request));
     // The table takes as long as so many pixels, times the inks squared, if there are all colours.
     constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
@@ -224,7 +246,7 @@ Estimate evening_out(const SampleRequest& request) {
 /// Makes grids: of several inks or kinds of dots one each, and one of all together.
 Estimate weighing(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    if (has_channels(request)) return weighing(planned_cells(request, sites) * (kinds_of(3) * 1.2 + 1));
+    if (has_channels(request)) return weighing(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
     const double inks = inks_of(request);
     return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }

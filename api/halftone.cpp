@@ -165,7 +165,6 @@ const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
 /// Returns why dots on both sides of the tonal scale cannot be had, or nothing.
 std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
-    if (draft.palette) return "is an option of color: dots of a palette are ink";
     if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
     if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
         return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
@@ -176,6 +175,13 @@ std::string_view obstacle_to_both(const Draft& draft) {
     return {};
 }
 
+/// Tells whether dots on both sides look better than ink. Of four and more inks of one's own many mixtures make the
+/// same colour, and their grounds fall apart where they change from one to the other.
+bool is_better_on_both_sides(const Draft& draft) {
+    constexpr std::size_t kMostInksOfBoth = 3;
+    return !draft.palette || draft.palette->inks.size() <= kMostInksOfBoth;
+}
+
 /// Chooses the sides that dots are drawn on: both where a picture is drawn, ink where dots are listed.
 /// The format must be settled.
 Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
@@ -183,7 +189,8 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
         return malformed(input_of("invert", inputs), "contradicts dots: invert=true is dots=paper");
     const std::string_view obstacle = obstacle_to_both(draft);
     Dots& dots = draft.request.dots;
-    const Dots usual = obstacle.empty() && draft.request.format->is_drawn() ? Dots::Both : Dots::Ink;
+    const bool is_both = obstacle.empty() && draft.request.format->is_drawn() && is_better_on_both_sides(draft);
+    const Dots usual = is_both ? Dots::Both : Dots::Ink;
     dots = draft.dots.value_or(draft.invert ? *draft.invert ? Dots::Paper : Dots::Ink : usual);
     if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
     const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;

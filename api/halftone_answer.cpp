@@ -65,6 +65,8 @@ public:
 
 private:
     Result<std::string> write_pixels(const RasterWriter& writer) const {
+        if (plan_.two_sides && !plan_.two_sides->is_nested && request_.antialias && writer.write_plates == nullptr)
+            return writer.write(mixed_pixels(), request_.drawing.width_mm, stop_);
         std::vector<Raster> rasters;
         const std::size_t count = plan_.two_sides ? plan_.two_sides->channels.size() : inks_.size();
         for (std::size_t ink = 0; ink < count; ++ink) rasters.push_back(rasterise(ink, request_.antialias));
@@ -74,12 +76,27 @@ private:
         Palette palette = request_.palette;
         const auto width_mm = request_.drawing.width_mm;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply) {
-            if (plan_.two_sides) take_black_out(rasters);
+            if (count < palette.inks.size()) take_black_out(rasters);
             return writer.write_plates(rasters, palette.inks, width_mm, stop_);
         }
         palette.inks.resize(count);
         return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, executor_), width_mm,
                             stop_);
+    }
+
+    /// Draws antialiased dots that flip inks of one's own.
+    DotImage mixed_pixels() const {
+        std::vector<Raster> flipped, grounds;
+        for (std::size_t ink = 0; ink < plan_.two_sides->channels.size(); ++ink) {
+            flipped.push_back(rasterise_flipped(ink, true));
+            grounds.push_back({flipped.back().width, flipped.back().height, 0, {}});
+            grounds.back().coverage.resize(flipped.back().coverage.size());
+            apply_ground(ink, true, grounds.back());
+            if (!may_be_scaled()) continue;
+            soften(flipped.back(), executor_);
+            soften(grounds.back(), executor_);
+        }
+        return overlay_flipped(flipped, grounds, request_.palette, stop_, executor_);
     }
 
     /// Replaces what cyan, magenta and yellow have in common by black, which takes that area from each of them.
@@ -115,7 +132,7 @@ private:
             }
         }
         for (std::size_t kind = 0; kind < inks_.size(); ++kind)
-            two_sides_.push_back({sized_[kind], flips_of(kind), grounds_});
+            two_sides_.push_back({sized_[kind], plan_.two_sides->kinds[kind].flips, grounds_});
         for (std::size_t kind = 0; kind < inks_.size(); ++kind) inks_[kind].two_sides = &two_sides_[kind];
         std::vector<InkDots> drawn;
         for (const InkDots& each : inks_) {
@@ -137,24 +154,33 @@ private:
     /// Draws the ink of a channel of a halftone with dots on both sides.
     Raster rasterise_both(std::size_t channel, bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
-        std::vector<Point> places;
-        std::vector<float> radii;
-        for (std::size_t kind = 0; kind < inks_.size(); ++kind) {
-            if ((flips_of(kind) >> channel & 1) == 0) continue;
-            const std::vector<Point> own = canvas_places(inks_[kind].dots.points);
-            places.insert(places.end(), own.begin(), own.end());
-            radii.insert(radii.end(), sized_[kind].radii.begin(), sized_[kind].radii.end());
-        }
-        Raster raster = draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, executor_);
-        const CellGrid& cells = plan_.two_sides->cells;
-        const Point scale{static_cast<double>(raster.width) / cells.columns,
-                          static_cast<double>(raster.height) / cells.rows};
-        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, executor_);
+        Raster raster = rasterise_flipped(channel, antialias);
+        apply_ground(channel, soft, raster);
         if (adds()) {
             for (std::uint8_t& share : raster.coverage) share = static_cast<std::uint8_t>(255 - share);
         }
         if (soft && !antialias) diffuse(raster.coverage, raster.width, raster.height);
         return raster;
+    }
+
+    void apply_ground(std::size_t channel, bool soft, Raster& raster) const {
+        const CellGrid& cells = plan_.two_sides->cells;
+        const Point scale{static_cast<double>(raster.width) / cells.columns,
+                          static_cast<double>(raster.height) / cells.rows};
+        plan_.two_sides->channels[channel].ground.apply(raster, scale, soft, executor_);
+    }
+
+    /// Draws the dots that flip a channel.
+    Raster rasterise_flipped(std::size_t channel, bool antialias) const {
+        std::vector<Point> places;
+        std::vector<float> radii;
+        for (std::size_t kind = 0; kind < inks_.size(); ++kind) {
+            if ((plan_.two_sides->kinds[kind].flips >> channel & 1) == 0) continue;
+            const std::vector<Point> own = canvas_places(inks_[kind].dots.points);
+            places.insert(places.end(), own.begin(), own.end());
+            radii.insert(radii.end(), sized_[kind].radii.begin(), sized_[kind].radii.end());
+        }
+        return draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, executor_);
     }
 
     Raster rasterise(std::size_t ink, bool antialias) const {
@@ -195,10 +221,10 @@ std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePl
     if (!plan.two_sides || inks.size() == 1) return inks;
     const InkSet set = ink_set(request.palette);
     std::vector<Ink> kinds;
-    for (std::size_t kind = 0; kind < plan.two_sides->kinds.size(); ++kind) {
+    for (const KindOfDots& kind : plan.two_sides->kinds) {
         Ink& ink = kinds.emplace_back();
         std::vector<float> cover(inks.size(), 0);
-        for_channels(flips_of(kind), [&](std::size_t channel) {
+        for_channels(kind.flips, [&](std::size_t channel) {
             ink.name.append(ink.name.empty() ? "" : "+").append(inks[channel].name);
             cover[channel] = 1;
         });

@@ -168,10 +168,15 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
     return separated;
 }
 
-/// Separates into inks, or, for dots on both sides of the tonal scale, into channels.
+/// Tells whether dots on both sides of the tonal scale flip channels of light, not inks of one's own.
+bool flips_light(const HalftoneRequest& request) {
+    return request.dots == Dots::Both && (request.palette.mixing != Mixing::Multiply || is_cmyk(request.palette.inks));
+}
+
+/// Separates into inks, or, for dots on both sides of the tonal scale, into channels of light.
 Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     const InkSet inks = ink_set(request.palette);
-    if (request.dots == Dots::Both) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
+    if (flips_light(request)) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
     return separate(picture, inks, request.tone, control.stop, *control.executor);
 }
 
@@ -348,6 +353,23 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     return {};
 }
 
+/// Plans dots on both sides of the tonal scale, of channels of light or of inks.
+TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& picture, const TwoSidedOptions& options,
+                        const Control& control) {
+    auto coverage = std::move(picture.inks.coverage);
+    if (!flips_light(request)) {
+        return plan_two_sided({std::move(coverage), std::move(picture.inks.light)},
+                              toned(ink_set(request.palette), request.tone), picture.cells, options, control.stop,
+                              *control.executor);
+    }
+    for (std::vector<float>& channel : coverage) {
+        for_ranges(*control.executor, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
+        });
+    }
+    return plan_two_sided(std::move(coverage), picture.cells, options, control.stop, *control.executor);
+}
+
 /// Settles the grounds, and the number and the sizes of dots on both sides of the tonal scale.
 /// @param minority  area that dots have to cover; 0: the picture is black and white, which the grounds draw alone
 Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
@@ -360,20 +382,9 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     if (!options.radius) options.sites = usual;
     if (request.format->raster() != nullptr)
         options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
-    auto light = std::move(picture.inks.coverage);
-    for (std::vector<float>& channel : light) {
-        for_ranges(*control.executor, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
-        });
-    }
-    plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.executor);
-    const std::size_t most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
-    if (has_screen_radius(request) && plan.two_sides->dots > static_cast<double>(most)) {
-        options = {most, {}, options.detail, options.least_radius};  // as if the picture were all ink
-        light.clear();
-        for (TwoSidedChannel& channel : plan.two_sides->channels) light.push_back(std::move(channel.light));
-        plan.two_sides = plan_two_sided(std::move(light), picture.cells, options, control.stop, *control.executor);
-    }
+    if (has_screen_radius(request))  // as many as if the picture were all ink
+        options.most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
+    plan.two_sides = plan_sides(request, picture, options, control);
     if (auto going = check_stop(control.stop); !going) return going;
     auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
     if (!sites) return tl::unexpected(sites.error());

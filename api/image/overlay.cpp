@@ -20,13 +20,24 @@ public:
     /// @param cover  [inks] in [0, 1]
     /// @returns      red, green, blue, alpha
     std::array<std::uint8_t, 4> operator()(std::span<const float> cover) const {
-        const Light light = printed(inks_, cover);
-        if (!transparent_) return {store(light.red), store(light.green), store(light.blue), 255};
         float bare = 1;
         for (const float share : cover) bare *= 1 - share;
+        return (*this)(printed(inks_, cover), bare);
+    }
+
+    /// @param bare  share of the paper that is seen
+    std::array<std::uint8_t, 4> operator()(const Light& light, float bare) const {
+        if (!transparent_) return {store(light.red), store(light.green), store(light.blue), 255};
         const auto alone = [bare](float seen) { return bare < 1 ? (seen - bare) / (1 - bare) : 1; };
         return {store(alone(light.red)), store(alone(light.green)), store(alone(light.blue)),
                 static_cast<std::uint8_t>(255 * (1 - bare) + 0.5F)};
+    }
+
+    /// The light of inks that lie on each other.
+    Light light_of(std::size_t inks) const {
+        std::array<float, kMostInks> cover{};
+        for (std::size_t ink = 0; ink < inks_.inks.size(); ++ink) cover[ink] = static_cast<float>(inks >> ink & 1);
+        return printed(inks_, std::span(cover).first(inks_.inks.size()));
     }
 
 private:
@@ -105,6 +116,66 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& 
     return picture;
 }
 
+/// Mixes the inks of pixels, of which some are flipped in a part and some are ground in a part.
+class FlippedPixel {
+public:
+    FlippedPixel(std::size_t inks, const PrintedColour& colour_of) : inks_(inks) {
+        for (std::size_t there = 0; there < std::size_t{1} << inks; ++there) lights_[there] = colour_of.light_of(there);
+    }
+
+    void set(std::span<const Raster> flipped, std::span<const Raster> grounds, std::size_t pixel) {
+        light_ = {};
+        bare_ = 0;
+        for (std::size_t ink = 0; ink < inks_; ++ink) {
+            flipped_[ink] = flipped[ink].coverage[pixel];
+            ground_[ink] = grounds[ink].coverage[pixel];
+            order_[ink] = ink;
+        }
+        // Most pixels have parts of one kind at most; stable, so that equal ones stay in order.
+        for (std::size_t i = 1; i < inks_; ++i) {
+            for (std::size_t j = i; j > 0 && flipped_[order_[j]] > flipped_[order_[j - 1]]; --j)
+                std::swap(order_[j], order_[j - 1]);
+        }
+        add_grounds(0, 0, 1);
+    }
+
+    const Light& light() const { return light_; }
+    float bare() const { return bare_; }
+
+private:
+    /// Adds each ground that is there, from an ink on.
+    void add_grounds(std::size_t ink, std::size_t ground, float weight) {
+        if (ink == inks_) return add_parts(ground, weight);
+        const unsigned share = ground_[ink];
+        if (share < 255) add_grounds(ink + 1, ground, weight * static_cast<float>(255 - share) / 255);
+        if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
+    }
+
+    /// Adds the parts of a ground: without any flip, and with those of the first inks in order.
+    void add_parts(std::size_t there, float weight) {
+        unsigned upper = 255;
+        for (std::size_t i = 0; i <= inks_; ++i) {
+            const unsigned lower = i < inks_ ? flipped_[order_[i]] : 0;
+            if (upper > lower) add(there, weight * static_cast<float>(upper - lower) / 255);
+            upper = lower;
+            if (i < inks_) there ^= std::size_t{1} << order_[i];
+        }
+    }
+
+    void add(std::size_t there, float share) {
+        const Light& light = lights_[there];
+        light_ = {light_.red + share * light.red, light_.green + share * light.green, light_.blue + share * light.blue};
+        if (there == 0) bare_ += share;
+    }
+
+    std::size_t inks_;
+    std::array<Light, std::size_t{1} << kMostInks> lights_{};
+    std::array<unsigned, kMostInks> flipped_{}, ground_{};
+    std::array<std::size_t, kMostInks> order_{};
+    Light light_;
+    float bare_ = 0;
+};
+
 }  // namespace
 
 bool DotImage::is_bilevel() const {
@@ -128,6 +199,27 @@ DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antia
             fill_colours(rasters, begin, end, colour_of, picture);
         } else {
             fill_codes(rasters, begin, end, picture);
+        }
+    });
+    return picture;
+}
+
+DotImage overlay_flipped(std::span<const Raster> flipped, std::span<const Raster> grounds, const Palette& palette,
+                         const std::stop_token& stop, Executor& executor) {
+    const PrintedColour colour_of(palette);
+    DotImage picture;
+    picture.width = flipped.front().width;
+    picture.height = flipped.front().height;
+    picture.transparent = palette.paper.transparent;
+    const std::size_t pixels = flipped.front().coverage.size(), channels = picture.channels();
+    picture.pixels.resize(pixels * channels);
+    for_ranges(executor, pixels, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        if (stop.stop_requested()) return;
+        FlippedPixel pixel(flipped.size(), colour_of);
+        for (std::size_t i = begin; i < end; ++i) {
+            pixel.set(flipped, grounds, i);
+            std::copy_n(colour_of(pixel.light(), pixel.bare()).begin(), channels,
+                        picture.pixels.begin() + static_cast<std::ptrdiff_t>(i * channels));
         }
     });
     return picture;

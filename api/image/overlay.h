@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <stop_token>
 #include <vector>
 
@@ -42,5 +43,13 @@ struct DotImage {
 /// Same input, same bytes, on any executor.
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
+
+/// Lays antialiased dots of inks that multiply, each of which flips some inks of its ground, over each other. Where
+/// dots flip several inks, these have their rims in common: the parts of a pixel that inks have flipped are nested.
+///
+/// @param flipped  [inks] share of each pixel in which the ink is flipped
+/// @param grounds  [inks] share of each pixel that is ground of the ink
+DotImage overlay_flipped(std::span<const Raster> flipped, std::span<const Raster> grounds, const Palette& palette,
+                         const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt::api

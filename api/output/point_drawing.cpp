@@ -314,6 +314,11 @@ std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, 
     return path;
 }
 
+/// Returns the name of an ink for ids. Links to ids cannot contain a number sign.
+std::string id_of(const Ink& ink) {
+    return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
+}
+
 /// Draws dots on both sides of the tonal scale, of each channel as three layers: ink dots, ink ground on them, paper
 /// dots on that. Dots that the boundary of the ground cuts are in the first and in the last; the ground covers those in
 /// the first, and those in the last are clipped by it, so that each part has the colour opposite to its ground.
@@ -330,12 +335,13 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
     }
     DotDocument document(page, count_points(kinds), kLayers, body);
     const Placing place(page, document.unit());
+    const std::vector<std::string> labels = pen_labels(grounds.inks);
     std::size_t number = layered ? channels.size() : 0;  // layers at the top come first, for programs that number these
     document.paper(palette.paper);
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const ChannelDots& dots = channels[c];
         const Ink& ink = grounds.inks[c];
-        const std::string black = layered ? ink.name + "-black" : "black";
+        const std::string black = layered ? id_of(ink) + "-black" : "black";
         const std::string ground = curves(grounds.rings[c], page, document.decimals());
         const auto draw_side = [&](const std::vector<std::uint32_t>& path, const Colour& colour) {
             const PlacedPath centres(dots.points, {}, path, place);
@@ -344,7 +350,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
             };
             document.discs(centres, radius_of, colour, stop);
         };
-        if (layered) document.begin_layer(c + 1, ink.name, palette.mixing == Mixing::Add ? "screen" : "multiply");
+        if (layered) document.begin_layer(c + 1, labels[c], palette.mixing == Mixing::Add ? "screen" : "multiply");
         document.define_clip(black, ground);
         document.begin_layer(++number, "ink dots", "");
         draw_side(dots.ink, ink.colour);

@@ -224,7 +224,7 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Executor& execu
 }
 
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
-                                  double detail, Executor& executor) {
+                                  double detail, bool is_rgb, Executor& executor) {
     // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye: less
     // smoothing leaves boundaries that meander through noise, more of it lets strokes of text dissolve into dots.
     constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
@@ -233,7 +233,7 @@ std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, con
     std::vector<std::vector<float>> clear;
     for (const auto& channel : light)
         clear.push_back(emphasised(channel, cells, kSurroundings * radius, kEmphasis * detail, executor));
-    if (clear.size() > 1) join_greys(clear, cells, executor);
+    if (is_rgb) join_greys(clear, cells, executor);
     const float strength = std::max(static_cast<float>(kSmoothing * radius), kLeastStrength);
     std::vector<Ground> grounds;
     for (auto& channel : clear) {

@@ -49,15 +49,16 @@ private:
 /// along a boundary that is short and smooth, follows the picture's edges, and leaves out specks which dots can draw.
 ///
 /// Light is sharpened by `detail` before, so that thin strokes of text belong to the ground even where they are nearer
-/// to the paper than to black. Then it is denoised() by total variation, stronger for larger dots. Where channels
-/// differ little they have one ground, lest greys have coloured fringes.
+/// to the paper than to black. Then it is denoised() by total variation, stronger for larger dots. Where red, green and
+/// blue differ little they have one ground, lest greys have coloured fringes.
 ///
-/// @param light   [1 or 3][columns * rows] in [0, 1], linear light of each cell: of three channels red, green, blue
+/// @param light   [channels][columns * rows] in [0, 1], linear light of each cell
 /// @param radius  of the dots, in cells, > 0
 /// @param detail  in [0, 1]
+/// @param is_rgb  the channels are red, green and blue
 /// @returns       [channels]
 /// Same input, same bytes, on any executor. O(cells).
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
-                                  double detail, Executor& executor = inline_executor());
+                                  double detail, bool is_rgb, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cassert>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 
 #include "core/halftone/bounded_least_squares.h"
 #include "core/halftone/colour_difference.h"
+#include "core/halftone/colour_table.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
@@ -129,82 +128,6 @@ Node Separator::node_of(const Light& light) const {
     return node;
 }
 
-/// A table over all colours, filled where it is asked. Its nodes stand at equal steps of lightness, close where light
-/// is scarce; between them it is linear in each tetrahedron about the greys, as are inks that stand for the least of a
-/// colour's channels. May be used from any thread.
-class SeparationTable {
-public:
-    explicit SeparationTable(const Separator& separator)
-        : separator_(separator), nodes_(kSide * kSide * kSide), is_filled_(nodes_.size()) {
-        for (std::size_t i = 0; i < places_.size(); ++i)
-            places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
-    }
-
-    Node node_of(const Light& light) {
-        struct Axis {
-            float part;
-            std::size_t step;
-        };
-        std::size_t node = 0;
-        const auto axis = [&](float value, std::size_t step) {
-            const float place = place_of(value);
-            const std::size_t below = std::min(static_cast<std::size_t>(place), kSide - 2);
-            node += below * step;
-            return Axis{place - static_cast<float>(below), step};
-        };
-        std::array<Axis, 3> axes{axis(light.red, 1), axis(light.green, kSide), axis(light.blue, kSide * kSide)};
-        const auto order = [&](Axis& a, Axis& b) {
-            if (a.part < b.part) std::swap(a, b);
-        };
-        order(axes[0], axes[1]);
-        order(axes[1], axes[2]);
-        order(axes[0], axes[1]);
-        Node mixture{};
-        const auto add = [&](float weight) {
-            if (!(weight > 0)) return;
-            const Node& corner = at_node(node);
-            for (std::size_t i = 0; i < corner.size(); ++i) mixture[i] += weight * corner[i];
-        };
-        add(1 - axes[0].part);
-        for (std::size_t k = 0; k < 3; ++k) {
-            node += axes[k].step;
-            add(axes[k].part - (k < 2 ? axes[k + 1].part : 0));
-        }
-        return mixture;
-    }
-
-private:
-    static constexpr std::size_t kSide = 17;
-    static constexpr std::size_t kSteps = 4096;  // between them lightness is linear to 1e-5
-
-    /// Place of a light on an axis, in nodes.
-    float place_of(float light) const {
-        const float step = light * kSteps;
-        const auto below = static_cast<std::size_t>(step);
-        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
-    }
-
-    const Node& at_node(std::size_t node) {
-        if (!is_filled_[node].load(std::memory_order_acquire)) fill(node);
-        return nodes_[node];
-    }
-
-    /// Whoever comes first fills a node; others wait for him.
-    void fill(std::size_t node) {
-        const auto at = [](std::size_t index) { return luminance(static_cast<float>(index) / (kSide - 1)); };
-        const std::lock_guard lock(filling_[node % filling_.size()]);
-        if (is_filled_[node].load(std::memory_order_relaxed)) return;
-        nodes_[node] = separator_.node_of({at(node % kSide), at(node / kSide % kSide), at(node / (kSide * kSide))});
-        is_filled_[node].store(true, std::memory_order_release);
-    }
-
-    const Separator separator_;
-    std::array<float, kSteps + 2> places_{};  ///< by light at equal steps, one beyond 1
-    std::vector<Node> nodes_;                 ///< red is the fastest axis
-    std::vector<std::atomic<bool>> is_filled_;
-    std::array<std::mutex, 64> filling_;  ///< of some nodes each
-};
-
 }  // namespace
 
 InkSet toned(const InkSet& inks, Tone tone) {
@@ -230,11 +153,12 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
     const Channels paper = Overprint::channels_of(mapped(inks.paper, tone));
     Separation separation{std::vector(inks.inks.size(), std::vector<float>(pixels)), {}};
     separation.light.fill(std::vector<float>(pixels));
-    SeparationTable table(Separator(inks, tone));
+    const Separator separator(inks, tone);
+    ColourTable<Node> table([&](const Light& light) { return separator.node_of(light); }, Steps::Lightness);
     const auto separate_pixel = [&](std::size_t p) {
         const float alpha = picture.alpha.empty() ? 1 : to_share(picture.alpha[p]);
         const Light light = mapped({picture.red[p], picture.green[p], picture.blue[p]}, tone);
-        const Node mixture = table.node_of(light);
+        const Node mixture = table(light);
         for (std::size_t i = 0; i < inks.inks.size(); ++i) separation.coverage[i][p] = alpha * mixture[i];
         for (std::size_t c = 0; c < 3; ++c) {
             const float seen = static_cast<float>(Overprint::channels_of(light)[c]) + mixture[kMostInks + c];

@@ -4,8 +4,10 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -13,6 +15,7 @@
 #include "core/halftone/blur.h"
 #include "core/halftone/blur_pyramid.h"
 #include "core/halftone/dot_plan.h"
+#include "core/halftone/kind_mixture.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/sharpening.h"
 #include "core/halftone/visibility.h"
@@ -102,7 +105,7 @@ void spare_thin_ground(const std::vector<float>& white, const CellGrid& cells, d
 }
 
 /// A number for each channel.
-using Channels = std::array<float, 3>;
+using Channels = std::array<float, kMostInks>;
 
 /// Values of all channels in a cell.
 std::span<const float> at_cell(std::span<const std::vector<float>> planes, std::size_t cell, Channels& values) {
@@ -124,6 +127,27 @@ float nested_share(std::span<const float> shares, unsigned flips) {
     return std::max(within - beyond, 0.0f);
 }
 
+/// Makes the areas of dots relative to that of the largest.
+void normalize_areas(std::vector<KindOfDots>& kinds, Executor& executor) {
+    float largest = 0;
+    for (const KindOfDots& kind : kinds) {
+        for (std::size_t i = 0; i < kind.area.size(); ++i) {
+            if (kind.density[i] > 0) largest = std::max(largest, kind.area[i]);
+        }
+    }
+    for (KindOfDots& kind : kinds) {
+        for_cells(executor, kind.area.size(),
+                  [&](std::size_t i) { kind.area[i] = largest > 0 ? std::min(kind.area[i] / largest, 1.0f) : 1; });
+    }
+}
+
+/// How far around a place what it shows is made, in radii.
+constexpr double kSurroundings = 2;
+
+/// Share of the surroundings that a place counts for at least: a small light in the dark is one dot rather than many
+/// tiny ones.
+constexpr float kOwn = 0.25f;
+
 /// Plans the areas of dots, and how dense they are.
 class KindPlan {
 public:
@@ -131,7 +155,6 @@ public:
     KindPlan(TwoSidedPlan& plan, std::span<const std::vector<float>> share, std::span<const std::vector<float>> light,
              double radius, Executor& executor)
         : plan_(plan), share_(share), executor_(executor) {
-        constexpr double kSurroundings = 2;
         std::vector<float> scratch;
         const auto surroundings = [&](const std::vector<float>& values) {
             std::vector<float> means = values;
@@ -146,24 +169,14 @@ public:
     void add_areas() {
         const std::size_t cells = share_.front().size();
         plan_.kinds.resize(kinds_of(share_.size()));
-        for (KindOfDots& kind : plan_.kinds) kind.density.resize(cells), kind.area.resize(cells);
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k)
+            plan_.kinds[k] = {flips_of(k), std::vector<float>(cells), std::vector<float>(cells), 0};
         for_cells(executor_, cells, [&](std::size_t i) { add_areas(i); });
-        float largest = 0;
-        for (const KindOfDots& kind : plan_.kinds) {
-            for (std::size_t i = 0; i < cells; ++i) {
-                if (kind.density[i] > 0) largest = std::max(largest, kind.area[i]);
-            }
-        }
-        for (KindOfDots& kind : plan_.kinds) {
-            for_cells(executor_, cells,
-                      [&](std::size_t i) { kind.area[i] = largest > 0 ? std::min(kind.area[i] / largest, 1.0f) : 1; });
-        }
+        normalize_areas(plan_.kinds, executor_);
     }
 
 private:
     void add_areas(std::size_t cell) {
-        // A small light in the dark is one dot rather than many tiny ones.
-        constexpr float kOwn = 0.25f;
         Channels own_values{}, around_values{}, light{};
         const auto own = at_cell(share_, cell, own_values), around = at_cell(share_around_, cell, around_values);
         for (float& each : light) each = 0;
@@ -187,6 +200,269 @@ private:
     Executor& executor_;
 };
 
+/// Light of a cell, in [0, 1].
+Light light_at(const LightPlanes& light, std::size_t cell) {
+    const auto value = [&](std::size_t c) { return std::clamp(light[c][cell], 0.0f, 1.0f); };
+    return {value(0), value(1), value(2)};
+}
+
+/// Plans dots of inks: shares of kinds whose mean colour is that of the picture.
+class MixturePlan {
+public:
+    /// @param sigma  of the blur that the dots' places are sharpened against, in cells
+    MixturePlan(TwoSidedPlan& plan, const InkSet& inks, const LightPlanes& light, double sigma, Executor& executor)
+        : plan_(plan), executor_(executor) {
+        for (std::size_t c = 0; c < light.size(); ++c)
+            sharp_[c] = sharpened(light[c], plan.cells.columns, plan.cells.rows, sigma, executor);
+        choose_kinds(inks);
+    }
+
+    /// Adds to the light of the surroundings what the ground of a cell keeps dots from making there.
+    /// @param radius  of the dots, in cells
+    void make_up(LightPlanes& wanted, double radius) {
+        constexpr int kRounds = 2;
+        std::vector<float> scratch;
+        const LightPlanes picture = wanted;
+        for (int round = 0; round < kRounds; ++round) {
+            LightPlanes missing = picture;
+            for_cells(executor_, cells(), [&](std::size_t i) {
+                const unsigned ground = ground_of(i);
+                const auto seen = mixture_->light(ground, mixture_->shares(ground, light_at(wanted, i)));
+                for (std::size_t c = 0; c < 3; ++c) missing[c][i] -= seen[c];
+            });
+            for (std::size_t c = 0; c < 3; ++c) {
+                blur(missing[c], plan_.cells.columns, plan_.cells.rows, kSurroundings * radius, scratch, executor_);
+                for_cells(executor_, cells(), [&](std::size_t i) {
+                    wanted[c][i] += missing[c][i];
+                    sharp_[c][i] += missing[c][i];
+                });
+            }
+        }
+    }
+
+    /// Sets what each ink shall leave bare, which the shares of the kinds make of it.
+    void set_light(const LightPlanes& wanted) {
+        for_cells(executor_, cells(), [&](std::size_t i) {
+            Channels bare{};
+            add_bare(0, 0, 1, i, light_at(wanted, i), bare);
+            for (std::size_t c = 0; c < plan_.channels.size(); ++c) plan_.channels[c].light[i] = bare[c];
+        });
+    }
+
+    /// Sets the shares of the kinds, as their densities. Cells that a boundary crosses have those of the cells beside
+    /// them.
+    void add_shares() {
+        for_cells(executor_, cells(), [&](std::size_t i) {
+            if (!is_whole(i)) return;
+            const KindMixture::Shares shares = mixture_->shares(ground_of(i), light_at(sharp_, i));
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) plan_.kinds[k].density[i] = shares[k];
+        });
+        for_cells(executor_, cells(), [&](std::size_t i) {
+            if (!is_whole(i)) take_shares_beside(i);
+        });
+    }
+
+    /// Sets the relative areas of dots.
+    /// @param radius  of the dots, in cells
+    void add_areas(double radius) {
+        constexpr float kLeastVisibility = 0.02f;  // an ink below black is not seen at all
+        std::vector<float> scratch;
+        LightPlanes around = sharp_;
+        for (std::vector<float>& each : around)
+            blur(each, plan_.cells.columns, plan_.cells.rows, kSurroundings * radius, scratch, executor_);
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+            KindOfDots& kind = plan_.kinds[k];
+            kind.area = kind.density;
+            blur(kind.area, plan_.cells.columns, plan_.cells.rows, kSurroundings * radius, scratch, executor_);
+            for_cells(executor_, cells(), [&](std::size_t i) {
+                const float cover = std::clamp(std::max(kind.area[i], kOwn * kind.density[i]), 0.0f, 0.5f);
+                const auto [red, green, blue] = light_at(around, i);
+                const float seen = Visibility(std::array{red, green, blue}).of(mixture_->change(ground_of(i), k));
+                kind.area[i] = relative_area(cover, std::max(seen, kLeastVisibility));
+            });
+        }
+        normalize_areas(plan_.kinds, executor_);
+    }
+
+private:
+    std::size_t cells() const { return sharp_[0].size(); }
+
+    /// Finds the inks of the ground of a cell, as bits.
+    unsigned ground_of(std::size_t cell) const {
+        unsigned inks = 0;
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c)
+            inks |= static_cast<unsigned>(!(plan_.channels[c].white[cell] > 0.5f)) << c;
+        return inks;
+    }
+
+    /// Tells whether no boundary crosses a cell.
+    bool is_whole(std::size_t cell) const {
+        return std::ranges::all_of(plan_.channels, [cell](const TwoSidedChannel& channel) {
+            return channel.white[cell] == 0 || channel.white[cell] == 1;
+        });
+    }
+
+    /// Chooses the kinds that cover most, as far as some thousand cells tell.
+    void choose_kinds(const InkSet& inks) {
+        constexpr std::size_t kSamples = 8192;
+        const std::size_t all = kinds_of(inks.inks.size());
+        std::vector<unsigned> flips(all);
+        for (std::size_t k = 0; k < all; ++k) flips[k] = flips_of(k);
+        KindMixture any(inks, flips);
+        if (all > kMostKindsOfInks) {
+            std::vector<double> sums(all, 0);
+            const std::size_t step = std::max(cells() / kSamples, std::size_t{1});
+            for (std::size_t i = 0; i < cells(); i += step) {
+                const KindMixture::Shares shares = any.shares(ground_of(i), light_at(sharp_, i));
+                for (std::size_t k = 0; k < all; ++k) sums[k] += static_cast<double>(shares[k]);
+            }
+            std::ranges::stable_sort(flips, std::ranges::greater(), [&](unsigned kind) { return sums[kind - 1]; });
+            flips.resize(kMostKindsOfInks);
+            std::ranges::sort(flips);
+        }
+        for (const unsigned kind : flips) plan_.kinds.push_back({kind, std::vector<float>(cells()), {}, 0});
+        mixture_.emplace(inks, std::move(flips));
+    }
+
+    /// Adds what each ink leaves bare of a cell, from a channel on: of each ground that is there, by its share.
+    void add_bare(std::size_t channel, unsigned ground, float weight, std::size_t cell, const Light& wanted,
+                  Channels& bare) {
+        if (channel < plan_.channels.size()) {
+            const float white = plan_.channels[channel].white[cell];
+            if (white > 0) add_bare(channel + 1, ground, weight * white, cell, wanted, bare);
+            if (white < 1) add_bare(channel + 1, ground | 1U << channel, weight * (1 - white), cell, wanted, bare);
+            return;
+        }
+        const KindMixture::Shares shares = mixture_->shares(ground, wanted);
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+            float flipped = 0;
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+                if ((plan_.kinds[k].flips >> c & 1) != 0) flipped += shares[k];
+            }
+            bare[c] += weight * ((ground >> c & 1) != 0 ? flipped : 1 - flipped);
+        }
+    }
+
+    /// Gives a cell the mean shares of the whole cells around it, or its own if there are none.
+    void take_shares_beside(std::size_t cell) {
+        constexpr std::size_t kReach = 2;
+        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const std::size_t column = cell % columns, row = cell / columns;
+        KindMixture::Shares sum{};
+        float count = 0;
+        for (std::size_t y = row - std::min(row, kReach); y <= std::min(row + kReach, rows - 1); ++y) {
+            for (std::size_t x = column - std::min(column, kReach); x <= std::min(column + kReach, columns - 1); ++x) {
+                if (!is_whole(y * columns + x)) continue;
+                for (std::size_t k = 0; k < plan_.kinds.size(); ++k) sum[k] += plan_.kinds[k].density[y * columns + x];
+                ++count;
+            }
+        }
+        if (count == 0) sum = mixture_->shares(ground_of(cell), light_at(sharp_, cell));
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k)
+            plan_.kinds[k].density[cell] = sum[k] / std::max(count, 1.0f);
+    }
+
+    TwoSidedPlan& plan_;
+    Executor& executor_;
+    LightPlanes sharp_;
+    std::optional<KindMixture> mixture_;
+};
+
+/// Chooses grounds of inks on which dots can make the picture: inks that each cover less than a half may take more than
+/// half of the light together.
+class InkGrounds {
+public:
+    InkGrounds(const InkSet& inks, const LightPlanes& wanted, Executor& executor)
+        : inks_(inks.inks.size()), wanted_(wanted), executor_(executor), mixture_(inks, all_kinds(inks_)) {}
+
+    /// Turns grounds over where dots on them would cover too much, but leaves them near to a half.
+    /// @param bare  [inks][cells] what inks leave bare
+    void settle(std::vector<std::vector<float>>& bare) {
+        constexpr float kMostCover = 0.5f, kOff = 0.15f;
+        for_cells(executor_, bare.front().size(), [&](std::size_t i) {
+            const unsigned ground = ground_of(bare, i);
+            if (cover(ground, i) <= kMostCover) return;
+            const unsigned turned = ground ^ best_near(bare, ground, i);
+            for (std::size_t c = 0; c < inks_; ++c) {
+                if ((turned >> c & 1) != 0) bare[c][i] = bare[c][i] > 0.5f ? 0.5f - kOff : 0.5f + kOff;
+            }
+        });
+    }
+
+    /// Makes sure of better grounds where dots cannot make the picture on those of a plan.
+    /// @returns  whether there are such places
+    bool repair(std::vector<std::vector<float>>& bare, const TwoSidedPlan& plan) {
+        std::vector<std::uint8_t> is_bad(bare.front().size(), 0);
+        for_cells(executor_, is_bad.size(), [&](std::size_t i) {
+            unsigned ground = 0;
+            for (std::size_t c = 0; c < inks_; ++c)
+                ground |= static_cast<unsigned>(!(plan.channels[c].white[i] > 0.5f)) << c;
+            if (!is_off(ground, i)) return;
+            const unsigned best = best_near(bare, ground_of(bare, i), i);
+            if (is_off(best, i)) return;
+            is_bad[i] = 1;
+            for (std::size_t c = 0; c < inks_; ++c) bare[c][i] = (best >> c & 1) != 0 ? 0.0f : 1.0f;
+        });
+        return std::ranges::find(is_bad, 1) != is_bad.end();
+    }
+
+private:
+    static std::vector<unsigned> all_kinds(std::size_t inks) {
+        std::vector<unsigned> flips(kinds_of(inks));
+        for (std::size_t k = 0; k < flips.size(); ++k) flips[k] = flips_of(k);
+        return flips;
+    }
+
+    unsigned ground_of(const std::vector<std::vector<float>>& bare, std::size_t cell) const {
+        unsigned ground = 0;
+        for (std::size_t c = 0; c < inks_; ++c) ground |= static_cast<unsigned>(!(bare[c][cell] > 0.5f)) << c;
+        return ground;
+    }
+
+    /// Share that all dots cover.
+    float cover(unsigned ground, std::size_t cell) {
+        const KindMixture::Shares shares = mixture_.shares(ground, light_at(wanted_, cell));
+        return std::accumulate(shares.begin(), shares.end(), 0.0f);
+    }
+
+    /// Tells whether dots on a ground cannot make the light of a cell.
+    bool is_off(unsigned ground, std::size_t cell) {
+        constexpr float kOff = 0.02f;
+        const Light light = light_at(wanted_, cell);
+        const auto seen = mixture_.light(ground, mixture_.shares(ground, light));
+        return std::max({std::abs(seen[0] - light.red), std::abs(seen[1] - light.green),
+                         std::abs(seen[2] - light.blue)}) > kOff;
+    }
+
+    /// Finds the ground on which dots cover least, of those that differ from one in the inks nearest to a half.
+    unsigned best_near(const std::vector<std::vector<float>>& bare, unsigned ground, std::size_t cell) {
+        constexpr std::size_t kNearest = 3;
+        std::array<std::size_t, kMostInks> order{};
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        const auto off = [&](std::size_t c) { return std::abs(bare[c][cell] - 0.5f); };
+        std::ranges::stable_sort(std::span(order).first(inks_), {}, off);
+        const std::size_t near = std::min(inks_, kNearest);
+        float least = cover(ground, cell);
+        unsigned best = ground;
+        for (unsigned turned = 1; turned < 1U << near; ++turned) {
+            unsigned other = ground;
+            for (std::size_t n = 0; n < near; ++n) other ^= (turned >> n & 1U) << order[n];
+            const float own = cover(other, cell);
+            if (own < least) {
+                least = own;
+                best = other;
+            }
+        }
+        return best;
+    }
+
+    std::size_t inks_;
+    const LightPlanes& wanted_;
+    Executor& executor_;
+    KindMixture mixture_;
+};
+
 /// Settles the number of dots, the area of the largest, and that of the smallest over it.
 struct Scale {
     double dots = 0;
@@ -202,13 +478,14 @@ Scale settle(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, 
     scale.least = kLeastArea;
     for (int round = 0; round < kRounds; ++round) {
         double units = 0;
-        for (const auto& [share, area, all] : kinds) {
-            units += sum_of_pixels(executor, share.size(), [&, &share = share, &area = area](std::size_t i) {
-                return static_cast<double>(share[i] / std::max(area[i], scale.least));
+        for (const KindOfDots& kind : kinds) {
+            units += sum_of_pixels(executor, kind.area.size(), [&](std::size_t i) {
+                return static_cast<double>(kind.density[i] / std::max(kind.area[i], scale.least));
             });
         }
         scale.unit = options.radius ? std::max(kPi * *options.radius * *options.radius, kLeastDotArea)
                                     : units / static_cast<double>(*options.sites);
+        if (options.most) scale.unit = std::max(scale.unit, units / static_cast<double>(*options.most));
         if (!(scale.unit > 0)) return {};
         scale.dots = units / scale.unit;
         const double least = kPi * options.least_radius * options.least_radius / scale.unit;
@@ -225,7 +502,7 @@ double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOpti
 }
 
 /// Solves (A + e I) x = b for a symmetric, positive semidefinite A, by Cholesky's method.
-Channels solved(std::array<Channels, 3> a, Channels b, std::size_t count, float e) {
+Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count, float e) {
     for (std::size_t j = 0; j < count; ++j) {
         a[j][j] += e;
         for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
@@ -263,7 +540,7 @@ public:
     DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
         : plan_(plan), executor_(executor) {
         for (std::size_t kind = 0; kind < sites.size(); ++kind) {
-            if (!sites[kind].empty()) add(plan.kinds[kind], flips_of(kind), sites[kind]);
+            if (!sites[kind].empty()) add(plan.kinds[kind], sites[kind]);
         }
         areas_ = planned_;
         cut_.resize(sites_.size() * plan.channels.size());
@@ -340,7 +617,7 @@ private:
     }
 
     /// Adds the dots of a kind.
-    void add(const KindOfDots& kind, unsigned flipped, std::span<const Point> sites) {
+    void add(const KindOfDots& kind, std::span<const Point> sites) {
         const double sum = sum_of_pixels(executor_, kind.density.size(),
                                          [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
         const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
@@ -348,7 +625,7 @@ private:
         const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
         for (const Point& site : sites) {
             sites_.push_back(site);
-            flips_.push_back(static_cast<std::uint8_t>(flipped));
+            flips_.push_back(static_cast<std::uint8_t>(kind.flips));
             planned_.push_back(at(kind.area, site));
             ground_per_dot_.push_back(unit / std::max(at(kind.density, site), least));
         }
@@ -356,12 +633,13 @@ private:
 
     /// Computes how a dot's area answers to errors of each channel. The kinds that lie around there share the
     /// correction such that the sum of squared changes, over what each kind covers, is least: that of kind s is
-    /// -s (S A S^T)^-1 error, where the areas that two channels flip are nested, so that S A S^T holds the smaller one.
+    /// -s (S A S^T)^-1 error. S A S^T holds the areas that two channels both flip: the smaller one if they are nested.
     Channels gains_of(std::size_t dot) const {
         constexpr float kDamping = 0.05f;  // of the largest share: what few dots could change is left as it is
-        if (plan_.channels.size() == 1) return {1};
+        const std::size_t channels = plan_.channels.size();
+        if (channels == 1) return {1};
         Channels share{}, sign{}, flipped{};
-        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+        for (std::size_t c = 0; c < channels; ++c) {
             const TwoSidedChannel& channel = plan_.channels[c];
             const bool white = channel.ground.is_white(sites_[dot]);
             const float light = at(channel.light, sites_[dot]);
@@ -369,15 +647,39 @@ private:
             sign[c] = white ? -1.0f : 1.0f;
             flipped[c] = flips(dot, c) ? sign[c] : 0;
         }
-        std::array<Channels, 3> areas{};
-        for (std::size_t i = 0; i < 3; ++i) {
-            for (std::size_t j = 0; j < 3; ++j) areas[i][j] = sign[i] * sign[j] * std::min(share[i], share[j]);
+        std::array<Channels, kMostInks> areas = areas_at(sites_[dot], share);
+        for (std::size_t i = 0; i < channels; ++i) {
+            for (std::size_t j = 0; j < channels; ++j) areas[i][j] *= sign[i] * sign[j];
         }
         const float own = planned_[dot] / ground_per_dot_[dot];
         const float most = std::max(*std::ranges::max_element(share), own);
-        Channels gains = solved(areas, flipped, 3, kDamping * most);
-        for (std::size_t c = 0; c < 3; ++c) gains[c] *= own * sign[c];
+        Channels gains = solved(areas, flipped, channels, kDamping * most);
+        for (std::size_t c = 0; c < channels; ++c) gains[c] *= own * sign[c];
         return gains;
+    }
+
+    /// Computes the share of a place that each two channels both flip.
+    /// @param share  that each channel flips
+    std::array<Channels, kMostInks> areas_at(Point site, const Channels& share) const {
+        std::array<Channels, kMostInks> areas{};
+        const auto for_pairs = [&](const auto& work) {
+            for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
+                for (std::size_t j = 0; j < plan_.channels.size(); ++j) work(i, j);
+            }
+        };
+        if (plan_.is_nested) {
+            for_pairs([&](std::size_t i, std::size_t j) { areas[i][j] = std::min(share[i], share[j]); });
+            return areas;
+        }
+        const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
+        for (const KindOfDots& kind : plan_.kinds) {
+            const float covered = at(kind.density, site) * at(kind.area, site) / unit;
+            if (!(covered > 0)) continue;
+            for_pairs([&](std::size_t i, std::size_t j) {
+                if ((kind.flips >> i & kind.flips >> j & 1) != 0) areas[i][j] += covered;
+            });
+        }
+        return areas;
     }
 
     bool flips(std::size_t dot, std::size_t channel) const { return (flips_[dot] >> channel & 1) != 0; }
@@ -540,6 +842,33 @@ private:
     std::vector<Cut> cut_;  ///< [dots][channels]; neither, where the dot does not flip the channel
 };
 
+/// Divides a picture into grounds.
+TwoSidedPlan with_grounds(std::vector<std::vector<float>> light, const CellGrid& cells, double radius, double detail,
+                          bool is_rgb, Executor& executor) {
+    TwoSidedPlan plan;
+    plan.cells = cells;
+    std::vector<Ground> grounds = divide_ground(light, cells, radius, detail, is_rgb, executor);
+    for (std::size_t c = 0; c < light.size(); ++c)
+        plan.channels.push_back({std::move(grounds[c]), std::move(light[c]), {}});
+    return plan;
+}
+
+/// Settles the number and the areas of dots, whose shares and relative areas a plan has.
+void settle(TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
+    const Scale scale = settle(plan.kinds, options, executor);
+    plan.dots = scale.dots;
+    plan.radius = std::sqrt(scale.unit / kPi);
+    for (KindOfDots& kind : plan.kinds) {
+        for_cells(executor, kind.area.size(), [&](std::size_t i) {
+            const float area = std::max(kind.area[i], scale.least);
+            kind.density[i] /= area;
+            kind.area[i] = area * static_cast<float>(scale.unit);
+        });
+        kind.share = sum_of_pixels(executor, kind.density.size(),
+                                   [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
+    }
+}
+
 }  // namespace
 
 double minority_of(std::span<const std::vector<float>> light, Executor& executor) {
@@ -555,13 +884,11 @@ TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGri
     assert(options.sites || options.radius);
     assert(light.size() == 1 || light.size() == 3);
     const double radius = mean_radius(light, options, executor);
-    TwoSidedPlan plan{cells, {}, {}, 0, 0};
-    std::vector<Ground> grounds = divide_ground(light, cells, radius, options.detail, executor);
+    const bool is_rgb = light.size() > 1;
+    TwoSidedPlan plan = with_grounds(std::move(light), cells, radius, options.detail, is_rgb, executor);
     std::vector<std::vector<float>> sharp, share;
-    for (std::size_t c = 0; c < light.size(); ++c) {
+    for (TwoSidedChannel& channel : plan.channels) {
         if (stop.stop_requested()) return plan;
-        plan.channels.push_back({std::move(grounds[c]), std::move(light[c]), {}});
-        TwoSidedChannel& channel = plan.channels.back();
         sharp.push_back(sharpened(channel.light, cells.columns, cells.rows, options.detail * radius, executor));
         channel.white = channel.ground.white_shares(executor);
         share.push_back(wanted_share(sharp.back(), channel.white, cells, executor));
@@ -569,18 +896,35 @@ TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGri
     }
     if (stop.stop_requested()) return plan;
     KindPlan(plan, share, sharp, radius, executor).add_areas();
-    const Scale scale = settle(plan.kinds, options, executor);
-    plan.dots = scale.dots;
-    plan.radius = std::sqrt(scale.unit / kPi);
-    for (KindOfDots& kind : plan.kinds) {
-        for_cells(executor, kind.area.size(), [&](std::size_t i) {
-            const float area = std::max(kind.area[i], scale.least);
-            kind.density[i] /= area;
-            kind.area[i] = area * static_cast<float>(scale.unit);
-        });
-        kind.share = sum_of_pixels(executor, kind.density.size(),
-                                   [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
+    settle(plan, options, executor);
+    return plan;
+}
+
+TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGrid& cells,
+                            const TwoSidedOptions& options, const std::stop_token& stop, Executor& executor) {
+    assert(options.sites || options.radius);
+    assert(picture.coverage.size() == inks.inks.size());
+    constexpr int kMostRepairs = 2;
+    std::vector<std::vector<float>> bare = std::move(picture.coverage);
+    for (std::vector<float>& ink : bare) for_cells(executor, ink.size(), [&](std::size_t i) { ink[i] = 1 - ink[i]; });
+    const double radius = mean_radius(bare, options, executor);
+    InkGrounds grounds(inks, picture.light, executor);
+    grounds.settle(bare);
+    TwoSidedPlan plan;
+    for (int repairs = 0; repairs <= kMostRepairs; ++repairs) {
+        plan = with_grounds(bare, cells, radius, options.detail, false, executor);
+        for (TwoSidedChannel& channel : plan.channels) channel.white = channel.ground.white_shares(executor);
+        if (stop.stop_requested() || repairs == kMostRepairs || !grounds.repair(bare, plan)) break;
     }
+    plan.is_nested = false;
+    if (stop.stop_requested()) return plan;
+    MixturePlan mixture(plan, inks, picture.light, options.detail * radius, executor);
+    mixture.make_up(picture.light, radius);
+    mixture.set_light(picture.light);
+    if (stop.stop_requested()) return plan;
+    mixture.add_shares();
+    mixture.add_areas(radius);
+    settle(plan, options, executor);
     return plan;
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/geometry/point.h"
 #include "core/halftone/ground.h"
+#include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
 #include "core/parallel/executor.h"
 
@@ -24,12 +25,16 @@ constexpr unsigned flips_of(std::size_t kind) {
     return static_cast<unsigned>(kind) + 1;
 }
 
+/// Number of kinds that dots of several inks have at most.
+inline constexpr std::size_t kMostKindsOfInks = 15;
+
 /// Options of a halftone with dots on both sides of the tonal scale.
 struct TwoSidedOptions {
     std::optional<std::size_t> sites;  ///< number of dots, >= 1
     std::optional<double> radius;      ///< of the largest dots, in cells, > 0; one of the two at least
     double detail = 0;                 ///< in [0, 1]; how far edges are emphasised
     double least_radius = 0;           ///< radius in cells below which no dot is planned, as far as that is possible
+    std::optional<std::size_t> most = std::nullopt;  ///< number of dots beyond which they are larger than `radius`
 };
 
 /// Channel of a picture, divided into grounds.
@@ -41,6 +46,7 @@ struct TwoSidedChannel {
 
 /// Dots that flip the same channels.
 struct KindOfDots {
+    unsigned flips = 0;          ///< channels, as bits
     std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if there are none
     std::vector<float> area;     ///< [cells] area of a dot there, in cells
     double share = 0;            ///< sum of the densities
@@ -58,10 +64,11 @@ struct KindOfDots {
 /// cover no more than the channel that needs most, and lie apart.
 struct TwoSidedPlan {
     CellGrid cells;
-    std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue
-    std::vector<KindOfDots> kinds;          ///< [kinds_of(channels)]
-    double dots = 0;    ///< number of dots of these areas that give the picture its tone; 0: the ground says all
-    double radius = 0;  ///< of the largest dots, in cells
+    std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue; or one for each ink
+    std::vector<KindOfDots> kinds;          ///< by what they flip
+    double dots = 0;        ///< number of dots of these areas that give the picture its tone; 0: the ground says all
+    double radius = 0;      ///< of the largest dots, in cells
+    bool is_nested = true;  ///< the areas that channels flip are nested; else kinds lie side by side in any mixture
 };
 
 /// Sums over all cells what dots have to flip: of each cell, the channel of which that is most.
@@ -79,6 +86,23 @@ double minority_of(std::span<const std::vector<float>> light, Executor& executor
 /// @param stop   asked between steps; a stop ends it early, with nothing of use
 /// Same input, same bytes, on any executor. O(cells).
 TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
+                            const TwoSidedOptions& options, const std::stop_token& stop = {},
+                            Executor& executor = inline_executor());
+
+/// A picture as several inks shall show it.
+struct InkPicture {
+    std::vector<std::vector<float>> coverage;  ///< [inks][cells] share that each covers, to divide into grounds
+    LightPlanes light;                         ///< what shall be seen
+};
+
+/// Plans dots of inks, each of which is a channel: black ground is solid ink.
+///
+/// Light that inks let through is that of all inks on each other, so areas that are flipped need not be nested. Each
+/// place has the mixture of its ground and of kinds whose mean colour is nearest to the picture (KindMixture). Of the
+/// kinds, the kMostKindsOfInks are used that cover most.
+///
+/// @param inks  1 to kMostInks, of the tone of the picture's light
+TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGrid& cells,
                             const TwoSidedOptions& options, const std::stop_token& stop = {},
                             Executor& executor = inline_executor());
 

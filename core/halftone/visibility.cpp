@@ -41,12 +41,18 @@ Visibility::Visibility(std::span<const float> light) : channels_(light.size()) {
 }
 
 float Visibility::of(unsigned flips, unsigned white) const {
-    if (channels_ == 1) return slopes_[0][0];
+    std::array<float, 3> change{};
+    for (std::size_t c = 0; c < channels_; ++c) {
+        if ((flips >> c & 1) != 0) change[c] = (white >> c & 1) != 0 ? -1.0f : 1.0f;
+    }
+    return of(change);
+}
+
+float Visibility::of(const std::array<float, 3>& change) const {
+    if (channels_ == 1) return std::abs(change[0]) * slopes_[0][0];
     std::array<float, 3> sum{};
     for (std::size_t c = 0; c < channels_; ++c) {
-        if ((flips >> c & 1) == 0) continue;
-        const float sign = (white >> c & 1) != 0 ? -1.0f : 1.0f;
-        for (std::size_t k = 0; k < 3; ++k) sum[k] += sign * slopes_[c][k];
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += change[c] * slopes_[c][k];
     }
     return std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
 }

@@ -22,6 +22,10 @@ public:
     /// @returns      difference in lightnesses from 0 to 1
     float of(unsigned flips, unsigned white) const;
 
+    /// Computes the difference over the share, where a share of the area changes its light.
+    /// @param change  of each channel, in full
+    float of(const std::array<float, 3>& change) const;
+
 private:
     std::size_t channels_;
     std::array<std::array<float, 3>, 3> slopes_{};  ///< by channel: of lightness, and of both colour axes

@@ -263,6 +263,11 @@ INSTANTIATE_TEST_SUITE_P(
                      kColours},
         HalftoneCase{
             "cmyk_tiff", {{"color", "cmyk"}, {"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}, 4, kColours},
+        HalftoneCase{"palette_both",
+                     {{"palette", "#ff48b0,#0078bf,#ffe800,#000"}, {"dots", "both"}, {"sites", "16000"}},
+                     4,
+                     kColours},
+        HalftoneCase{"palette_both_few", {{"palette", "#ff48b0,#0078bf"}, {"sites", "2000"}}, 2, kColours},
         HalftoneCase{"cmyk_points", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "json"}}, 4, kColours},
         HalftoneCase{
             "cmyk_vectors", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "svg"}, {"scale", "4"}}, 4, kColours}),

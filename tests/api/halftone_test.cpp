@@ -548,13 +548,15 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
     }
     for (const Options& options : {Options{{"style", "stroke"}, {"format", "svg"}},
                                    {{"tone", "density"}},
-                                   {{"palette", "#f00"}},
+                                   {{"palette", "#f00"}, {"format", "csv"}},
+                                   {{"palette", "#f00,#0f0,#00f,#000"}},
                                    {{"color", "cmyk"}, {"format", "json"}},
                                    {{"format", "svg"}, {"background", "transparent"}},
                                    {{"invert", "false"}}})
         EXPECT_EQ(dots(options), Dots::Ink);
     EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "cmyk"}}), Dots::Both);
+    EXPECT_EQ(dots({{"palette", "#f00,#00f"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "ink"}}), Dots::Ink);
     EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "both"}, {"format", "npy"}}), Dots::Both);
     EXPECT_EQ(dots({{"invert", "true"}}), Dots::Paper);
@@ -566,7 +568,7 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
 TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
     const std::vector<std::pair<Options, std::string>> wrong = {
         {{{"dots", "paper"}, {"color", "cmyk"}}, "dots"},
-        {{{"dots", "both"}, {"palette", "#f00"}}, "dots"},
+        {{{"dots", "both"}, {"palette", "#f00"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},
         {{{"dots", "paper"}, {"palette", "#f00"}}, "dots"},
         {{{"dots", "both"}, {"tone", "density"}}, "dots"},
         {{{"dots", "both"}, {"style", "stroke"}, {"format", "svg"}}, "dots"},

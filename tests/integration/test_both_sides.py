@@ -12,7 +12,7 @@ import shapely.geometry
 from PIL import Image, ImageDraw
 
 from harness import PICTURES, ServerCase, file_of, flat, inside, linear, pixels
-from seen import LIGHT
+from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
 CAMERA = (PICTURES / "camera.png").read_bytes()
@@ -192,10 +192,75 @@ class Colour(ServerCase):
                 self.assertEqual(text, "+".join(ink for i, ink in enumerate(inks) if bits >> i & 1) or "paper")
 
 
+class Palettes(ServerCase):
+    """Inks of one's own."""
+    RISO = ["ff48b0", "0078bf", "ffe800", "000000", "00a95c", "ff6c2f"]
+
+    def query(self, count):
+        return "&palette=" + ",".join("%23" + ink for ink in self.RISO[:count])
+
+    def difference(self, data, sites, scale, options):
+        """Mean CIEDE2000 after a blur of two pitches."""
+        drawn, picture = (LIGHT[pixels(file, "RGB")] for file in
+                          (self.halftone(data, f"?sites={sites}&scale={scale}&antialias=true{options}").body, data))
+        sigma = 2 * (picture.shape[0] * picture.shape[1] / sites) ** 0.5
+        height, width = picture.shape[:2]
+        means = drawn.reshape(height, scale, width, scale, 3).mean((1, 3))
+        return ciede2000(lab(seen_light(picture, sigma)), lab(seen_light(means, sigma))).mean()
+
+    def test_tints_have_their_colour(self):
+        for count, colour in ((3, (20, 40, 80)), (3, (180, 170, 150)), (4, (60, 60, 60)), (4, (180, 170, 150)),
+                              (6, (120, 40, 20)), (6, (40, 70, 30))):
+            with self.subTest(inks=count, colour=colour):
+                picture = file_of(numpy.full((96, 96, 3), colour))
+                self.assertLess(self.difference(picture, 2000, 6, "&dots=both" + self.query(count)), 0.6)
+
+    def test_photographs_look_no_worse_than_in_ink(self):
+        for count in (1, 2, 3):
+            with self.subTest(inks=count):
+                both, ink = (self.difference(ASTRONAUT, 8000, 2, self.query(count) + dots)
+                             for dots in ("", "&dots=ink"))
+                self.assertLess(both, 1.02 * ink)
+
+    def test_solid_colours_are_those_of_the_inks(self):
+        drawn = self.halftone(ASTRONAUT, "?sites=500&scale=2&background=%23ffe" + self.query(2)).picture("RGB")
+        inks = [numpy.array([LIGHT[int(ink[i:i + 2], 16)] for i in (0, 2, 4)]) for ink in self.RISO[:2]]
+        paper = LIGHT[[255, 255, 238]]
+        expected = [paper, paper * inks[0], paper * inks[1], paper * inks[0] * inks[1]]
+        found = numpy.unique(drawn.reshape(-1, 3), axis=0)
+        self.assertLessEqual(len(found), 4)
+        for colour in found:
+            self.assertLess(min(abs(LIGHT[colour] - each).max() for each in expected), 0.01, colour)
+
+    def test_lists_tell_what_dots_flip(self):
+        answer = self.halftone(ASTRONAUT, "?sites=900&dots=both&format=json" + self.query(4)).json()
+        names = ["#" + ink for ink in self.RISO[:4]]
+        self.assertEqual([ground["ink"] for ground in answer["grounds"]], names)
+        self.assertEqual(sum(kind["sites"] for kind in answer["kinds"]), 900)
+        for kind in answer["kinds"]:
+            self.assertEqual(kind["flips"], [name for name in names if name in kind["flips"]])
+
+    def test_svg_looks_like_png(self):
+        query = "?sites=3000&scale=4&antialias=true" + self.query(3)
+        ours = LIGHT[pixels(self.halftone(ASTRONAUT, query).body, "RGB")]
+        with tempfile.TemporaryDirectory() as folder:
+            source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
+            source.write_bytes(self.halftone(ASTRONAUT, query + "&format=svg").body)
+            subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]), "--output",
+                            str(target), str(source)], check=True)
+            theirs = LIGHT[pixels(target.read_bytes(), "RGB")]
+        self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
+        self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
+
+    def test_tiff_has_a_plate_for_each_ink(self):
+        plates = self.halftone(ASTRONAUT, "?sites=900&scale=2&format=tiff&dots=both" + self.query(4))
+        self.assertEqual(Image.open(io.BytesIO(plates.body)).tag_v2[334], 4)
+
+
 class Options(ServerCase):
     def test_contradictory_ones_are_rejected(self):
         for query, field, words in (
-                ("dots=both&palette=%23f00", "dots", "dots of a palette are ink"),
+                ("dots=both&palette=%23f00&style=stroke&format=svg", "dots", "style=stroke"),
                 ("dots=both&tone=density", "dots", "tone=density"),
                 ("dots=both&style=stroke&format=svg", "dots", "style=fill"),
                 ("dots=both&background=transparent&format=svg", "dots", "background"),
@@ -214,8 +279,15 @@ class Options(ServerCase):
             self.assertEqual(usual, both)
             self.assertNotEqual(usual, ink)
 
+    def test_of_up_to_three_inks_are_both_by_default(self):
+        for count in (3, 4):
+            query = "?sites=300&palette=" + ",".join("%23" + ink for ink in Palettes.RISO[:count])
+            usual, ink = (self.halftone(ASTRONAUT, query + dots).body for dots in ("", "&dots=ink"))
+            self.assertEqual(usual == ink, count == 4)
+
     def test_of_pens_and_of_densities_are_ink_by_default(self):
-        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent", "palette=%23000"):
+        for query in ("format=svg&style=stroke", "tone=density", "format=svg&background=transparent",
+                      "palette=%23000&style=stroke&format=svg"):
             usual, ink = (self.halftone(CAMERA, f"?sites=300&{query}{dots}").body for dots in ("", "&dots=ink"))
             self.assertEqual(usual, ink, query)
 

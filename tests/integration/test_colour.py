@@ -179,7 +179,7 @@ class Formats(ServerCase):
         for palette in (["#c03000", "#003366"], ["#804000"], ["#ffff00", "#ff00ff", "#00ffff", "#000000"],
                         ["#c03000", "#003366", "#000000", "#ffff00", "#00ff00"]):
             with self.subTest(palette=palette):
-                query = f"?sites=500&seed=2&scale=3&palette={','.join(palette).replace('#', '%23')}"
+                query = f"?sites=500&seed=2&scale=3&dots=ink&palette={','.join(palette).replace('#', '%23')}"
                 with tifffile.TiffFile(io.BytesIO(self.halftone(CHELSEA, query + "&format=tiff").body)) as file:
                     (page,) = file.pages
                     self.assertEqual((page.photometric, page.tags["InkSet"].value), (tifffile.PHOTOMETRIC.SEPARATED, 2))
@@ -268,8 +268,7 @@ class Options(ServerCase):
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
                 ("color=cmyk&invert=true", "invert", "color=gray"),
                 ("color=cmyk&dots=paper", "dots", "color=gray"),
-                ("palette=%23f00&dots=both", "dots", "dots of a palette are ink"),
-                ("palette=%23000&dots=both", "dots", "dots of a palette are ink"),
+                ("palette=%23f00&dots=paper", "dots", "color=gray"),
                 ("color=rgb&background=%23fff", "background", "on black")):
             with self.subTest(query=query):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)

@@ -73,7 +73,7 @@ TEST(Ground, AppliesToARasterOfFlips) {
 }
 
 Ground divide(const std::vector<float>& light, const CellGrid& cells, double radius, double detail) {
-    return divide_ground({&light, 1}, cells, radius, detail).front();
+    return divide_ground({&light, 1}, cells, radius, detail, false).front();
 }
 
 TEST(Ground, DividesNoisyRampWithoutIslands) {

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "core/halftone/overprint.h"
+#include "core/halftone/tone.h"
+
+namespace ccdt {
+
+/// Measure in which a ColourTable is linear between its nodes.
+enum class Steps { Lightness, Light };
+
+/// A function of colours, computed at the nodes of a table where it is asked, and linear between them.
+///
+/// The nodes stand at equal steps of lightness, close where light is scarce. Between them the table is linear in each
+/// tetrahedron about the greys, as are inks that stand for the least of a colour's channels. May be used from any
+/// thread.
+///
+/// @tparam Node  an array of float
+template <class Node>
+class ColourTable {
+public:
+    using Function = std::function<Node(const Light&)>;
+
+    ColourTable(Function function, Steps steps)
+        : function_(std::move(function)), steps_(steps), nodes_(kSide * kSide * kSide), is_filled_(nodes_.size()) {
+        for (std::size_t i = 0; i < places_.size(); ++i)
+            places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
+        for (std::size_t i = 0; i < kSide; ++i) light_[i] = luminance(static_cast<float>(i) / (kSide - 1));
+    }
+
+    /// @param light  in [0, 1]
+    Node operator()(const Light& light) {
+        struct Axis {
+            float part;
+            std::size_t step;
+        };
+        std::size_t node = 0;
+        const auto axis = [&](float value, std::size_t step) {
+            const float place = place_of(value);
+            const std::size_t below = std::min(static_cast<std::size_t>(place), kSide - 2);
+            node += below * step;
+            const float part = steps_ == Steps::Lightness
+                                   ? place - static_cast<float>(below)
+                                   : (value - light_[below]) / (light_[below + 1] - light_[below]);
+            return Axis{part, step};
+        };
+        std::array<Axis, 3> axes{axis(light.red, 1), axis(light.green, kSide), axis(light.blue, kSide * kSide)};
+        const auto order = [&](Axis& a, Axis& b) {
+            if (a.part < b.part) std::swap(a, b);
+        };
+        order(axes[0], axes[1]);
+        order(axes[1], axes[2]);
+        order(axes[0], axes[1]);
+        Node mixture{};
+        const auto add = [&](float weight) {
+            if (!(weight > 0)) return;
+            const Node& corner = at_node(node);
+            for (std::size_t i = 0; i < corner.size(); ++i) mixture[i] += weight * corner[i];
+        };
+        add(1 - axes[0].part);
+        for (std::size_t k = 0; k < 3; ++k) {
+            node += axes[k].step;
+            add(axes[k].part - (k < 2 ? axes[k + 1].part : 0));
+        }
+        return mixture;
+    }
+
+private:
+    static constexpr std::size_t kSide = 17;
+    static constexpr std::size_t kSteps = 4096;  // between them lightness is linear to 1e-5
+
+    /// Place of a light on an axis, in nodes.
+    float place_of(float light) const {
+        const float step = light * kSteps;
+        const auto below = static_cast<std::size_t>(step);
+        return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
+    }
+
+    const Node& at_node(std::size_t node) {
+        if (!is_filled_[node].load(std::memory_order_acquire)) fill(node);
+        return nodes_[node];
+    }
+
+    /// Fills a node once; other threads that need it wait.
+    void fill(std::size_t node) {
+        const std::lock_guard lock(filling_[node % filling_.size()]);
+        if (is_filled_[node].load(std::memory_order_relaxed)) return;
+        nodes_[node] = function_({light_[node % kSide], light_[node / kSide % kSide], light_[node / (kSide * kSide)]});
+        is_filled_[node].store(true, std::memory_order_release);
+    }
+
+    const Function function_;
+    const Steps steps_;
+    std::array<float, kSteps + 2> places_{};  ///< by light at equal steps, one beyond 1
+    std::array<float, kSide> light_{};        ///< of the nodes on an axis
+    std::vector<Node> nodes_;                 ///< red is the fastest axis
+    std::vector<std::atomic<bool>> is_filled_;
+    std::array<std::mutex, 64> filling_;  ///< of some nodes each
+};
+
+}  // namespace ccdt
