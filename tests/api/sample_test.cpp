@@ -34,7 +34,7 @@ nlohmann::json sample(const std::string& body) {
     return nlohmann::json::parse(result->body);
 }
 
-TEST(SampleRequest, HasItsDefaults) {
+TEST(SampleRequest, HasDocumentedDefaults) {
     const auto request = parse('{' + kSquare + R"(,"sites":10})");
     ASSERT_TRUE(request) << request.error().message;
     EXPECT_EQ(request->run.sites, 10U);
@@ -64,7 +64,7 @@ TEST(SampleRequest, ReadsEveryMember) {
     EXPECT_EQ(std::get<DensityGrid>(request->density).values, (std::vector<double>{1, 2.5}));
 }
 
-TEST(SampleRequest, ReadsTheQuality) {
+TEST(SampleRequest, ReadsQuality) {
     const std::vector<std::pair<std::string, Quality>> words = {
         {"draft", Quality::Draft}, {"standard", Quality::Standard}, {"best", Quality::Best}};
     for (const auto& [word, quality] : words) {
@@ -77,7 +77,7 @@ TEST(SampleRequest, ReadsTheQuality) {
     EXPECT_EQ(stealthy->run.quality, Quality::Stealthy);
 }
 
-TEST(SampleRequest, ReadsATorus) {
+TEST(SampleRequest, ReadsTorus) {
     const auto request = parse(R"({"sites":10,"domain":{"type":"torus","width":3,"height":2}})");
     ASSERT_TRUE(request) << request.error().message;
     const auto& rectangle = std::get<Rectangle>(request->domain);
@@ -103,7 +103,7 @@ TEST(SampleRequest, ReadsGeoJson) {
     }
 }
 
-TEST(SampleRequest, ReadsCollections) {
+TEST(SampleRequest, ReadsGeoJsonCollections) {
     const std::string one = R"({"type":"Polygon","coordinates":[[[0,0],[1,0],[1,1]]]})";
     const std::string two = R"({"type":"MultiPolygon","coordinates":[[[[3,0],[4,0],[4,1]]],[[[5,0],[6,0],[6,1]]]]})";
     const std::string geometries = R"({"type":"GeometryCollection","geometries":[)" + one + ',' + two + "]}";
@@ -125,7 +125,7 @@ TEST(SampleRequest, ReadsCollections) {
     EXPECT_EQ(input.locate(""), "");
 }
 
-TEST(SampleRequest, TakesADocumentWithOptionsBeside) {
+TEST(SampleRequest, ReadsGeoJsonDocumentWithSeparateOptions) {
     const std::string document = R"({"type":"Polygon","coordinates":[[[0,0],[4,4],[4,0],[0,4]]]})";
     const auto request = parse_sample(document, {{"sites", "20"}, {"format", "csv"}, {"mesh", "true"}}, "", {});
     ASSERT_TRUE(request) << request.error().message;
@@ -153,7 +153,7 @@ TEST(SampleRequest, TakesADocumentWithOptionsBeside) {
               "the body must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a Point");
 }
 
-TEST(SampleRequest, PointsAtWhatIsWrong) {
+TEST(SampleRequest, PointsToInvalidMember) {
     const std::string sites = R"(,"sites":10)";
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {kSquare, "/sites"},
@@ -219,7 +219,7 @@ std::vector<std::string> fields_of(const Result<SampleRequest>& request) {
     return fields;
 }
 
-TEST(SampleRequest, SilencesNoOtherThanEvenToriOfSomeRows) {
+TEST(SampleRequest, RestrictsStealthyToUniformToriWithEnoughSites) {
     const std::string torus = R"("domain":{"type":"torus","width":1,"height":2})";
     for (const std::string& wrong : {
              R"("sites":31,)" + torus,
@@ -235,7 +235,7 @@ TEST(SampleRequest, SilencesNoOtherThanEvenToriOfSomeRows) {
     }
 }
 
-TEST(SampleRequest, TellsWhatIsMissingWithWhatIsWrong) {
+TEST(SampleRequest, ReportsMissingMembersWithInvalidOnes) {
     using Fields = std::vector<std::string>;
     EXPECT_EQ(fields_of(parse("{}")), (Fields{"/sites", ""}));
     EXPECT_EQ(fields_of(parse(R"({"quality":"fine","seed":-1})")), (Fields{"/quality", "/seed", "/sites", ""}));
@@ -248,7 +248,7 @@ TEST(SampleRequest, TellsWhatIsMissingWithWhatIsWrong) {
               (Fields{"quality", "sites", "/coordinates/0/2"}));
 }
 
-TEST(SampleRequest, ReadsWhatIsAvoided) {
+TEST(SampleRequest, ReadsAvoidedPolygons) {
     const std::string body = '{' + kSquare + R"(,"sites":1,"avoid":)";
     EXPECT_TRUE(parse('{' + kSquare + R"(,"sites":1})")->avoid.parts.empty());
     const auto rings = parse(body + "[[[1,1],[2,1],[2,2]],[[3,3],[4,3],[4,4]]]}");
@@ -288,7 +288,7 @@ TEST(SampleRequest, ReadsFixedPoints) {
     refused(R"([[1,91]],"coordinates":"lonlat")", ErrorCode::Unusable, "/fixed", {});
 }
 
-TEST(SampleRequest, RefusesEmptyGeometry) {
+TEST(SampleRequest, RejectsEmptyGeometry) {
     for (const auto* geometry :
          {R"({"type":"Polygon","coordinates":[]})", R"({"type":"MultiPolygon","coordinates":[]})",
           R"({"type":"MultiPolygon","coordinates":[[]]})", R"({"type":"FeatureCollection","features":[]})"}) {
@@ -298,7 +298,7 @@ TEST(SampleRequest, RefusesEmptyGeometry) {
     }
 }
 
-TEST(SampleRequest, StopsAtLimits) {
+TEST(SampleRequest, EnforcesLimits) {
     EXPECT_EQ(parse('{' + kSquare + R"(,"sites":11})", "", {.max_sites = 10}).error().code, ErrorCode::LimitExceeded);
     std::string ring = "[[0,0]";
     for (std::size_t i = 0; i < PolygonInput::kMaxCorners; ++i) ring += ",[1,2]";
@@ -308,7 +308,7 @@ TEST(SampleRequest, StopsAtLimits) {
     EXPECT_EQ(request.error().field, "/polygon");
 }
 
-TEST(SampleRequest, KnowsWhatIsAccepted) {
+TEST(SampleRequest, NegotiatesFormat) {
     const std::string body = '{' + kSquare + R"(,"sites":10)";
     EXPECT_EQ(parse(body + '}', "application/*")->format->file.name, "json");
     EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->format->file.name, "csv");
@@ -318,7 +318,7 @@ TEST(SampleRequest, KnowsWhatIsAccepted) {
     EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->format->file.name, "csv");
 }
 
-TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
+TEST(Sample, PlacesRequestedNumberInsidePolygon) {
     const auto json = sample('{' + kSquare + R"(,"holes":[[[1,1],[3,1],[3,3],[1,3]]],"sites":100,"seed":5})");
     EXPECT_EQ(json.at("sites"), 100);
     EXPECT_EQ(json.at("seed"), 5);
@@ -335,7 +335,7 @@ TEST(Sample, GivesExactlyTheSitesInsideThePolygon) {
     }
 }
 
-TEST(Sample, KeepsClearOfFixedPointsOnTheGround) {
+TEST(Sample, KeepsDistanceToFixedPointsOnGround) {
     const auto json = sample(R"({"sites":300,"polygon":[[0,60],[10,60],[10,70],[0,70]],"coordinates":"lonlat",
         "fixed":[[5,65],[5,65],[5.0001,65],[2,62]]})");
     constexpr double kMetres = 111'000;
@@ -348,7 +348,7 @@ TEST(Sample, KeepsClearOfFixedPointsOnTheGround) {
     }
 }
 
-TEST(Sample, NamesWhatItMakes) {
+TEST(Sample, ReportsMediaTypeOfFormat) {
     const std::vector<std::pair<std::string, std::string>> types = {{"json", "application/json"},
                                                                     {"csv", "text/csv; header=present"},
                                                                     {"geojson", "application/geo+json"},
@@ -383,20 +383,20 @@ double share_above(const nlohmann::json& json, double middle) {
     return static_cast<double>(above) / static_cast<double>(points.size());
 }
 
-TEST(Sample, PutsTheFirstRowOfAGridAtTheBottom) {
+TEST(Sample, PutsFirstRowOfDensityGridAtBottom) {
     const auto json = sample(R"({"sites":400,"domain":{"type":"rectangle","width":10,"height":4},
         "density":{"width":1,"height":2,"values":[3,1]}})");
     EXPECT_NEAR(share_above(json, 2), 0.25, 0.03);
 }
 
-TEST(Sample, PutsTheFirstRowOfAnImageAtTheTop) {
+TEST(Sample, PutsFirstRowOfDensityImageAtTop) {
     // One black pixel above one white.
     const auto json = sample(R"({"sites":100,"domain":{"type":"rectangle","width":10,"height":4},"density":{"image":
         "iVBORw0KGgoAAAANSUhEUgAAAAEAAAACCAAAAAC86un7AAAADElEQVR4nGNgYPgPAAEDAQAIicLsAAAAAElFTkSuQmCC"}})");
     EXPECT_GT(share_above(json, 2), 0.95);
 }
 
-TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotValid) {
+TEST(Sample, PointsToFaultOfInvalidPolygon) {
     const std::string bow = "[[0,0],[4,4],[4,0],[0,4]]";
     const std::string good = "[[0,0],[4,0],[4,4],[0,4]]";
     const std::string far = "[[9,9],[10,9],[10,10]]";
@@ -418,7 +418,7 @@ TEST(Sample, PointsIntoTheRequestWhenThePolygonIsNotValid) {
     }
 }
 
-TEST(Sample, RepairsPolygonsAndTellsOfIt) {
+TEST(Sample, RepairsPolygonsAndReportsIt) {
     const std::string bow = R"({"geometry":{"type":"Polygon","coordinates":[[[0,0],[4,4],[4,0],[0,4]]]},"sites":20)";
     const nlohmann::json fault = {{"pointer", "/geometry/coordinates/0/2"},
                                   {"detail", "the outer ring of part 0 crosses itself at (2, 2)"}};
@@ -436,7 +436,7 @@ TEST(Sample, RepairsPolygonsAndTellsOfIt) {
     EXPECT_FALSE(sample('{' + kSquare + R"(,"sites":3})").contains("repaired"));
 }
 
-TEST(Sample, WarnsOfDegrees) {
+TEST(Sample, WarnsIfCoordinatesLookLikeDegrees) {
     const auto box = [](double west, double south, double east, double north) {
         const auto ring = nlohmann::json{{{west, south}, {east, south}, {east, north}, {west, north}}};
         const nlohmann::json polygon = {{"type", "Polygon"}, {"coordinates", ring}};
@@ -459,7 +459,7 @@ TEST(Sample, WarnsOfDegrees) {
     EXPECT_FALSE(sample(R"({"sites":9,"polygon":[[0,0],[80,0],[80,80]]})").contains("warnings"));
 }
 
-TEST(Sample, IsEvenOnTheGroundIfCoordinatesAreDegrees) {
+TEST(Sample, IsUniformOnGroundForCoordinatesInDegrees) {
     const std::string box = R"({"polygon":[[170,0],[200,0],[200,80],[170,80]],"sites":1000,"coordinates":"lonlat")";
     const auto json = sample(box + '}');
     EXPECT_FALSE(json.contains("warnings"));
@@ -481,7 +481,7 @@ TEST(Sample, IsEvenOnTheGroundIfCoordinatesAreDegrees) {
         EXPECT_TRUE(answer(box + R"(,"format":")" + format + "\"}")) << format;
 }
 
-TEST(Sample, RefusesWhatIsNotOnTheGlobe) {
+TEST(Sample, RejectsCoordinatesOffTheGlobe) {
     const std::string lonlat = R"(,"sites":9,"coordinates":"lonlat"})";
     const std::vector<std::pair<std::string, std::string>> wrong = {
         {R"({"polygon":[[0,0],[1,0],[1,91]])", "/polygon/2"},
@@ -508,7 +508,7 @@ TEST(Sample, RefusesWhatIsNotOnTheGlobe) {
     EXPECT_EQ(torus.error().field, "/coordinates");
 }
 
-TEST(Sample, PolishesUnlessItIsADraft) {
+TEST(Sample, PolishesUnlessQualityIsDraft) {
     const std::string body = '{' + kSquare + R"(,"sites":300,"seed":2)";
     const auto draft = sample(body + R"(,"quality":"draft"})"), standard = sample(body + '}');
     EXPECT_EQ(standard.at("points"), sample(body + R"(,"quality":"standard"})").at("points"));
@@ -518,7 +518,7 @@ TEST(Sample, PolishesUnlessItIsADraft) {
     EXPECT_NE(standard.at("variation"), standard.at("trace").back().at("variation"));
 }
 
-TEST(Sample, FillsATorus) {
+TEST(Sample, FillsTorus) {
     const auto json = sample(R"({"sites":200,"domain":{"type":"torus","width":3,"height":2},"mesh":true})");
     ASSERT_EQ(json.at("points").size(), 200U);
     for (const auto& point : json.at("points")) {
@@ -531,14 +531,14 @@ TEST(Sample, FillsATorus) {
     EXPECT_TRUE(json.at("boundary").empty());
 }
 
-TEST(Sample, RefusesATorusThatIsTooLong) {
+TEST(Sample, RejectsElongatedTorus) {
     const auto result = answer(R"({"sites":10,"domain":{"type":"torus","width":1001,"height":1}})");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
     EXPECT_EQ(result.error().field, "/domain");
 }
 
-TEST(Sample, RefusesADensityOfZero) {
+TEST(Sample, RejectsZeroDensity) {
     const auto result = answer('{' + kSquare + R"(,"sites":10,"density":{"width":2,"height":1,"values":[0,0]}})");
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
@@ -551,7 +551,7 @@ void expect_numbers(const Answer& answer, const std::string& request) {
         EXPECT_EQ(answer.body.find(word), std::string::npos) << word << " for " << request;
 }
 
-TEST(Sample, TakesDensitiesOfAnySizeForTheirRatios) {
+TEST(Sample, DependsOnRatiosOfDensitiesOnly) {
     const std::vector<std::string> domains = {
         R"("polygon":[[0,0],[2,0],[2,1],[1.5,1.5],[0,1]])",
         R"("domain":{"type":"rectangle","width":2,"height":1})",
@@ -573,7 +573,7 @@ TEST(Sample, TakesDensitiesOfAnySizeForTheirRatios) {
     }
 }
 
-TEST(Sample, IsTheSameForDensitiesThatDifferByAPowerOfTwo) {
+TEST(Sample, IsUnchangedIfDensityIsScaledByPowerOfTwo) {
     const auto points = [](const std::string& values) {
         return sample('{' + kSquare + R"(,"sites":50,"density":{"width":3,"height":1,"values":[)" + values + "]}}")
             .at("points");
@@ -583,7 +583,7 @@ TEST(Sample, IsTheSameForDensitiesThatDifferByAPowerOfTwo) {
     EXPECT_NE(points("1,3,0.25"), points("1,3,0.5"));
 }
 
-TEST(Sample, WritesNumbersAtTheEndsOfTheirRanges) {
+TEST(Sample, WritesExtremeNumbers) {
     for (const std::string side : {"1e-140", "1", "1e140"}) {
         for (const std::string& shape : {R"({"type":"rectangle","width":)" + side + R"(,"height":)" + side + '}',
                                          R"({"type":"torus","width":)" + side + R"(,"height":)" + side + '}'}) {
@@ -640,7 +640,7 @@ TEST(Sample, DrawsNoNeedlesForPlotters) {
     }
 }
 
-TEST(Sample, StopsWhenAsked) {
+TEST(Sample, StopsOnRequest) {
     std::stop_source stop;
     const auto request = parse('{' + kSquare + R"(,"sites":100})");
     Timings timings;
@@ -650,7 +650,7 @@ TEST(Sample, StopsWhenAsked) {
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
 }
 
-TEST(Sample, AnswersWithItsPartIfThatIsAskedFor) {
+TEST(Sample, ReturnsPartialResultOnRequest) {
     for (const bool stopped : {false, true}) {
         std::stop_source stop;
         const auto request = parse('{' + kSquare + R"(,"sites":100,"on_deadline":"partial"})");
@@ -677,7 +677,7 @@ nlohmann::json sorted(nlohmann::json points) {
     return points;
 }
 
-TEST(SampleOrder, ChangesTheOrderAlone) {
+TEST(SampleOrder, ChangesOrderOnly) {
     const auto usual = sample('{' + kTwenty + '}');
     EXPECT_EQ(sample('{' + kTwenty + R"(,"order":"none"})").at("points"), usual.at("points"));
     for (const std::string order : {"path", "progressive"}) {
@@ -689,7 +689,7 @@ TEST(SampleOrder, ChangesTheOrderAlone) {
     EXPECT_FALSE(parse('{' + kTwenty + R"(,"order":"random"})"));
 }
 
-TEST(SampleOrder, RanksInEveryFormat) {
+TEST(SampleOrder, WritesRanksInEveryFormat) {
     const std::string body = '{' + kTwenty + R"(,"order":"progressive","format":")";
     std::vector<int> ranks(20);
     std::iota(ranks.begin(), ranks.end(), 0);
@@ -709,19 +709,19 @@ TEST(SampleOrder, RanksInEveryFormat) {
     EXPECT_NE(svg.find(R"(data-rank="19")"), std::string::npos);
 }
 
-TEST(SampleOrder, IsThatOfDrawings) {
+TEST(SampleOrder, DefaultsToPathForDrawings) {
     const std::string body = '{' + kTwenty + R"(,"format":"svg")";
     const std::string usual = answer(body + '}')->body;
     EXPECT_EQ(answer(body + R"(,"order":"path"})")->body, usual);
     EXPECT_NE(answer(body + R"(,"order":"none"})")->body, usual);
 }
 
-TEST(SampleOrder, TakesTheMeshAlong) {
+TEST(SampleOrder, ReordersMesh) {
     const auto json = sample('{' + kTwenty + R"(,"order":"progressive","mesh":true})");
     for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(json.at("vertices")[i], json.at("points")[i]);
 }
 
-TEST(SampleOrder, IsPartialWhereItIsStopped) {
+TEST(SampleOrder, StopsOnRequest) {
     Timings timings;
     std::stop_source source;
     source.request_stop();

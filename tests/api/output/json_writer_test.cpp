@@ -156,7 +156,9 @@ TEST(JsonWriter, EscapesNamesFromTheRequestInWarnings) {
     EXPECT_EQ(read[0]["pointer"], "/properties/a\"b\\\n\x01\xc3\xb6\xef\xbf\xbd")
         << "a byte that is not UTF-8 is replaced";
     EXPECT_EQ(read[0]["detail"], "has no \"such\" property");
-    EXPECT_EQ(nlohmann::json::parse(json_of(example(), {.warnings = warnings}))["warnings"], read);
+    Report report;
+    report.warnings = warnings;
+    EXPECT_EQ(nlohmann::json::parse(json_of(example(), report))["warnings"], read);
 }
 
 TEST(JsonWriter, MarksStoppedRunAsPartial) {

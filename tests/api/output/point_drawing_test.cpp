@@ -47,7 +47,7 @@ double mean(const Raster& raster) {
            static_cast<double>(raster.coverage.size());
 }
 
-TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
+TEST(Svg, DrawsDiscsRelativeToUpperLeftCorner) {
     EXPECT_EQ(svg_of(kPoints, page(), 0.5, DotStyle::Fill),
               R"(<svg xmlns="http://www.w3.org/2000/svg" width="40" height="20" viewBox="0 0 10 5">
 <desc>3 dots along a path of 10.5873; in their original order it is 15.29931; their radius is 0.5</desc>
@@ -61,7 +61,7 @@ TEST(Svg, DrawsDiscsFromTheUpperLeftCorner) {
 )");
 }
 
-TEST(Svg, IsInMillimetresIfItHasAWidthInThem) {
+TEST(Svg, IsInMillimetresIfWidthIs) {
     const Palette palette{{{"", {1, 2, 3}}}, {.transparent = true}, Mixing::Cover};
     const std::string svg = svg_of(kPoints, page(100), 0.5, DotStyle::Fill, palette);
     EXPECT_NE(svg.find(R"(width="100mm" height="50mm" viewBox="0 0 100 50")"), std::string::npos);
@@ -71,14 +71,14 @@ TEST(Svg, IsInMillimetresIfItHasAWidthInThem) {
     EXPECT_EQ(svg.find("<rect"), std::string::npos);
 }
 
-TEST(Svg, GivesPensAStrokeForEachDotAndNoPaper) {
+TEST(Svg, DrawsStrokesWithoutBackgroundForPens) {
     const std::string svg = svg_of(kPoints, page(100), 0.5, DotStyle::Stroke);
     EXPECT_NE(svg.find(R"(stroke-width="10" stroke-linecap="round">)"), std::string::npos);
     EXPECT_NE(svg.find("<path d=\"M10 40h0.1\nM23.4568 10h0.1\nM90 40h0.1\n\"/>"), std::string::npos);
     EXPECT_EQ(svg.find("<rect"), std::string::npos);
 }
 
-TEST(Svg, HasALayerForEachInk) {
+TEST(Svg, HasLayerForEachInk) {
     Palette palette{{{"cyan", {0, 255, 255}}, {"black", kBlack}}, kWhite, Mixing::Multiply};
     const Distribution all = dots_at(kPoints);
     const Distribution one = dots_at({{10, 20}});
@@ -127,7 +127,7 @@ TEST(Svg, JoinsDotsByOneLine) {
     EXPECT_NE(svg_of({{15, 22}}, page(100), 0.5, DotStyle::Path).find("<path d=\"M50 30h0.1\n\"/>"), std::string::npos);
 }
 
-TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {
+TEST(Svg, SplitsLongPaths) {
     std::vector<Point> points;
     for (int i = 0; i < 20'001; ++i) points.push_back({10 + i * 4e-4, 22});
     const std::string svg = svg_of(points, page(), 1e-4, DotStyle::Stroke);
@@ -138,7 +138,7 @@ TEST(Svg, BreaksPathsThatWouldBeTooLongToRead) {
     EXPECT_EQ(svg.find("h0\n"), std::string::npos);
 }
 
-TEST(Svg, KeepsItsDigitsAtAnySize) {
+TEST(Svg, KeepsPrecisionAtAnySize) {
     for (const double size : {1e-9, 1.0, 1e12}) {
         const Box box{{0, 0}, {size, size}};
         const std::vector<Point> points = {{size / 3, size / 3}};
@@ -148,13 +148,13 @@ TEST(Svg, KeepsItsDigitsAtAnySize) {
     }
 }
 
-TEST(Svg, EndsOnceItIsStopped) {
+TEST(Svg, StopsOnRequest) {
     EXPECT_EQ(svg_of(kPoints, page(), 0.5, DotStyle::Fill, {}, {}, stopped_token()).find("<circle"), std::string::npos);
     const std::string hurried = svg_of(kPoints, page(), 0.5, DotStyle::Fill, {}, stopped_token());
     EXPECT_NE(hurried.find("<circle"), std::string::npos);
 }
 
-TEST(Points, AreDrawnUpsideDownIfTheirYRunsUp) {
+TEST(Points, AreFlippedIfYPointsUp) {
     const Raster raster = draw_points(std::vector<Point>{{11, 21}}, page(), 0.5);
     ASSERT_EQ(raster.width, 40);
     ASSERT_EQ(raster.height, 20);
@@ -163,7 +163,7 @@ TEST(Points, AreDrawnUpsideDownIfTheirYRunsUp) {
     EXPECT_NEAR(mean(raster), 3.14159 * (4 + 1.0 / 12) / 800, 1e-4);
 }
 
-TEST(Points, OnATorusLoseNoInk) {
+TEST(Points, KeepTheirInkOnTorus) {
     Page torus{{{0, 0}, {10, 5}}, true, true, canvas_of({{0, 0}, {10, 5}}, 16), {}};
     const double share = 3.14159265 * 0.25 / 50;
     for (const Point p : {Point{5, 2.5}, Point{0.1, 2.5}, Point{9.95, 2.5}, Point{5, 0.2}, Point{0.1, 4.9}}) {
@@ -173,7 +173,7 @@ TEST(Points, OnATorusLoseNoInk) {
     EXPECT_LT(mean(draw_points(std::vector<Point>{{0.1, 4.9}}, torus, 0.5)), 0.5 * share);
 }
 
-TEST(Canvas, GivesWayToALimit) {
+TEST(Canvas, ReducesScaleToPixelLimit) {
     const Box box{{0, 0}, {3, 1}};
     EXPECT_EQ(fitting_scale(box, 10, 300), 10);
     const double scale = fitting_scale(box, 1000, 300);
