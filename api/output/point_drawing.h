@@ -27,20 +27,21 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 /// @param max_pixels  >= 1
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
-/// Writes dots as SVG, those of each ink ordered along a short path, for the pen of a plotter, if the page has them so;
-/// circles of dots with ranks have these as `data-rank`. User units are
-/// millimetres if the page has a width in these, else the points' units; the origin is the page's upper left corner,
-/// and the paper is drawn for discs only, as a pen would draw it, too. The element `desc` tells how long a path is, and how long
-/// it was. Inks with names are layers as Inkscape and programs for plotters know them, so that pens are changed between
-/// them: their ids are `layer1`, `layer2` and so on, and their labels have no digits, which would count as a number.
+/// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the units
+/// of the points. The origin is the upper left corner of the page. The dots of each ink are ordered along a short path,
+/// and the element `desc` gives its length and the length in the original order. Circles of dots with ranks have them as
+/// `data-rank`. The paper is drawn for discs only, because a pen would draw it, too.
 ///
-/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots; of several channels each
-/// is a layer of these three.
+/// Inks with names are layers for Inkscape and programs for plotters, so that pens can be changed between them. Their ids
+/// are `layer1`, `layer2` and so on. Their labels have no digits, because those programs take digits for the number.
 ///
-/// @param inks     with the radius of their dots: at most a few of the page's longer side
-/// @param palette  that of the inks
-/// @param hurry    stopped, the paths are longer; all are there before anything is handed on
-/// @param stop     stopped, it ends early, with nothing of use
+/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
+/// each channel is a layer of these three.
+///
+/// @param inks     with the radius of their dots: at most a small multiple of the page's longer side
+/// @param palette  the palette of the inks
+/// @param hurry    once stopped, the paths are longer; no output is written before all paths are found
+/// @param stop     once stopped, writing ends early and the output is useless
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& hurry = {}, const std::stop_token& stop = {});
 
