@@ -27,13 +27,14 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 /// @param max_pixels  >= 1
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
-/// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the units
-/// of the points. The origin is the upper left corner of the page. The dots of each ink are ordered along a short path,
-/// and the element `desc` gives its length and the length in the original order. Circles of dots with ranks have them as
-/// `data-rank`. The paper is drawn for discs only, because a pen would draw it, too.
+/// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
+/// units of the points. The origin is the upper left corner of the page. The dots of each ink are ordered along a
+/// short path, and the element `desc` gives its length and the length in the original order. Circles of dots with
+/// ranks have them as `data-rank`. The paper is drawn for discs only, because a pen would draw it, too.
 ///
-/// Inks with names are layers for Inkscape and programs for plotters, so that pens can be changed between them. Their ids
-/// are `layer1`, `layer2` and so on. Their labels have no digits, because those programs take digits for the number.
+/// Inks with names are layers for Inkscape and programs for plotters, so that pens can be changed between them. Their
+/// ids are `layer1`, `layer2` and so on. Their labels have no digits, because those programs take digits for the
+/// number.
 ///
 /// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
 /// each channel is a layer of these three.
