@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/avif_reader.h"
 
 #include <avif/avif.h>

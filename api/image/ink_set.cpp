@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/ink_set.h"
 
 #include "api/image/srgb.h"

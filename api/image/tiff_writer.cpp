@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/tiff_writer.h"
 
 #include <tiffio.h>

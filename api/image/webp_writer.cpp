@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/image/webp_writer.h"
 
 #include <webp/encode.h>

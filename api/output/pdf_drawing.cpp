@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/output/pdf_drawing.h"
 
 #include <cairo-pdf.h>

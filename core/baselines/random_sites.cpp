@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/baselines/random_sites.h"
 
 #include "core/baselines/site_mesh.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
 // Implements line_transforms.h for the instruction set for which the including file compiles pocketfft.

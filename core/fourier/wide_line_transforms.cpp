@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/fourier/wide_line_transforms.h"
 
 #if defined(__x86_64__) && !defined(__clang__)

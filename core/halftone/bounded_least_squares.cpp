@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/halftone/bounded_least_squares.h"
 
 #include <numeric>

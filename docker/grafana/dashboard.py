@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Prints the dashboard for Grafana to import: /usr/bin/python3 docker/grafana/dashboard.py > dashboard.json
 
 ROWS lists the panels. In a query each metric stands for the servers chosen on the dashboard, and [] for the interval

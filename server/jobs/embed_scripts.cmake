@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Writes a header with the scripts: cmake -DFOLDER=... -DSCRIPTS=common,add,... -DOUTPUT=... -P embed_scripts.cmake
 # Each script is a constant of its own name.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/monitoring/metrics.h"
 
 #include <prometheus/counter.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 # Writes a source with files in it: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
 # Each is served at its path.
 

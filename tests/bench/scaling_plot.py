@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the benchmark Scaling: time a site over the number of sites, by one thread and by all.
 
 Usage: ccdt_bench --benchmark_filter=Scaling --benchmark_out=scaling.json --benchmark_out_format=json

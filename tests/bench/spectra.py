@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Draws spectra beside each other, in decibels: what is dark in a plot of /analyze differs by many orders.
 
 Usage: spectra.py standard.json best.json stealthy.json spectra.webp

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """How much dots on both sides of the tonal scale are worth: the tables of core/README.md.
 
 usage: two_sides.py URL [--colour] PICTURE:DOTS ...        e.g. two_sides.py http://localhost:8080 photo.jpg:20000

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Checks that code compiled for AVX2 is only called on processors with AVX2: no function that other files may share, as
 all inline functions of the standard library, contains AVX instructions.
 

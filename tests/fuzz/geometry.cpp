@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/input/polygon_reader.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/shape_checks.h"

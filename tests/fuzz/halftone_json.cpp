@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/http/http.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The real server under test, and curl as its client.
 
 The environment variable CCDT_SERVER holds the path of the program.

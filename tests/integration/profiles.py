@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """ICC profiles made by hand, and the colours that they define (ICC.1:2001-04)."""
 
 import struct

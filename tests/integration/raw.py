@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Bytes to and from the server, as no well-behaved client would send them, and their cost."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Appearance of pictures from afar: light blurred in the eye, CIE colours and their differences."""
 
 import numpy

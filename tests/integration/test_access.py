@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Keys, origins, rates, compression, and what reaches the log."""
 
 import gzip

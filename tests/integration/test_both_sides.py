@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Halftones with dots on both sides of the tonal scale: ink dots on white ground, paper dots on black ground."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """GET /halftone/{name}: the server's own pictures, signed URLs, and malicious names and files."""
 
 import base64

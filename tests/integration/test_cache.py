@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Entity tags, 304, and cached answers."""
 
 import gzip

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The Helm chart: rendered, and checked against the types of Kubernetes, the restricted profile and the server's
 settings."""
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Halftones in colour: their appearance, their formats, and errors of their options."""
 
 import csv

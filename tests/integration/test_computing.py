@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Computations that crash, hang or are killed: each affects only its own request."""
 
 import json

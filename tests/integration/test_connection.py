@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Traffic on one connection: keep-alive, pipelining, unread bodies, malformed requests."""
 
 import http.client

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compares /openapi.json with the server that serves it, in both directions."""
 
 import json

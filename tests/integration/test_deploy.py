@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Compose files and their services: valid, with settings of the server, and serving."""
 
 import contextlib

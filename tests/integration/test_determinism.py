@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Same input, options and seed: same bytes, whatever else the server does."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /sample with counts of features: dot maps, above all of the counties in npm's us-atlas.
 
 Their counts are made up; densities of neighbours differ by up to 10,000 times.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Every refusal: its status, its body, and that the server continues."""
 
 import json

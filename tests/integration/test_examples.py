@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The examples of all READMEs that name a server's address, run unchanged against a server of their own."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /sample with excluded areas. shapely computes these areas and the distances of points from them."""
 
 import base64

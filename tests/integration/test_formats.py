@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Reads answers of every format back with the programs that they are made for."""
 
 import csv

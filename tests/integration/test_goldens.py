@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Answers are those that they were: a digest of each is kept beside this file, over all routes, formats, inks, methods
 and qualities. A change that means to move dots renews the table, and says why it does:
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /halftone: every form of the request, every option, and the answers."""
 
 import base64

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Hostile and clumsy clients, each as measured against the plain library: their answers, how soon these come, and the
 cost."""
 

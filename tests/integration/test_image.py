@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The container image: its contents, and that it serves with the few rights that are documented. Skipped if no
 container can be run."""
 

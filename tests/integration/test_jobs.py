@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Jobs: requests that run while their clients do not wait."""
 
 import json

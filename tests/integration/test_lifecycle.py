@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Load, deadlines, clients that leave, start and shutdown."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /sample with all polygons of three popular files of maps: npm's world-atlas and us-atlas.
 
 Geometries are quantized TopoJSON: many of their rings touch themselves or a neighbour, some are flat.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Memory that a server takes, and its behaviour when all of it is reserved."""
 
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Monitoring: figures of the running server, and its readiness."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Alerts and dashboard: valid, and only about metrics of the server."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """tests/bench/paper/run: the paper's figures and their page, with small numbers."""
 
 import json

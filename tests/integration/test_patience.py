@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Time-outs of clients, limits on their number, and the Unix socket."""
 
 import contextlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /halftone: real pictures, with colour profiles and in every supported format."""
 
 import io

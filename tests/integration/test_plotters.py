@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Drawings for plotters, read as the programs that drive them do."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Clients behind proxies: whose headers about addresses count, and the limits that apply to these addresses."""
 
 import json

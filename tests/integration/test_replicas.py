@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Several servers that share jobs through Redis: each answers for all of them."""
 
 import contextlib

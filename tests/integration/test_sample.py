@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /sample: domains, densities and the mesh."""
 
 import json

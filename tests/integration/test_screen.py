@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Drawings for the screen: their size, their tone, and the metadata of their files."""
 
 import itertools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Scripts and image: one list of packages, which everything that sets up a machine reads."""
 
 import ast

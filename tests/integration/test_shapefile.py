@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """POST /sample with zipped shapefiles, which are the same maps as GeoJSON."""
 
 import io

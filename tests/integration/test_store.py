@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Jobs on a faulty disk: with flipped bits, or full."""
 
 import contextlib

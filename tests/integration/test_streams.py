@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Large answers, which are sent in pieces while they are written."""
 
 import gzip

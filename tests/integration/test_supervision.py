@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Time limits of the tests, and tests/support/supervise.py, which runs tests that start other programs."""
 
 import json

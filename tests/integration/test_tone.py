@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The tone of halftones as seen from afar, level by level."""
 
 import itertools

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // With API keys the page is open to everybody, and asks for a key if the server requires one.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The address holds the settings, which can be shared, survive a reload, and follow back and forward.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Analyses of points and dots, beside the points of each method.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The page in light and dark, wide and narrow, by keyboard and for screen readers.
 
 import assert from "node:assert/strict";

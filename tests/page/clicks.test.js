@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Whatever is clicked, typed and dropped, in any order, causes no unexpected error. CCDT_CLICK_SECONDS and
 // CCDT_CLICK_SEED set the duration and the first seed, in each browser.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Reads files saved by the browser with the programs that people open them with.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // <ccdt-halftone> in a page of another origin than the server's; firefox.test.js has the essentials, too.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Errors of the server are shown beside the fields that they are about.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The three panels in Debian's Firefox.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The real server, its page in headless Chromium, and the expected appearance of pages. Environment variables:
 // CCDT_SERVER and CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES has npm's packages; CCDT_SHOTS receives screenshots
 // that differ from the expected ones. With CCDT_UPDATE=1 they replace these.

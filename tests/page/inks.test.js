@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Halftones in several inks.
 
 import assert from "node:assert/strict";

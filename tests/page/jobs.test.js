@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Long computations run as jobs, whose progress is shown.
 
 import assert from "node:assert/strict";

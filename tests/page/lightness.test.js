@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures keep their lightness on a screen: in the page, in <ccdt-halftone>, and in the server's default answers. It
 // is measured from screenshots, in each browser, with one and two pixels of the device for each CSS pixel.
 

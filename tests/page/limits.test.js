@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A server with small limits accepts everything that its page offers.
 
 import assert from "node:assert/strict";

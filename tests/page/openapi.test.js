@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // api/openapi.json, checked by Redocly's public validator with its recommended rules, and by a generator of clients.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The page offers all options of the server's routes, and explains those that need it.
 
 import assert from "node:assert/strict";

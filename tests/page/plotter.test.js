@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Output for plotters: strokes as wide as the pen, on its paper, and their time.
 
 import assert from "node:assert/strict";

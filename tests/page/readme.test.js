@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pages in the READMEs, unchanged, opened from another origin than the server's.
 
 import assert from "node:assert/strict";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The API's reference shows the contents of /openapi.json.
 
 import assert from "node:assert/strict";

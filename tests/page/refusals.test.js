@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // After a refusal the page shows nothing that disagrees with its fields and its picture.
 
 import assert from "node:assert/strict";

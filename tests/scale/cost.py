@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What sharing costs: a job by Redis over one in memory, an answer from Redis, and three servers over one."""
 
 import argparse

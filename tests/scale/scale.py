@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Three real servers that share jobs by a Redis, behind haproxy: servers and Redis are killed, paused and drained while
 clients submit jobs and ask at once, and it is said whether anything was lost, done twice or changed.
 

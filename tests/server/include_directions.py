@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Checks that the code's folders include each other only downwards: server -> api -> core, and that no rooms of a floor
 include each other in a circle.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What honest clients ask, and what is the same in every answer to it."""
 
 import base64

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- Sends requests from files in turn and compares each answer with the known one. One connection a thread, so that
 -- answers come in the order of requests. Arguments: the folder of N.request, N.answer and N.status.
 

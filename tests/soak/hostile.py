@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Clients that mean ill, or are broken: each with what has to become of it."""
 
 import collections

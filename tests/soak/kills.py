@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Kills the real server at random moments while it accepts and runs jobs, and says whether any was lost or changed.
 
 A job counts once its 202 has come. In the end, after as many kills as asked for, a server is left alone until all of

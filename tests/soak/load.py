@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Clients in processes of their own, until a given time: honest ones, and those that measure how long they wait.
 
 Times are those of time.monotonic(), which all processes of a machine share.

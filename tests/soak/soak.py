@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Loads the real server with honest, slow, vanishing and hostile clients at once, and says whether it stood it.
 
 It passes if every answer to an honest client was right, or a refusal of a full queue that says when to come back; if

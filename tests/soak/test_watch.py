@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The judge of leaks, on series in which leaks were planted, and on sound ones."""
 
 import random

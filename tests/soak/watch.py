@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What a program and its children hold, through /proc, and whether that grows."""
 
 import itertools

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a README with anchors that this version of Doxygen resolves: it knows none of GitHub's.
 
 A heading gets an anchor of the README's folder and its title, and links to headings name that.

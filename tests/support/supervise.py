@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs a test program, stops it at a time limit, and leaves none of the processes that it started.
 
     supervise.py SECONDS PROGRAM [ARGUMENT...]

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, key of the uploaded question or empty, bytes, limit of waiting jobs, limit of stored bytes, owner, client,
 -- memory, seconds, traceparent or empty, then the fields of a question that was not uploaded)
 -- -> accepted and the time of creation, full, no room

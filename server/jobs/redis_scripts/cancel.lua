@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, bytes of the job after cancellation) -> the job, unless it does not exist or has ended
 local id = ARGV[1]
 if not field(id, 'created') or field(id, 'finished') then return false end

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (memory, lease in milliseconds, whether jobs with expired leases may be claimed: 1 or 0) -> id and job
 local memory = tonumber(ARGV[1])
 

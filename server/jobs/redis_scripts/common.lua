@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- Functions shared by all scripts. The keys, after the prefix in KEYS[1]:
 --
 --   job:ID       hash   the data of a job, without bodies

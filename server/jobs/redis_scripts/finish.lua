@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, claim, key of the uploaded result or empty, its bytes, bytes of the job after its end, limit of stored bytes,
 -- a result that was not uploaded and its digest, then names and values of the job's fields)
 -- -> finished and the time, lost, no room

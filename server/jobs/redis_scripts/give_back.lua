@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, claim) -> 1
 if owns(ARGV[1], ARGV[2]) then
     redis.call('HINCRBY', job_key(ARGV[1]), 'starts', -1)

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, claim, lease in milliseconds, status, fraction, iteration, variation or empty)
 -- -> still, cancelled or lost, and the time
 local id = ARGV[1]

@@ -1,3 +1,4 @@
+-- SPDX-License-Identifier: GPL-3.0-or-later
 -- (bytes of a job without bodies, lease in milliseconds) -> the damaged keys
 --
 -- Repairs keys that were overwritten or deleted. Damaged jobs fail, or are removed if their owner is unknown. The keys

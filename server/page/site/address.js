@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The address: which panel is shown, and its settings, to be shared and to survive a reload.
 
 /** @returns  {panel, settings}: its name, empty if the address has none, and texts by name */

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How even what was made is, beside each method's points.
 
 import { capabilities, postJson } from "./api.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Requests to the server that the page came from.
 
 const keyName = "ccdt-key";

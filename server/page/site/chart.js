@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Curves as SVG.
 
 const namespace = "http://www.w3.org/2000/svg";

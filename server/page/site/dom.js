@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Making elements and files.
 
 /** An element with properties, attributes under `attributes`, and children. */

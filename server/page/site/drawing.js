@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Drawing rings on a viewport: press for a corner, press the first one to close, drag corners of what is there.
 
 const reach = 12;  // CSS pixels to a corner

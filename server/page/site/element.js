@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A picture as dots in anybody's page: <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
 //
 // Asks the server that this module came from. Until that has answered, and if it does not, dots are shown that are drawn

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The options of a request as labelled inputs, each with a line of help where it is not plain, and the place where the
 // server's objection to it is shown.
 

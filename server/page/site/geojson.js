@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // GeoJSON: what a document holds.
 
 /** Its polygons, each a list of rings of which the first is the outer one; none if it has no area. */

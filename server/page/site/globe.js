@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The globe on the screen. Equal areas stay equal, so that points which are even on the ground look even.
 
 const radian = 180 / Math.PI;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // How many dots a picture takes, about: what can be told before the server has answered.
 
 import { linear } from "./light.js";

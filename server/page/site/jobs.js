@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Long requests, asked for as jobs: how far they are can be told.
 
 import { ask, capabilities, post } from "./api.js";

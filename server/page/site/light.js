@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures in other sizes, whose pixels are mixed as light and not as the numbers that encode it: of black and white dots
 // those numbers' mean looks far too dark.
 

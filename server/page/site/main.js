@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Puts the page together: its panels, the tabs that choose among them, the address that tells of them, the key.
 
 import { readAddress, writeAddress } from "./address.js";

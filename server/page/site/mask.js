@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What a mask of thresholds is, and what it does: the tile, repeated, beside a picture and over a ramp of greys that are
 // dithered with it.
 

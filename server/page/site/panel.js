@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // What the three panels have in common: progress, status, errors.
 
 import { hasKey, Newest } from "./api.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A drawing for a plotter: on what paper, with what pen, how far the pen goes and how long that takes.
 
 import { element as shape } from "./chart.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Pictures made smaller, so that drafts of large ones are quick to send and to read.
 
 const mostPixels = 300_000;

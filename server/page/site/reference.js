@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The API, route by route, from the document that the server tells it in.
 
 import { make } from "./dom.js";

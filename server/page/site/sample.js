@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A shape becomes points.
 
 import { chart } from "./chart.js";

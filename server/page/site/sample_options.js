@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The options of /sample, as fields: what they are called, where they begin, and what helps to understand them.
 
 import { capabilities } from "./api.js";

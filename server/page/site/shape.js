@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Shapes to sample: their outlines, their extent.
 
 import { polygonsOf } from "./geojson.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // The request on the page as lines that work elsewhere when pasted.
 
 import { hasKey } from "./api.js";

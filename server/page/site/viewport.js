@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // A canvas whose content is moved and zoomed by mouse, touch, keys and buttons.
 
 import { make } from "./dom.js";

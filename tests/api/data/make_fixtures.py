@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11).
 
 All but those for alpha, colours and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Charts, dots and triangles as SVG, with as many digits as the eye can use."""
 
 import math

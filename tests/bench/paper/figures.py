@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The paper's figures, one function each: asks the server, draws, and returns the numbers."""
 
 import numpy

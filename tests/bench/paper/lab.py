@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What every figure needs: the server, the numbers to use, a place for the drawings."""
 
 import base64

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """The page: the text of page.md with numbers in it."""
 
 import datetime

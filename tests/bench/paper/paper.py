@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Runs all figures against a server and writes their page. Started by `run`, which see."""
 
 import argparse

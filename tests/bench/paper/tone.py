@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """Ink of pictures and of dots: how dark they are, and how alike to an eye that blurs."""
 
 import math

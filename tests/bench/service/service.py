@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
 """What the service adds to the bare computation, and how much it gets done on a core.
 
 The server, with one worker, has a core of its own, and so has the bare computation; clients use the others. Bare and

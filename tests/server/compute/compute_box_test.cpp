@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/compute/compute_box.h"
 
 #include <gtest/gtest.h>

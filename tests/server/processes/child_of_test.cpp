@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 /// Program that the tests of child programs spawn. It does what its argument says.
 
 #include <algorithm>
