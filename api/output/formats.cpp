@@ -69,7 +69,7 @@ constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   {},
                                   kColours,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {18, 0.3 * kMicrosecond}}};
+constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {24, 0.3 * kMicrosecond}}};
 constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
                                  0,
                                  kPath,
@@ -80,20 +80,20 @@ constexpr PointFormat kHpglPoints{
     0,
     kPath,
     {},
-    VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {12, 0.2 * kMicrosecond}, true, true}};
+    VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {18, 0.2 * kMicrosecond}, true, true}};
 // Nobody has registered a media type for G-code.
 constexpr PointFormat kGcodePoints{
     {"gcode", "G-code", "gcode", "text/x-gcode", ""},
     0,
     kPath,
     {},
-    VectorWriter{plot_inks<write_gcode>, plot_map<write_gcode>, {24, 0.3 * kMicrosecond}, true, true}};
+    VectorWriter{plot_inks<write_gcode>, plot_map<write_gcode>, {32, 0.3 * kMicrosecond}, true, true}};
 constexpr PointFormat kDxfPoints{
     {"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
     0,
     kPath,
     {},
-    VectorWriter{plot_inks<write_dxf>, plot_map<write_dxf>, {60, 0.3 * kMicrosecond}, true, true}};
+    VectorWriter{plot_inks<write_dxf>, plot_map<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
 constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{

@@ -77,7 +77,7 @@ TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
     EXPECT_FALSE(cache_.find("a"));
     cache_.keep("a", whole_answer());
     EXPECT_TRUE(cache_.find("a")) << "it can be kept again";
-    EXPECT_EQ(client_.counts().damages, 12U);
+    EXPECT_EQ(client_.counts().damages, 13U);
 }
 
 TEST_F(RedisCacheTest, FindsNothingWithoutRedis) {
