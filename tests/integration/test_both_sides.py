@@ -261,7 +261,7 @@ class Palettes(ServerCase):
 class Options(ServerCase):
     def test_contradictory_ones_are_rejected(self):
         for query, field, words in (
-                ("dots=both&palette=%23f00&style=stroke&format=svg", "dots", "style=stroke"),
+                ("dots=both&palette=%23f00&style=stroke&format=svg", "dots", "style=fill"),
                 ("dots=both&tone=density", "dots", "tone=density"),
                 ("dots=both&style=stroke&format=svg", "dots", "style=fill"),
                 ("dots=both&background=transparent&format=svg", "dots", "background"),

@@ -184,7 +184,7 @@ class Answers(PicturesCase):
         self.assertEqual(self.ask("/capabilities").json()["halftone"]["pictures"], "unsigned")
 
     def test_that_are_partial_are_not_cacheable(self):
-        with Server(f"--pictures={self.folder}", "--timeout=1") as server:
+        with Server(f"--pictures={self.folder}", "--timeout=4") as server:
             answer = ask(server, "/halftone/cat.png?sites=5000&iterations=1000&passes=100&on_deadline=partial")
         self.assertEqual((answer.status, answer.headers["x-partial"]), (200, "deadline"))
         self.assertEqual(answer.headers["cache-control"], "no-store")

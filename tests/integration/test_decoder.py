@@ -223,7 +223,7 @@ class AddressSpace(unittest.TestCase):
             limited.write_text(f'#!/bin/sh\nulimit -v 100000000\nexec "{os.environ["CCDT_SERVER"]}" "$@"\n')
             limited.chmod(0o755)
             with Server(program=str(limited)) as server:
-                server.wait_for_log("a process may have 97656 MiB of addresses (ulimit -v)")
+                server.wait_for_log("the address space of a process is limited to 97656 MiB (ulimit -v)")
 
 
 class Confinement(ServerCase):
