@@ -19,7 +19,7 @@ test("asks for a key, and again after a wrong one", async () => {
   const { page } = world;
   await page.goto(world.url);
   await page.waitForSelector("#access:not([hidden])");
-  assert.match(await page.textContent("#key-error"), /API key is needed/);
+  assert.match(await page.textContent("#key-error"), /API key is required/);
   await page.fill("#key", "x".repeat(20));
   await page.click("#access button");
   await page.waitForSelector("#key-error:text('unknown')");
