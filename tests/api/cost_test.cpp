@@ -431,7 +431,7 @@ TEST(UsualSites, FollowSizeOfDrawingForScreen) {
 
 TEST(Cost, IsEstimatedFromPictureHeader) {
     const std::string file = fixture("grey.jpg");
-    const auto memory = [&](std::vector<TextOption> options) {
+    const auto memory = [&](const std::vector<TextOption>& options) {
         return cost_of(*parse_halftone(file, options, "", {}), {}).memory;
     };
     EXPECT_LT(memory({{"sites", "10"}, {"scale", "1"}}), std::size_t{64} << 20);
