@@ -38,6 +38,9 @@ struct DrawingOptions {
 
     /// Tells whether the pen's own width counts.
     bool has_pen_width() const { return style != DotStyle::Fill && style != DotStyle::Stroke; }
+
+    /// Tells whether a pen fills each dot with turns.
+    bool has_turns() const { return style == DotStyle::Circles || style == DotStyle::Spiral; }
 };
 
 /// Names a style as the option has it.

@@ -15,10 +15,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Box box_of(const Ring& ring) {
     Box box{{kInfinity, kInfinity}, {-kInfinity, -kInfinity}};
-    for (const Point& p : ring) {
-        box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y)};
-        box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y)};
-    }
+    for (const Point& p : ring) box.include(p);
     return box;
 }
 

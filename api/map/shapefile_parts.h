@@ -9,7 +9,7 @@
 
 namespace ccdt::api {
 
-/// How a zipped shapefile is read.
+/// Options for reading a zipped shapefile.
 struct ShapefileReading {
     std::string_view object;    ///< name of the one that is read; empty: the only one
     std::size_t max_bytes = 0;  ///< of its files, inflated, and of the text that it becomes

@@ -103,15 +103,12 @@ public:
 
     void close() { cairo_close_path(context_.get()); }
 
-    void fill_even_odd(const Colour& colour) {
+    /// Fills the path by the even-odd rule, and clips by it what follows until end_clip().
+    void fill_and_clip_even_odd(const Colour& colour) {
         cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
-        fill(colour);
-        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_WINDING);
-    }
-
-    void begin_clip_even_odd() {
+        choose(colour);
+        cairo_fill_preserve(context_.get());
         cairo_save(context_.get());
-        cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
         cairo_clip(context_.get());
         cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_WINDING);
     }
@@ -205,9 +202,7 @@ void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::
     };
     draw_side(dots.ink, ink.colour);
     trace_ground(ground, sheet, page);
-    page.fill_even_odd(ink.colour);
-    trace_ground(ground, sheet, page);
-    page.begin_clip_even_odd();
+    page.fill_and_clip_even_odd(ink.colour);
     draw_side(dots.paper, bare);
     page.end_clip();
 }

@@ -80,8 +80,7 @@ double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius
     constexpr double kOverlaps = 1.2;  // area of all dots over what they cover, in most pictures
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
     const double each = radius.value_or(fitting);
-    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
-    if (fills && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
+    if (drawing.has_turns() && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
     const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
     const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
     const double moved = ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
@@ -99,8 +98,7 @@ std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
 }
 
 Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field) {
-    const bool fills = drawing.style == DotStyle::Circles || drawing.style == DotStyle::Spiral;
-    if (!fills || radius * page.unit() <= kMostTurns * drawing.pen_mm) return {};
+    if (!drawing.has_turns() || radius * page.unit() <= kMostTurns * drawing.pen_mm) return {};
     std::string message = "pen is ";
     append_shortest(message, drawing.pen_mm);
     message += " mm wide, but dots have a radius of ";

@@ -80,7 +80,7 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
 Result<void> check_sides(const Page& page, const std::string& field);
 
 /// Plans the strokes of dots: each ink is a pen; of a map each class, with a run for each feature.
-/// What is referred to must outlive the plot.
+/// Page, points and inks must outlive the plot.
 /// @param hurry  stopped, the paths are longer
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
              const std::stop_token& hurry);

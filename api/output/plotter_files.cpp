@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-/// What the writers have in common: the page turned over, so that y runs up, and text.
+/// Base of the writers: text, and a page whose y runs up.
 class PlotterFile {
 public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)

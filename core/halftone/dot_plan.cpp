@@ -88,7 +88,7 @@ double find_factor(const Demand& demand, const Discs& discs, double areas) {
     return std::sqrt(low * high);
 }
 
-/// How far around a place what it shows is made, in radii: what lies nearer is covered by the same dots. Measured on
+/// Radius of the surroundings that the same dots cover, in radii of dots. Measured on
 /// photographs and textures, by the tone of their levels; 0.6 to 0.9 do.
 constexpr double kSurroundings = 0.7;
 

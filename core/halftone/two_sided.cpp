@@ -142,7 +142,7 @@ void normalize_areas(std::vector<KindOfDots>& kinds, Executor& executor) {
     }
 }
 
-/// How far around a place what it shows is made, in radii.
+/// Radius of the surroundings that dots share in showing a place, in radii of dots.
 constexpr double kSurroundings = 2;
 
 /// Share of the surroundings that a place counts for at least: a small light in the dark is one dot rather than many

@@ -17,7 +17,7 @@ struct Decoder {
     using To = std::function<Result<AnyPicture>(std::string_view file, const api::Reading& reading,
                                                 const api::NewPlane& make_plane)>;
 
-    /// As api::read_shapefile.
+    /// Signature of api::read_shapefile.
     using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
                                              const api::TakeText& take)>;
 

@@ -37,7 +37,7 @@ private:
 class IpNetwork {
 public:
     /// Parses `10.0.0.0/8`, `fd00::/8`, or an address, which is a network of one. Bits after the prefix are ignored.
-    /// None if the text is malformed.
+    /// @returns  none if the text is malformed
     static std::optional<IpNetwork> parse(std::string_view text);
 
     bool contains(const IpAddress& address) const { return address.shares(base_, bits_); }

@@ -15,8 +15,8 @@ import unittest
 
 from harness import NODE, ROOT
 
-SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint",
-           "tests/bench/service/run", "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
+SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
+           "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
            "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
 LIST = ROOT / "docker" / "packages.txt"
 
