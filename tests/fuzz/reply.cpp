@@ -69,7 +69,7 @@ void check_reply(const std::uint8_t* data, std::size_t size) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// What a child that decodes a file may leave in the memory that it shares with the server.
+/// Memory that a child shares with the server, as it may leave it after decoding a file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::Picture>>(data, size);
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::ColourPicture>>(data, size);
