@@ -5,8 +5,8 @@
 
 namespace ccdt {
 
-/// A stream of pseudo-random numbers, identical on every machine: SplitMix64 (Steele, Lea, Flood 2014). Its start
-/// depends on the seed and on the number of the stream.
+/// A stream of pseudo-random numbers, identical on every machine: SplitMix64 (Steele, Lea, Flood 2014). The seed and
+/// the number of the stream determine the sequence.
 class Random {
 public:
     Random(std::uint64_t seed, std::uint64_t stream) : state_(mix(mix(seed) + stream * kGamma)) {}

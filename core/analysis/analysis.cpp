@@ -25,11 +25,11 @@ constexpr double kMinFrequency = 1, kMaxFrequency = 16;
 constexpr double kLow = 0.5;     // frequencies below this count as low
 constexpr double kMargin = 0.1;  // width of the margin around a window's middle, relative to its sides
 
-/// The domain's box, and the frequencies (i, j) that fit it, scaled to a unit area of the same shape.
+/// The domain's box, scaled to unit area without changing its shape, and the frequencies (i, j) that fit the box.
 struct Frame {
     Box box;
     bool periodic;
-    Point sides;  ///< sides of the unit area
+    Point sides;  ///< sides of the box scaled to unit area
 
     explicit Frame(const Domain& domain) : box(domain.bounds()), periodic(domain.is_torus()) {
         const double ratio = std::sqrt(box.width()) / std::sqrt(box.height());
@@ -44,10 +44,11 @@ struct Frame {
 
     bool holds(Point p) const { return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y; }
 
-    /// Magnitude of a frequency, in cycles per side of the unit square with the domain's area.
+    /// Magnitude of a frequency for the box scaled to unit area, in cycles per unit of length.
     double frequency(int i, int j) const { return std::hypot(i / sides.x, j / sides.y); }
 
-    /// Whether a frequency is left out: it measures the number of points, or is within the window's lobe around that.
+    /// Whether a frequency is left out, because it is 0 and measures the number of points, or lies within the window's
+    /// lobe around 0.
     bool is_excluded(int i, int j) const {
         const int lobe = periodic ? 0 : 1;
         return std::abs(i) <= lobe && std::abs(j) <= lobe;
@@ -90,7 +91,7 @@ Result<void> check_sets(Sets sets, const Frame& frame) {
     return {};
 }
 
-/// Returns the density of points in the middle of a window, which the treatment of the border does not affect.
+/// Returns the density of points in the middle of a window, where the treatment of the border has no effect.
 double middle_density(const std::vector<Point>& set, const Frame& frame) {
     const auto inner = [](double share) { return share > kMargin && share < 1 - kMargin; };
     const auto count = std::ranges::count_if(set, [&](Point p) {
@@ -143,7 +144,7 @@ double hann(double share) {
     return (1 - std::cos(2 * std::numbers::pi * share)) * std::sqrt(2.0 / 3);
 }
 
-/// Fourier transform of hann().
+/// Returns the Fourier transform of hann().
 double hann_transform(int frequency) {
     constexpr double kHeights[] = {1, -0.5};
     return std::abs(frequency) <= 1 ? kHeights[std::abs(frequency)] * std::sqrt(2.0 / 3) : 0;
@@ -179,8 +180,8 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the powers of sets to a spectrum: for all frequencies at once or, if that needs too large a grid, for one part
-/// of them after the other.
+/// Adds the powers of sets to a spectrum. Computes all frequencies at once; if that needs too large a grid, computes
+/// one part of the frequencies after another.
 class Periodogram {
 public:
     /// All arguments must outlive this object.
@@ -191,7 +192,7 @@ public:
             whole_.emplace(plan.highest_x, plan.highest_y);
             return;
         }
-        // Parts have two grids each, and are as square as possible.
+        // Each part needs two grids. The parts are as square as possible.
         const int even = static_cast<int>(std::sqrt(kMost / 2) / 4);
         const auto longest = [&](int other) { return static_cast<int>(kMost / 2 / (4 * std::max(other, 6))) / 4; };
         reach_y_ = std::min(plan.highest_y, plan.highest_x < even ? longest(plan.highest_x) : even);
@@ -229,7 +230,7 @@ private:
         });
     }
 
-    /// Adds one of each pair of opposite frequencies of a part around (x, y).
+    /// Adds the frequencies of a part around (x, y): one of each pair of opposite frequencies.
     void add_part(int x, int y, double density, double share) {
         for (int j = y - reach_y_; j <= std::min(y + reach_y_, plan_.highest_y); ++j) {
             const int last = std::min(x + reach_x_, plan_.highest_x);
@@ -250,7 +251,7 @@ private:
     Spectrum& spectrum_;
     std::optional<NonuniformTransform> whole_;
     std::optional<ShiftedTransform> part_;
-    int reach_x_ = 0, reach_y_ = 0;  ///< size of a part
+    int reach_x_ = 0, reach_y_ = 0;  ///< half the size of a part
 };
 
 void add_spacing(const std::vector<Point>& set, const Frame& frame, double density, const std::stop_token& stop,
@@ -268,7 +269,7 @@ void add_spacing(const std::vector<Point>& set, const Frame& frame, double densi
     analysis.mean_distance += spacing.mean / densest / sets;
 }
 
-/// Powers of a ring: their mean, and then their variance.
+/// Powers of a ring. Their mean is computed first, then their variance.
 struct Ring {
     double count = 0;  ///< number of pairs of opposite frequencies
     double mean = 0;
@@ -294,8 +295,8 @@ std::vector<Ring> measure_rings(const Frame& frame, const Plan& plan, const Spec
     return rings;
 }
 
-/// Anisotropy of a ring in dB. Lower bounds keep it finite where there is almost no power, as between the peaks of a
-/// lattice.
+/// Returns the anisotropy of a ring in dB. Lower bounds keep the result finite where there is almost no power, as
+/// between the peaks of a lattice.
 double anisotropy(const Ring& ring) {
     constexpr double kLeastVariance = 1e-30, kLeastPower = 1e-15;
     const double power = std::max(ring.mean, kLeastPower);

@@ -23,10 +23,10 @@ double grid_side(double highest) {
     return std::max(4 * highest, 2.0 * kWidth);
 }
 
-/// Returns the inverse of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
+/// Returns the reciprocal of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
 std::vector<double> unspreading(int highest, int cells) {
-    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell, which is
-    // negligible.
+    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell. That
+    // content is negligible.
     constexpr int kSteps = 4 * kWidth / 2;
     constexpr double kStep = 0.25;
     std::array<double, kSteps> heights;
@@ -144,7 +144,8 @@ void ShiftedTransform::spread(Point position, double real, double imaginary) {
 }
 
 std::complex<double> ShiftedTransform::value(int i, int j) const {
-    // Coefficients of a real grid at opposite frequencies are complex conjugates, so only half of them are stored.
+    // Coefficients of a real grid at opposite frequencies are complex conjugates. So only one half of the coefficients
+    // is stored.
     const bool is_opposite = i < 0;
     const std::size_t place = is_opposite ? place_of(-i, -j, columns_, rows_) : place_of(i, j, columns_, rows_);
     const double factor =

@@ -17,22 +17,23 @@ struct WeightedPoint {
     double weight = 1;
 };
 
-/// Fourier sums over points at arbitrary positions, F(i, j) = sum_p weight_p e^(-2 pi i (i x_p + j y_p)) for integers
-/// |i| <= highest_x, |j| <= highest_y. Each point is spread over 12 x 12 cells of a grid of twice the resolution, the
-/// grid is transformed, and the spreading is divided out.
+/// Fourier sums over points at arbitrary positions, F(i, j) = sum_p weight_p e^(-2 pi i (i x_p + j y_p)), for integers
+/// |i| <= highest_x, |j| <= highest_y. Each point is spread over 12 x 12 cells of a grid with twice the required
+/// resolution. The grid is transformed, and the effect of the spreading is divided out.
 ///
-/// The error of each F is below 1e-10 times the sum of |weights|; for n points without structure, of weight 1, below
-/// 1e-9 sqrt(n). O(n + N log N) for N = cells(), 16 bytes per cell.
+/// The error of each F is below 1e-10 times the sum of |weights|. For n points of weight 1 without structure, it is
+/// below 1e-9 sqrt(n). O(n + N log N) for N = cells(), 16 bytes per cell.
+///
 /// Source: Barnett, Magland, af Klinteberg 2019, with the "exponential of semicircle" kernel; upsampling factor 2.
 class NonuniformTransform {
 public:
-    /// Returns the number of cells of the grid for these frequencies.
+    /// Returns the number of cells of the grid for the given highest frequencies.
     static double cells(double highest_x, double highest_y);
 
     /// @param highest_x, highest_y  >= 0
     NonuniformTransform(int highest_x, int highest_y);
 
-    /// Computes all F. A stop ends it early; the values must not be used then.
+    /// Computes all F. A stop ends the computation early; the values must not be used then.
     void run(std::span<const WeightedPoint> points, const std::stop_token& stop);
 
     /// Returns F(i, j) of the last run, 0 <= i <= highest_x, |j| <= highest_y.
@@ -49,7 +50,7 @@ private:
 };
 
 /// Fourier sums in a range around any frequency, for which a smaller grid suffices. Each point's weight is rotated by
-/// the central frequency, and its real and imaginary parts are spread on a grid each.
+/// the central frequency. The real and imaginary parts of the result are spread on separate grids.
 ///
 /// Errors as in NonuniformTransform. O(n + N log N) for N cells of 32 bytes.
 class ShiftedTransform {
@@ -60,7 +61,7 @@ public:
     /// @param reach_x, reach_y  >= 0
     ShiftedTransform(int reach_x, int reach_y);
 
-    /// Computes F around (middle_x, middle_y). A stop ends it early; the values must not be used then.
+    /// Computes F around (middle_x, middle_y). A stop ends the computation early; the values must not be used then.
     /// @param points  several times faster if successive points are near each other
     void run(std::span<const WeightedPoint> points, int middle_x, int middle_y, const std::stop_token& stop);
 

@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree. The middle element of a range splits it, perpendicular to the range's longer extent.
+/// A k-d tree. The middle element of a range splits the range, perpendicular to its longer extent.
 class Tree {
 public:
     Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {
@@ -32,7 +32,7 @@ public:
 private:
     struct Node {
         Point point;
-        bool by_y;  ///< whether it splits along y
+        bool by_y;  ///< whether the element splits the range along y
     };
 
     struct Query {

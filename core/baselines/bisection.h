@@ -13,10 +13,10 @@
 
 namespace ccdt {
 
-/// A counter-clockwise triangle of a domain, and the contribution of each edge to its mass by Green's theorem.
+/// A counter-clockwise triangle of a domain. By Green's theorem, each of its edges contributes to its mass.
 struct Part {
     std::array<Point, 3> corners;
-    std::array<double, 3> flows;  ///< along the edge after each corner
+    std::array<double, 3> flows;  ///< contribution of the edge after each corner
 
     double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
 };

@@ -5,7 +5,7 @@
 
 namespace ccdt {
 
-/// Largest number of iterations. The method mostly ends by itself after a tenth of them.
+/// Largest number of iterations. The method mostly ends after a tenth of this number.
 inline constexpr int kCcvtIterations = 1000;
 
 /// Distributes sites by a capacity-constrained Voronoi tessellation: each site is the centroid of a cell, and all cells
@@ -14,10 +14,10 @@ inline constexpr int kCcvtIterations = 1000;
 /// Each site gets 256 stratified random samples (mass_samples.h), up to 1,024 if there are fewer than 1,024 sites.
 /// Cells then swap samples (equal_cells.h). If a centroid lies outside the domain, the site moves only part of the way.
 ///
-/// @param options  passes are ignored; `iterations` is the largest number of sweeps over all pairs of sites, fewer if
-///                 no swap is left
-/// @returns        as distribute(): the trace holds the capacity variation of the sites' Delaunay triangulation; that
-///                 of the method's own cells is always 0
+/// @param options  passes are ignored; `iterations` is the largest number of sweeps over all pairs of sites; the method
+///                 ends earlier if no swap lowers the energy
+/// @returns        as distribute(): the trace holds the capacity variation of the sites' Delaunay triangulation; the
+///                 capacity variation of the method's own cells is always 0
 ///
 /// Errors: those of distribute(). Deterministic. O(samples) per iteration.
 /// Source: Balzer, Schloemer, Deussen 2009; Li, Nehab, Wei, Sander, Fu 2010.

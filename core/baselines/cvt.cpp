@@ -11,9 +11,9 @@ namespace ccdt {
 namespace {
 
 /// Moves all sites to the centroids of their cells.
-/// @returns  false if none moves
+/// @returns  false if no site moves
 bool move_to_centroids(SiteMesh& sites, const VoronoiCells& voronoi, const std::stop_token& stop) {
-    constexpr double kRest = 1e-12;      // in the unit frame; smaller moves are rounding
+    constexpr double kRest = 1e-12;      // in the unit frame; smaller moves are rounding errors
     constexpr double kCancelled = 1e-9;  // smaller masses, relative to the magnitude, may be rounding errors
     const auto cells = voronoi.integrate(sites.sites(), stop);
     if (stop.stop_requested()) return false;

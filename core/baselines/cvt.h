@@ -14,15 +14,16 @@ inline constexpr int kCvtIterations = 100;
 /// Cells are clipped to the domain. Their integrals are exact (voronoi_cells.h). If a centroid lies outside the domain,
 /// the site moves only part of the way.
 ///
-/// @param options  passes and quality are ignored; `iterations` is the largest number of moves of all sites, fewer if
-///                 they come to rest
+/// @param options  passes and quality are ignored; `iterations` is the largest number of moves of all sites; the method
+///                 ends earlier if no site moves
 /// @returns        as distribute(): the trace holds the capacity variation of the sites' Delaunay triangulation, which
 ///                 the method does not minimise
 ///
 /// Errors: those of distribute(). Deterministic. O(n log n) per iteration.
 /// Source: Lloyd 1982; Du, Faber, Gunzburger 1999, section 5.2. Departure: centroids are weighted by the square of the
-/// density. Cells of a centroidal tessellation tend to equal energies, not masses (ibid., section 6.4.1). So in the
-/// plane the density of sites is the square root of the weight, which makes it the wanted density.
+/// density. Cells of a centroidal tessellation tend to have equal energies, not equal masses (ibid., section 6.4.1). So
+/// in the plane, the density of sites is the square root of the weight. With the squared density as weight, it is the
+/// wanted density.
 Result<Distribution> cvt(const Domain& domain, const Density& density, const Options& options,
                          const Control& control = {});
 

@@ -10,8 +10,8 @@ namespace ccdt {
 
 namespace {
 
-/// Returns a step coprime to `count`, near the golden section, that visits all numbers below `count`, evenly spread at
-/// any time.
+/// Returns a step that is coprime to `count` and near the golden section. Repeated, it visits all numbers below
+/// `count`, and at any time the visited numbers are evenly spread.
 std::size_t golden_step(std::size_t count) {
     auto step = static_cast<std::size_t>(0.6180339887498949 * static_cast<double>(count));
     while (std::gcd(step, count) != 1) ++step;
@@ -55,7 +55,8 @@ bool EqualCells::sweep(const std::stop_token& stop) {
     ++sweeps_;
     for (std::uint32_t i = 0; i < sites_.size(); ++i) {
         if (i % kStopStride == 0 && stop.stop_requested()) break;
-        // A sample nearer to another site is farther from its own site than half the distance between the two.
+        // If a sample is nearer to another site, its distance from its own site is more than half the distance between
+        // the two sites.
         tree.within(sites_[i], 2 * radii_[i], nearby);
         for (const auto& [j, place] : nearby) {
             if (j == i || (!has_changed_lately(i) && !has_changed_lately(j))) continue;
@@ -68,11 +69,11 @@ bool EqualCells::sweep(const std::stop_token& stop) {
 }
 
 bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
-    constexpr double kLeastGain = 1e-9;  // relative to the squared distance of the sites; less is rounding
+    constexpr double kLeastGain = 1e-9;  // relative to the squared distance of the sites; less is a rounding error
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
     const double least = kLeastGain * squared;
-    // The gain of a sample is bounded by that at the rim of its cell's circle, towards the other site.
+    // A sample gains no more than a sample would at the rim of the cell's circle, on the side of the other site.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);
     if (most_first + length * (2 * radii_[second] - length) < 0) return false;
@@ -89,7 +90,7 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     return true;
 }
 
-/// Computes the gain of moving each sample of a cell to the other one.
+/// Computes the gain of moving each sample of a cell to the other cell.
 /// @returns  the largest gain
 double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<double>& gains) const {
     const Point a = sites_[from], b = sites_[to];

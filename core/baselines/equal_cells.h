@@ -17,8 +17,8 @@ namespace ccdt {
 /// the sum of squared distances from samples to their sites, where each site is the centroid of its samples.
 ///
 /// For two cells at a time, the samples with the largest gains are swapped as long as there is a gain. The result is
-/// the best division of the two cells' samples between their sites. Only pairs are considered in which one cell could
-/// have a sample nearer to the other site, and which have changed since they were last considered.
+/// the best division of the two cells' samples between the two sites. A pair of cells is considered only if one cell
+/// could have a sample nearer to the other site, and if one cell has changed since the pair was last considered.
 /// Source: Balzer, Schloemer, Deussen 2009, section 3 and algorithm 1. Departures, for speed as in Li, Nehab, Wei,
 /// Sander, Fu 2010: the choice of pairs; samples are initially assigned to the nearest site with free capacity, not to
 /// any; centroids are updated after each swap, not after each round.
@@ -30,7 +30,7 @@ public:
     EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                const std::stop_token& stop);
 
-    /// Considers every pair once. The energy never increases; after finitely many sweeps no swap is left.
+    /// Considers every pair of cells once. The energy never increases. After finitely many sweeps, no swap lowers it.
     /// @param stop  polled every few sites; ends the sweep
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
@@ -44,7 +44,7 @@ public:
     double energy() const;
 
 private:
-    /// A sample and the energy gained by moving it to the other site.
+    /// A sample, and the energy gained if the sample moves to the other site.
     struct Offer {
         double gain;
         std::uint32_t sample;
@@ -64,10 +64,10 @@ private:
     std::vector<Point> sites_;
     std::vector<Point> samples_;          ///< [sites * capacity] grouped by site
     std::vector<double> radii_;           ///< [sites] distance to the farthest of the site's samples
-    std::vector<std::uint32_t> changed_;  ///< [sites] last sweep in which it swapped samples
+    std::vector<std::uint32_t> changed_;  ///< [sites] last sweep in which the site swapped samples
     std::uint32_t sweeps_ = 0;
 
-    // For the current two sites: squared distance of each sample from its own site minus that from the other.
+    // For the current two sites: squared distance of each sample from its own site, minus that from the other site.
     std::vector<double> first_gains_, second_gains_;
     std::vector<Offer> first_offers_, second_offers_;
 };

@@ -16,8 +16,8 @@ namespace ccdt {
 /// Returns points in the unit frame that represent equal shares of the density over a domain.
 ///
 /// Triangles are bisected across their longest edges until each contains at most one share. The shares are ordered
-/// along these triangles, and each sample lies at random in the triangle that contains the middle of its share. So for
-/// any domain, every intermediate triangle contains its number of shares to within one.
+/// along these triangles. Each sample lies at random in the triangle that contains the middle of its share. So in any
+/// domain, the number of samples in every intermediate triangle differs from its number of shares by at most one.
 ///
 /// @param mesh   mesh of the domain: the initial triangles, unless the domain is a box
 /// @param count  >= 1

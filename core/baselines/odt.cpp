@@ -58,8 +58,8 @@ bool Circumcentres::step() {
 }
 
 void Circumcentres::weigh() {
-    // Benchmark OdtBorderPattern: with 1.5 there are too few sites within one and a half spacings of the border, with 3
-    // too many within one.
+    // Benchmark OdtBorderPattern: with 1.5, there are too few sites within one and a half spacings of the border; with
+    // 3, there are too many within one spacing.
     constexpr double kBorderWeight = 2;
     const CapacityIntegral& capacity = sites_.capacity();
     if (!capacity.is_uniform()) capacity.of_triangles(mesh_, capacities_);
@@ -92,8 +92,8 @@ void Circumcentres::look_around(std::uint32_t site) {
     } while (h != first);
 }
 
-/// Returns the step from the site to the mean of the circumcentres. Circumcentres times areas are quadratic forms of
-/// the corners and need no division.
+/// Returns the step from the site to the mean of the circumcentres. The product of a circumcentre and an area is a
+/// quadratic form of the corners, so no division is needed.
 Point Circumcentres::way_to_mean() const {
     double area = 0;
     Point moment;
@@ -120,7 +120,7 @@ bool Circumcentres::fits(Point by) const {
 
 bool Circumcentres::move(std::uint32_t site) {
     constexpr int kHalvings = 8;
-    constexpr double kRest = 1e-12;  // in the unit frame; smaller moves are rounding
+    constexpr double kRest = 1e-12;  // in the unit frame; smaller moves are rounding errors
     look_around(site);
     if (is_alone_) return false;
     Point by = way_to_mean();

@@ -11,9 +11,9 @@ inline constexpr int kOdtIterations = 100;
 /// Distributes sites by optimal Delaunay triangulation: minimises the error of the piecewise linear interpolation of
 /// the squared distance from a point.
 ///
-/// Each site in turn moves to the mean of the circumcentres of the triangles around it, weighted by their areas. That
-/// minimises the error as long as the triangles stay the same. Then the triangulation is made Delaunay again. A move
-/// that would invert a triangle is halved until it does not. Vertices on the border do not move.
+/// Each site in turn moves to the mean of the circumcentres of the triangles around it, weighted by their areas. As
+/// long as the triangles stay the same, this position minimises the error. Then the triangulation is made Delaunay
+/// again. A move that would invert a triangle is halved until it no longer does. Vertices on the border do not move.
 ///
 /// @param options  passes are ignored
 /// @returns        as distribute(): the trace holds the capacity variation of the triangulation, which the method does
@@ -21,9 +21,9 @@ inline constexpr int kOdtIterations = 100;
 ///
 /// Errors: those of distribute(). Deterministic. O(sites) per iteration.
 /// Source: Chen and Xu 2004, section 4; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005, equation 5. Departures: areas are
-/// weighted by the density to the power of 3/2. Where triangle sizes vary, circumcentres balance if the weight is
-/// inversely proportional to the third power of the size. Triangles that touch the border have a larger weight, so that
-/// the first row of sites lies half a row from it, not a whole row as if the border's vertices were sites.
+/// weighted by the density to the power of 3/2, since circumcentres balance where triangle sizes vary if the weight is
+/// inversely proportional to the third power of the size. Triangles that touch the border have a larger weight. So the
+/// first row of sites lies half a row from the border, and not a whole row as if the border's vertices were sites.
 Result<Distribution> odt(const Domain& domain, const Density& density, const Options& options,
                          const Control& control = {});
 

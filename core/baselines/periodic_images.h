@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// The periodic images of a point: its copies on a torus. In other domains only the point itself.
+/// The periodic images of a point: its copies on a torus. In other domains, the point itself is the only image.
 class PeriodicImages {
 public:
     explicit PeriodicImages(const Domain& domain) {
@@ -22,8 +22,8 @@ public:
     /// Distance between copies along each axis; {0, 0} if there are no copies.
     Point period() const { return period_; }
 
-    /// Returns the shortest vector between copies of two points, given any such vector of less than one and a half
-    /// periods.
+    /// Returns the shortest vector between copies of two points. The given vector between copies must be shorter than
+    /// one and a half periods.
     Point shortest(Point way) const {
         return {shortest(way.x, period_.x, half_.x), shortest(way.y, period_.y, half_.y)};
     }

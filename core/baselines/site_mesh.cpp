@@ -64,7 +64,7 @@ bool SiteMesh::move(std::span<const Point> wanted) {
     return false;
 }
 
-/// Returns the end of the shortest vector from one position to another, on a torus to any copy.
+/// Returns the end of the shortest vector from one position to another; on a torus, to the nearest copy.
 Point SiteMesh::end_of_way(Point from, Point to) const {
     if (!mesh_.is_torus()) return to;
     const PeriodicImages images(*domain_);
@@ -84,7 +84,8 @@ bool SiteMesh::is_sound() const {
     return std::ranges::none_of(sites(), far);
 }
 
-/// Whether the sites nearest to the border keep the margin. In a Delaunay triangulation they are opposite to its edges.
+/// Whether the sites nearest to the border keep the margin. In a Delaunay triangulation, these sites are opposite to
+/// the edges of the border.
 bool SiteMesh::keeps_margin() const {
     const double margin = domain_->resolution();
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {

@@ -14,7 +14,7 @@
 
 namespace ccdt {
 
-/// Sites that a method moves, in the triangulation by which distribute() measures them. Contains what the methods of
+/// Sites that a method moves, in the triangulation on which distribute() measures sites. Contains what the methods of
 /// this folder share: the start, the measure, and the stopping rules. All positions are in the unit frame.
 class SiteMesh {
 public:
@@ -31,13 +31,13 @@ public:
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
-    /// Positions of the sites [sites].
+    /// Positions of all sites.
     std::span<const Point> sites() const { return {mesh_.points().data(), mesh_.site_count()}; }
 
-    /// Moves all sites and restores the Delaunay property. A site that would leave the domain, or come too close to its
-    /// border, moves half of the way, or a quarter, and so on.
+    /// Moves all sites and restores the Delaunay property. If a site would leave the domain or come too close to its
+    /// border, the site moves only half of the way, or a quarter, and so on.
     /// @param wanted  [sites] finite; on a torus any copy
-    /// @returns       false, without any change, if the domain is too thin even so
+    /// @returns       false, without any change, if the domain is too thin even for shortened moves
     ///
     /// O(sites); several times faster if no triangle is inverted on the way.
     bool move(std::span<const Point> wanted);

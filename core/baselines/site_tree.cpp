@@ -53,8 +53,8 @@ void SiteTree::build(std::size_t node, std::uint32_t begin, std::uint32_t end) {
     build(2 * node + 2, middle, end);
 }
 
-/// Calls visit(shift) for the periodic copies of the box that can contain the nearest copy of a site, the box itself
-/// first.
+/// Calls visit(shift) for the periodic copies of the box that can contain the nearest copy of a site. The box itself
+/// comes first.
 template <class Visit>
 void SiteTree::for_each_copy(Visit&& visit) const {
     visit(Point{0, 0});

@@ -12,7 +12,7 @@
 
 namespace ccdt {
 
-/// Finds sites near a point: a balanced k-d tree (Bentley 1975), whose speed does not depend on how crowded sites are.
+/// Finds sites near a point by a balanced k-d tree (Bentley 1975). Its speed does not depend on how crowded sites are.
 class SiteTree {
 public:
     /// A site, as one of its periodic copies.
@@ -29,8 +29,8 @@ public:
     /// @param place  on a torus within its box
     std::optional<Found> nearest(Point place) const;
 
-    /// Finds all sites within a distance, hidden ones included. If `distance` is at least twice that to the nearest
-    /// site, these are all sites that can be nearest to any point within half of `distance`.
+    /// Finds all sites within a distance, hidden ones included. If `distance` is at least twice the distance to the
+    /// nearest site, the result contains every site that can be nearest to any point within half of `distance`.
     /// @param place  on a torus within its box
     /// @param found  out; replaced
     void within(Point place, double distance, std::vector<Found>& found) const;

@@ -60,7 +60,7 @@ private:
     double tiny_;  ///< mass below which a part is not divided
     std::vector<Moments> cells_;
 
-    /// A stack: sites that can be nearest to some point of a part, then those of its half, and so on.
+    /// A stack of sites: those that can be nearest to some point of a part, then those for its half, and so on.
     std::vector<SiteTree::Found> near_;
     std::vector<Point> polygon_, clipped_;
     std::size_t clips_ = 0;
@@ -101,8 +101,8 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
     near_.resize(end);
 }
 
-/// Narrows the sites of near_, from `begin` on, to those that can be nearest to a point of the part, and appends them.
-/// The first one is nearest to the centre of the part; the others are nearer than it to some corner.
+/// Narrows the sites of near_, from `begin` on, to those that can be nearest to a point of the part, and appends these.
+/// The first one is nearest to the centre of the part; each of the others is nearer to some corner than the first one.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

@@ -10,8 +10,8 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the lengths along the edge ab in site spacings, from a to the ends of equal steps, one per crossed cell
-/// [steps + 1].
+/// Returns lengths along the edge ab in units of the spacing of sites. The edge has one step per crossed cell, all
+/// steps are equal, and each length runs from a to the end of a step [steps + 1].
 std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& capacity, double sites_per_capacity) {
     const int samples = capacity.cells_along(a, b);
     const double step = std::sqrt(dot(b - a, b - a)) / samples;
@@ -23,7 +23,7 @@ std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& cap
     return sums;
 }
 
-/// Returns the number of parts into which an edge is divided. An edge shorter than the spacing stays whole.
+/// Returns the number of parts into which an edge is divided. An edge shorter than the spacing is not divided.
 long parts_of(double length_in_sites) {
     return std::max(1L, std::lround(length_in_sites));
 }
@@ -47,8 +47,8 @@ Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::
 }
 
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites) {
-    // In a domain thinner than their spacing, sites are farther apart along the border. One vertex per site makes them
-    // more even there than more vertices, and keeps the mesh small.
+    // In a domain thinner than the spacing, sites are farther apart along the border than one spacing. There, one
+    // vertex per site makes the sites more even than more vertices would, and keeps the mesh small.
     const double most = static_cast<double>(sites) + 64;
     const double wanted = wanted_vertices(domain, length);
     const double thinning = wanted > most ? most / wanted : 1;

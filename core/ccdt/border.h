@@ -14,19 +14,19 @@
 
 namespace ccdt {
 
-/// Closed chains of vertices on the border. The triangulation needs them; they are not part of the result.
+/// Closed chains of vertices on the border. The triangulation needs these vertices; they are not part of the result.
 struct Border {
     std::vector<std::vector<Point>> loops;  ///< with the inside on their left; corners of several loops may coincide
     /// [vertices of all loops in order] whether the vertex is a corner of the domain.
     std::vector<bool> corner;
 };
 
-/// Measures an edge in units of the local distance of neighbouring sites. Returns the lengths from `begin` to the ends
-/// of equal steps [steps + 1], beginning with 0.
+/// Measures an edge in units of the local distance of neighbouring sites. Divides the edge into equal steps, and
+/// returns the lengths from `begin` to the end of each step [steps + 1]; the first entry is 0.
 using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
 
 /// Returns the domain's corners and, between them, vertices about as far apart as the sites nearby. The number of added
-/// vertices is at most about that of the sites.
+/// vertices is at most about the number of sites.
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 

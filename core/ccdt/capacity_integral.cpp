@@ -16,7 +16,7 @@ namespace ccdt {
 
 CapacityIntegral::CapacityIntegral(const Domain& domain, const Density& density, bool by_four)
     : density_(density), by_four_(by_four) {
-    constexpr double kRounding = 1e-12;  // of the sums along the border, relative to the density's total
+    constexpr double kRounding = 1e-12;  // rounding of the sums along the border, relative to the density's total
     if (density.is_uniform()) {
         total_ = domain.unit_area();
         return;
@@ -50,7 +50,8 @@ double CapacityIntegral::along(Point a, Point b) const {
 
 namespace {
 
-/// Periodic copies of a torus' grid on each side of it; more than positions and shifts can reach.
+/// Number of periodic copies of a torus' grid on each side of the box. Positions outside the box, and shifted
+/// positions, lie within these copies.
 constexpr int kRepeats = 8;
 
 constexpr std::size_t kAreas = 32768;  ///< triangles per task
@@ -66,7 +67,7 @@ bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
            !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
 }
 
-/// Fills the lanes with the numbers of a function of the index.
+/// Fills the lanes with the values of a function of the index.
 template <class Lanes, class Number>
 CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
     std::array<Pair, Lanes::kCount> pairs;
@@ -76,7 +77,7 @@ CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
 
 }  // namespace
 
-/// Integral of the rows' totals up to y.
+/// Returns the integral of the rows' totals from 0 to y.
 double CapacityIntegral::rows_below(double y) const {
     const double place = y * to_grid_.y;
     const int rows = density_.height();
@@ -87,8 +88,8 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-/// Integrates along as many segments at once as there are numbers in the lanes; if fewer are left, repeats the last
-/// one.
+/// Integrates along several segments at once, as many as the lanes have numbers. In the last group, the last segment is
+/// repeated to fill the lanes.
 template <bool kRepeated, class Lanes>
 CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     using Pairs = typename Lanes::Pairs;
@@ -111,7 +112,8 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
         const Pairs along_x = few.bx - few.ax;
         Pairs flow{}, near{}, far{};
         const auto add = [&](Pairs column, Pairs row, Pairs from, Pairs to) CCDT_INLINE {
-            Pairs i = column, j = row, copies{};  // periodic copies before this one, counted from the offset
+            Pairs i = column, j = row,
+                  copies{};  // number of periodic copies on the left of this one, counted from the offset
             if constexpr (kRepeated) {
                 copies = Lanes::whole(column / width);
                 i -= copies * width;
@@ -156,8 +158,8 @@ void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep>
     }
 }
 
-/// Adds an edge's flow to the capacities of its two triangles. On a torus these may see the edge at different
-/// positions.
+/// Adds an edge's flow to the capacities of its two triangles. On a torus, the position of the edge can differ between
+/// the two triangles.
 template <class Add>
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,
                                 Add&& add) const {
@@ -174,7 +176,7 @@ void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, d
 }
 
 /// Sums the flows along the edges of each triangle.
-/// @param capacity  returns the sum of a triangle, initially 0
+/// @param capacity  returns a reference to the sum of a triangle; the sum is initially 0
 /// @param take      called with each edge and the integrals along it, in parallel
 template <class Capacity, class Take>
 void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_token& stop, Capacity&& capacity,
@@ -192,7 +194,7 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_toke
                 later[begin / kRange].emplace_back(triangle, part);
             }
         };
-        constexpr std::size_t kFew = 64;  // triangles whose edges are listed at a time
+        constexpr std::size_t kFew = 64;  // number of triangles whose edges are listed at a time
         const auto is_first = [](std::uint32_t h, std::uint32_t twin) { return twin >= h; };
         const auto stays = [&](std::uint32_t h) { return !leaves_box(mesh, h); };
         std::array<std::uint32_t, 3 * kFew> edges;

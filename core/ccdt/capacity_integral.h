@@ -13,19 +13,20 @@
 
 namespace ccdt {
 
-/// The data of a triangle that exact passes need.
+/// Data of a triangle for exact passes.
 struct TriangleFlows {
     double capacity = 0;
-    /// For each half-edge, the density integral that it sweeps when its origin moves to its right, relative to the
-    /// length of the move and of the edge. The density is weighted by 1 at the origin, falling linearly to 0 at the
-    /// target.
+    /// The density integral that each half-edge sweeps when its origin moves to the right of the edge, divided by the
+    /// length of the move and the length of the edge. The density is weighted by 1 at the origin, falling linearly to 0
+    /// at the target.
     std::array<double, 3> swept{};
 };
 
 /// Integrates a density exactly over the triangles of a domain. The density is constant on cells, so by Green's theorem
-/// a triangle's capacity is the integral of F dy along its edges. F(x, y), the integral of the density in the row up to
-/// x, is linear within a cell. The capacities of all triangles add up to that of the domain, to rounding. On a torus
-/// the density is periodic, and F grows by the row's total with each period.
+/// a triangle's capacity is the integral of F dy along its edges. F(x, y) is the integral of the density in the row of
+/// y from the left side of the box to x; it is linear within a cell. The capacities of all triangles add up to that of
+/// the domain, except for rounding. On a torus the density is periodic, and F grows by the row's total with each
+/// period.
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this
@@ -34,8 +35,8 @@ public:
 
     bool is_uniform() const { return density_.is_uniform(); }
 
-    /// Capacity of the whole domain, in units of the unit frame's area if the density is uniform, else of one cell of
-    /// density 1. Exactly 0 if below 1e-12 of the density's total, i.e. indistinguishable from 0.
+    /// Capacity of the whole domain. The unit is the area of the unit frame if the density is uniform, else one cell of
+    /// density 1. A capacity below 1e-12 of the density's total cannot be distinguished from 0 and is returned as 0.
     double total() const { return total_; }
 
     /// Computes the capacity of each triangle [triangles]. O(half-edges + their length in cells).
@@ -48,8 +49,8 @@ public:
     /// @param stop  polled regularly; after a stop the flows must not be used
     void of_edges(const Triangulation& mesh, std::vector<TriangleFlows>& flows, const std::stop_token& stop = {}) const;
 
-    /// Returns the density at a point, in capacity per area of the unit frame. Outside the domain's box, returns that
-    /// of the nearest cell.
+    /// Returns the density at a point, in capacity per area of the unit frame. Outside the domain's box, returns the
+    /// density of the nearest cell.
     double at(Point p) const;
 
     /// Largest capacity per area of the unit frame.
@@ -59,7 +60,7 @@ public:
     /// within the domain's bounding box. Not for uniform densities. O(cells crossed).
     double along(Point a, Point b) const;
 
-    /// Approximate number of cells that a segment crosses; at least 1, and 1 if uniform.
+    /// Approximate number of cells that a segment crosses, at least 1. If the density is uniform, 1.
     int cells_along(Point a, Point b) const;
 
 private:
@@ -91,7 +92,7 @@ private:
     bool by_four_;
     Point to_grid_{1, 1};  ///< cells per unit
     double total_ = 0;
-    std::vector<double> rows_below_;  ///< on a torus: total of the rows below each row [height + 1]
+    std::vector<double> rows_below_;  ///< on a torus: total of all rows below each row [height + 1]
 };
 
 }  // namespace ccdt

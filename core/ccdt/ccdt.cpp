@@ -17,7 +17,7 @@ namespace ccdt {
 
 namespace {
 
-/// Builds the triangulations of all inks that have sites in step, and polishes them together.
+/// Builds the triangulations of all inks that have sites, iteration by iteration in step, and polishes them together.
 class InkConstructions {
 public:
     InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
@@ -40,12 +40,12 @@ private:
     const Control& control_;
     const Retouch& retouch_;
     std::vector<std::unique_ptr<Construction>> inks_;  ///< [inks]; null for inks without sites
-    std::vector<Construction*> constructions_;         ///< those of inks with sites
-    std::optional<PolishSettings> settings_;           ///< none without polish
+    std::vector<Construction*> constructions_;         ///< the constructions of inks with sites
+    std::optional<PolishSettings> settings_;           ///< none if there is no polish
     int round_ = 0;                                    ///< current round of the polish
 };
 
-/// Returns the seed of an ink with sites; the first ink keeps that of the options.
+/// Returns the seed of an ink with sites. The first such ink uses the seed of the options.
 std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
     constexpr int kSeedBits = 53;
     return number == 0 ? seed : Random(seed, number).bits() >> (64 - kSeedBits);
@@ -73,7 +73,7 @@ InkConstructions::InkConstructions(const Domain& domain, std::span<const Density
     if (settings_ && !can_be_silent()) settings_->stealth_rounds = 0;
 }
 
-/// Whether the sites' low frequencies can be silenced.
+/// Whether the power of low frequencies can be removed; see Quality::Stealthy.
 bool InkConstructions::can_be_silent() const {
     return constructions_.size() == 1 && constructions_.front()->is_uniform() && domain_.is_torus() &&
            options_.fixed.empty() && Stealth::fits(domain_, constructions_.front()->sites());

@@ -28,15 +28,15 @@ enum class Start {
 struct Options {
     std::size_t sites = 0;            ///< >= 1
     std::uint64_t seed = 0;           ///< [0, 2^53)
-    int iterations = 5;               ///< triangulation phases, 0 to 1000; 0 returns the start
+    int iterations = 5;               ///< triangulation phases, 0 to 1000; with 0, the result is the start
     int passes = 5;                   ///< geometry passes per iteration, 1 to 100
     std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below this
     Start start = Start::Stratified;
     Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< whether to fill Distribution::mesh
     /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
-    /// distance from them as from each other. Each point takes as much area as a site; a cluster of points takes no
-    /// more than its own area and a rim. Points outside the domain can take area inside, too.
+    /// distance from fixed points as from each other. Each fixed point takes as much area as a site. A cluster of fixed
+    /// points takes only the area that it covers and a rim. Points outside the domain can also take area inside it.
     std::vector<Point> fixed = {};
 };
 
@@ -46,14 +46,14 @@ struct Progress {
     int iterations = 0;    ///< iterations requested
     double variation = 0;  ///< capacity variation after the last completed iteration
     int round = 0;         ///< rounds of the polish completed
-    int rounds = 0;        ///< rounds of the polish in all
+    int rounds = 0;        ///< number of rounds of the polish
 
-    /// Returns the completed share of the work, in (0, 1) and never decreasing. An estimate that counts the start as
-    /// two steps, the end as one, and each iteration and round as one.
+    /// Returns the completed share of the work, in (0, 1) and never decreasing. The share is an estimate: the start
+    /// counts as two steps, the end as one, and each iteration and each round as one.
     double done() const { return (2.0 + iteration + round) / (3.0 + iterations + rounds); }
 };
 
-/// Lets a caller stop, watch and parallelise a computation.
+/// Lets a caller stop, observe and parallelise a computation.
 struct Control {
     std::stop_token stop;  ///< polled at least once per pass
     /// Called after the start, each iteration and each round of the polish; may be empty.
@@ -70,23 +70,24 @@ struct TriangleMesh {
 };
 
 struct Distribution {
-    /// [sites] strictly inside the domain, in its coordinates; on a torus the lower sides belong to the domain.
+    /// [sites] strictly inside the domain, in the domain's coordinates. A torus includes its lower and left sides.
     std::vector<Point> points;
-    int iterations = 0;  ///< number completed
+    int iterations = 0;  ///< number of completed iterations
     /// Capacity variation after each iteration [iterations + 1]; [0] is that of the start.
     std::vector<double> trace;
     std::optional<double> polished;  ///< capacity variation after the polish; none without polish
-    /// Ended early by the stop token: iterations or polish may be incomplete, and the mesh not Delaunay.
+    /// Whether the stop token ended the computation early. Then iterations or polish may be incomplete, and the mesh
+    /// may not be Delaunay.
     bool stopped = false;
     std::optional<TriangleMesh> mesh;
-    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each in a progressive order; may be empty
+    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
 
     /// Capacity variation of the points.
     double variation() const { return polished.value_or(trace.back()); }
 };
 
 /// Distributes sites so that all triangles of their Delaunay triangulation have nearly the same capacity. Then polishes
-/// the pattern, unless the quality is Draft or there are no iterations.
+/// the pattern, unless the quality is Draft or the number of iterations is 0.
 ///
 /// @param density  stretched over the domain's bounding box; its values outside the domain are ignored; periodic on a
 ///                 torus
@@ -105,19 +106,19 @@ Result<Distribution> distribute(const Domain& domain, const Density& density, co
 using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
 /// Distributes the dots of several inks. Each ink follows its own density as in distribute(), and dots of different
-/// inks keep apart where there is space. All inks iterate in step and are polished together. A Draft has no polish, so
-/// its inks are independent.
+/// inks keep apart where there is space. All inks iterate in step and are polished together. With the quality Draft
+/// there is no polish, so the inks are independent.
 ///
 /// @param densities  [inks] each stretched over the domain's bounding box; unused for an ink without sites
 /// @param sites      [inks] >= 0, at least one > 0
-/// @param options    all but the number of sites; the first ink with sites uses the seed, the others seeds derived from
-///                   it
-/// @param control    progress covers the iterations and rounds of all inks, with the largest variation; a stop returns
-///                   the current sites, which is not an error; a stop during the start gives the error Stopped
+/// @param options    apply to all inks, except for the number of sites; the first ink with sites uses the seed, the
+///                   other inks use seeds derived from it
+/// @param control    the progress covers the iterations and rounds of all inks, with the largest variation; a stop
+///                   returns the current sites, which is not an error; a stop during the start gives the error Stopped
 /// @param retouch    called in the last rounds of the polish if several inks have sites; may be empty
 /// @returns          [inks]; an ink without sites has no points and the trace {0}
 ///
-/// Errors: as distribute(), which is the case of one ink; Malformed if the densities have different grids.
+/// Errors: as for distribute(), which is the case of one ink; Malformed if the densities have different grids.
 /// Deterministic for any number of threads. O(sites) per pass.
 Result<std::vector<Distribution>> distribute_inks(const Domain& domain, std::span<const Density> densities,
                                                   std::span<const std::size_t> sites, const Options& options,

@@ -86,14 +86,14 @@ Result<void> Construction::choose_fixed() {
     return {};
 }
 
-/// Returns the mesh of the border, with capacity for the sites and `fixed` more.
+/// Returns the mesh of the border, with capacity for the sites and `fixed` further vertices.
 Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
     if (fixed == 0 || domain_.is_torus()) return empty_mesh(domain_, capacity_, options_.sites + fixed, stop_);
     const auto all = static_cast<std::size_t>(std::ceil(1 / site_share()));
     return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
 }
 
-/// @param first  [sites] positions; or empty
+/// @param first  [sites] positions to try first; or empty
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
@@ -101,7 +101,7 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
         placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
-    // Sites drawn independently, as in the paper, are not divided among parts either.
+    // In the paper, sites are drawn independently; so with Start::Random, sites are not divided among parts.
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
     auto vacancies = shares_out ? sites_of_parts(*placed, capacity_) : std::vector<std::size_t>{};
@@ -125,7 +125,7 @@ MeshPolish& Construction::polish() {
                    : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
 }
 
-/// Returns initial sites without long waves of density error; none if that is not needed.
+/// Returns initial sites without long waves of density error; an empty list if the sites need not be evened out.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
@@ -151,8 +151,8 @@ double Construction::measure(const Triangulation& mesh) {
     return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
-/// Whether an iteration uses exact passes. These cost more, and matter once the sites are near their final places:
-/// Distribute.DoesNotStallNextToWhite shows the variation before and after.
+/// Whether an iteration uses exact passes. Exact passes cost more and matter once the sites are near their final
+/// places: Distribute.DoesNotStallNextToWhite shows the variation before and after.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
@@ -165,8 +165,8 @@ bool Construction::goes_on() const {
 
 Relaxation& Construction::relaxation() {
     if (relaxation_) return *relaxation_;
-    // Gives rounder triangles of slightly less equal area. After the polish this leaves less power in long waves than
-    // softer or stiffer springs: benchmark TorusPattern.
+    // A stiffer spring gives rounder triangles of slightly less equal area. After the polish, this spring leaves less
+    // power in long waves than softer or stiffer ones: benchmark TorusPattern.
     constexpr double kPolishedSpring = 0.03;
     // Longer moves give more equal triangles and less power in long waves, but worse tone where the density varies.
     constexpr double kSmoothRelaxation = 1.3;
@@ -207,7 +207,7 @@ bool Construction::iterate() {
 }
 
 void Construction::pass_exactly(Relaxation& relaxation) {
-    // Measuring before each pass gives the same variation and tone: benchmark PictureTone.
+    // Measuring before every pass, instead of every third, gives the same variation and tone: benchmark PictureTone.
     constexpr int kMeasured = 3;  // passes between measurements
     for (int pass = 0; pass < options_.passes; pass += kMeasured) {
         relaxation.measure(capacity_, stop_);
@@ -216,8 +216,8 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Whether single sites are relocated after the current iteration: late enough to tell surpluses from sites not yet at
-/// rest, and early enough to leave iterations afterwards.
+/// Whether single sites are relocated after the current iteration. It is so late that surpluses can be told from sites
+/// still on their way, and so early that further iterations follow.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -256,7 +256,8 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites that stand where there is no density. If others obstruct one of them, all are triangulated anew.
+/// Moves sites that lie where there is no density to the nearest place with some. If any site moves, all sites are
+/// triangulated anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -25,8 +25,8 @@ Result<void> check(const Options& options);
 /// Whether a polish follows the iterations.
 bool has_polish(const Options& options);
 
-/// Builds the capacity-constrained triangulation of one density, step by step: start(), iterate() while goes_on(), then
-/// the rounds of a polish, which the caller runs, and finish(). After the start, collect() returns the current state.
+/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() while goes_on(); the
+/// rounds of a polish, which the caller runs; finish(). After the start, collect() returns the current state.
 class Construction {
 public:
     /// @param domain, density  must outlive this
@@ -44,7 +44,7 @@ public:
     /// @returns  false after a stop
     bool iterate();
 
-    /// Steps of the polish, for use until finish().
+    /// The steps of the polish, which may be used until finish().
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
@@ -54,7 +54,7 @@ public:
     /// Relocates one site of each near pair in a polygon to a place with more space.
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
-    /// Restores the Delaunay property after the polish. Errors: as start().
+    /// Restores the Delaunay property after the polish. Errors: as for start().
     Result<void> finish();
 
     Distribution collect();
@@ -87,7 +87,7 @@ private:
     CapacityIntegral capacity_;
     FixedSites fixed_;
     std::optional<DomainMesh> placed_;
-    // Each of these takes as much memory as the mesh, so it exists only while used.
+    // Each of the following takes as much memory as the mesh, so it exists only while it is used.
     std::optional<StartSites> start_;
     std::optional<MeshPolish> polish_;
     std::optional<Relaxation> relaxation_;

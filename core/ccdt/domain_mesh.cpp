@@ -30,7 +30,7 @@ Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capa
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop) {
     auto scaffold = triangulate(border, stop);
     if (!scaffold) {
-        // Rounding of vertices on the edges can make nearly touching edges cross.
+        // Vertices on edges are rounded, which can make nearly touching edges cross.
         border = bare_border(domain);
         scaffold = triangulate(border, stop);
     }

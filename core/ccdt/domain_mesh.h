@@ -15,8 +15,8 @@
 
 namespace ccdt {
 
-/// The constrained Delaunay triangulation of a domain's sites, with vertices along the border, if any. Capacities are
-/// measured on its triangles. All positions are in the unit frame.
+/// The constrained Delaunay triangulation of a domain's sites, with vertices along the border if there is one.
+/// Capacities are measured on its triangles. All positions are in the unit frame.
 struct DomainMesh {
     Border border;
     Triangulation mesh;
@@ -28,12 +28,12 @@ struct DomainMesh {
 /// @param stop    polled regularly; a stop gives the error Stopped
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop = {});
 
-/// Does the same with border vertices spaced by the capacity, or without a border on a torus.
+/// Does the same with border vertices whose distances follow from the capacity. On a torus, the mesh has no border.
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
-/// Divides the sites among the connected parts of a domain by capacity, in whole numbers by the method of largest
-/// remainders [parts of the mesh].
+/// Divides the sites among the connected parts of a domain in proportion to capacity [parts of the mesh]. The method of
+/// largest remainders gives whole numbers.
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity);
 
 /// Returns the positions of the sites in the caller's coordinates [sites].
@@ -41,7 +41,7 @@ std::vector<Point> sites_to_user(const Domain& domain, const Triangulation& mesh
 
 /// Copies a triangulation into the caller's coordinates.
 /// @param mesh    trimmed
-/// @param border  of the mesh
+/// @param border  border of the mesh
 TriangleMesh mesh_to_user(const Domain& domain, const Triangulation& mesh, const Border& border);
 
 }  // namespace ccdt

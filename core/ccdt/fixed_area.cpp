@@ -30,7 +30,7 @@ public:
         };
         for (std::uint32_t i = 0; i < fixed.size(); ++i)
             offer(index(fixed[i].x, sides_.x, columns), index(fixed[i].y, sides_.y, rows), i);
-        // On a torus, the second sweep propagates points across the seam.
+        // On a torus, a second sweep propagates points across the seam.
         for (int i = 0; i < (torus_ ? 2 : 1); ++i) sweep();
     }
 
@@ -62,7 +62,7 @@ private:
             known = point;
     }
 
-    /// Offers a cell the nearest point of a neighbouring cell.
+    /// Updates the nearest point of a cell from that of a neighbouring cell.
     void ask(int column, int row, int across, int up) {
         int from_column = column + across, from_row = row + up;
         if (torus_) {
@@ -106,7 +106,7 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
         if (unit.x > -kFar && unit.x < sides.x + kFar && unit.y > -kFar && unit.y < sides.y + kFar)
             result.push_back(unit);
     }
-    // Sorts in boustrophedon order, so that each point is near the one before.
+    // Sorts in boustrophedon order, so that each point is near its predecessor.
     const double bands = std::sqrt(static_cast<double>(result.size()));
     const auto place = [&](Point p) {
         const double band = std::floor(p.y * bands);
@@ -143,7 +143,7 @@ FixedArea subtract_fixed_area(const Domain& domain, std::span<const Point> fixed
         }
         (count * each + covered > total ? most : least) = each;
     }
-    // At the lower end, some area is left for the new sites, however little.
+    // If even the least share leaves no area, the upper bound is used, so that new sites get some area.
     const double each = least > 0 ? least : most;
     FixedArea result{total / each, std::vector<double>(fixed.size(), 0)};
     for (std::size_t i = 0; i < masses.size(); ++i) {

@@ -12,19 +12,21 @@ namespace ccdt {
 
 /// The area that fixed points take from the new sites.
 struct FixedArea {
-    double sites = 0;  ///< capacity of the domain relative to that of each new site
-    /// [fixed] capacity that each takes, relative to that of a new site: at most 1, 0 if far outside.
+    double sites = 0;  ///< capacity of the domain, divided by the capacity of each new site
+    /// [fixed] capacity that each fixed point takes, divided by that of a new site: at most 1; 0 if far outside the
+    /// domain.
     std::vector<double> weights;
 };
 
-/// Converts points to the unit frame and sorts them so that neighbours are close. Drops points far outside; on a torus,
-/// wraps points into the box.
+/// Converts points to the unit frame and sorts them so that neighbours are close in the order. Points far outside are
+/// dropped; on a torus, points are wrapped into the box.
 /// @param points  in the domain's coordinates
 std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> points);
 
-/// Subtracts the area of fixed points from a grid of capacities. Each point takes a disc with the capacity of a new
-/// site at the local density, except for what is nearer to another fixed point. So an isolated point takes as much as a
-/// site, and a cluster no more than its area and a rim. The new sites share the rest equally.
+/// Subtracts the area of fixed points from a grid of capacities. Each fixed point takes a disc with the capacity of a
+/// new site at the local density, except where another fixed point is nearer. So an isolated fixed point takes as much
+/// as a site, and a cluster takes only the area that it covers and a rim. The new sites share the remaining capacity
+/// equally.
 ///
 /// @param fixed   in the unit frame; may lie outside the domain
 /// @param sites   number of new sites, >= 1

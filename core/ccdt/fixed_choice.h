@@ -10,13 +10,14 @@
 
 namespace ccdt {
 
-/// Chooses the fixed points that become vertices: those inside the domain, and not so close to the border or to each
-/// other that needles arise. Of the other points, all but near duplicates are kept as obstacles.
+/// Chooses the fixed points that become vertices. They lie inside the domain, and not so close to the border or to each
+/// other that needles arise. The other points are kept as obstacles, except near duplicates.
 ///
 /// @param points   in the unit frame, in an order that keeps neighbours close
-/// @param weights  [points] area that each takes; the weight of a point without a vertex is added to a close vertex
+/// @param weights  [points] area that each point takes; the weight of a point without a vertex is added to a close
+///                 vertex
 /// @param spacing  least spacing of sites
-/// @param trial    triangulation of the border alone, with capacity for all points; modified
+/// @param trial    triangulation of the border alone, with capacity for all points; modified by trial insertions
 /// @returns        the choice, without the member `sites`
 FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std::span<const double> weights,
                         double spacing, Triangulation& trial);

@@ -19,7 +19,7 @@ constexpr std::size_t kRange = 8192;  ///< triangles per task
 struct Reached {
     double targets = 0;
     double sum = 0;
-    double squares = 0;  ///< squares divided by the targets
+    double squares = 0;  ///< sum of squares, each divided by the target
 
     void add(double reached, double target) {
         targets += target;
@@ -33,7 +33,7 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Standard deviation over mean of reached / target, with each triangle weighted by its target.
+    /// Standard deviation over mean of reached / target, in which each triangle is weighted by its target.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
@@ -41,14 +41,14 @@ struct Reached {
     }
 };
 
-constexpr double kLeastTarget = 1e-9;  ///< smaller targets are rounding
+constexpr double kLeastTarget = 1e-9;  ///< smaller targets consist of rounding errors
 
 /// Returns the factor from capacities to units of half a site's capacity.
 double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// Returns the border edge of a triangle with a site. There is at most one, since its other edges end at the site.
+/// Returns the border edge of a triangle with a site. There is at most one, since the other two edges end at the site.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);
@@ -63,7 +63,7 @@ std::uint32_t facing_site(const Triangulation& mesh, std::uint32_t edge) {
     return mesh.is_site(apex) ? apex : kNone;
 }
 
-/// Returns the edge between two fixed sites in a triangle with a free one; kNone if there is none.
+/// Returns the edge between two fixed sites in a triangle with a free site; kNone if there is none.
 std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const auto is_fixed = [&](std::uint32_t v) { return mesh.is_site(v) && !mesh.is_free(v); };
     for (std::uint32_t i = 0; i < 3; ++i) {
@@ -75,8 +75,8 @@ std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     return kNone;
 }
 
-/// Returns the edge opposite to a triangle's site if the target depends on its length: a border edge, or one between
-/// fixed sites.
+/// Returns the edge opposite to a triangle's site if the target depends on the length of that edge, that is, for a
+/// border edge or an edge between fixed sites.
 std::uint32_t faced_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const std::uint32_t edge = border_edge(mesh, triangle);
     return edge == kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
@@ -103,7 +103,7 @@ double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& we
     return sum;
 }
 
-/// Caches the lengths of faced edges by site, since a site may face thousands of edges.
+/// Caches the total length of the edges that each site faces, since a site may face thousands of edges.
 template <class WeightOf>
 class FacedLengths {
 public:
@@ -125,10 +125,10 @@ private:
 template <class WeightOf>
 TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
                  FacedLengths<WeightOf>& faced_lengths) {
-    constexpr double kEdgeShare = 0.5;  // of the strip; the other half goes to the corners
+    constexpr double kEdgeShare = 0.5;  // share of the strip; the other half goes to the triangles at corners
     // Benchmark BorderPattern: a smaller value crowds sites at the border, a larger one empties it.
     constexpr double kCornerShare = 0.61;
-    // For a fan of a thousand triangles; keeps the terms of one vertex comparable.
+    // For a fan of a thousand triangles. It keeps the terms of one vertex comparable.
     constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
@@ -137,7 +137,7 @@ TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const Weight
     if (edge == kNone) return {weight, touches_border ? kCornerShare : 1, 1};
     const double own = length(mesh, edge, weight);
     const double all = std::min(1.0, faced_lengths(facing_site(mesh, edge)));
-    // The first row is half a row from the border, but a whole row from fixed sites.
+    // The first row is half a row away from the border, but a whole row away from fixed sites.
     return {weight, touches_border ? kEdgeShare * own : std::min(1.0, own),
             own < all ? std::max(kLeastShare, own / all) : 1};
 }
@@ -146,11 +146,11 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
-/// Result of a search over all triangles.
+/// The goals found by a search over all triangles.
 struct Aims {
     Reached reached;
-    std::vector<std::uint32_t> triangles;  ///< in ascending order: those with a corner that is not a free site
-    std::vector<TriangleGoal> goals;       ///< their goals; all others have target and share 1
+    std::vector<std::uint32_t> triangles;  ///< triangles with a corner that is not a free site, in ascending order
+    std::vector<TriangleGoal> goals;       ///< goals of these triangles; all other triangles have target and share 1
 };
 
 /// @param reached_by, weight_of  return the capacity and the weight of a triangle
@@ -185,8 +185,8 @@ Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf
     return all;
 }
 
-/// Whether few enough triangles have goals of their own to store these in a hash table. Otherwise the look-ups would
-/// dominate the time of a pass.
+/// Whether few triangles have goals of their own, so that a hash table can store these goals. With more such triangles,
+/// look-ups would dominate the time of a pass.
 bool are_rare(const Aims& aims, std::size_t triangles) {
     constexpr std::size_t kRims = 32;
     return aims.triangles.size() * kRims < triangles;
@@ -216,7 +216,7 @@ private:
     double largest_;
 };
 
-/// Sets a goal for each triangle, with the given weight unless it has a goal of its own.
+/// Sets a goal for each triangle. A triangle without a goal of its own gets the given weight.
 template <class WeightOf>
 void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());

@@ -11,35 +11,35 @@ namespace ccdt {
 
 /// Sets the target and the weight of every triangle.
 ///
-/// A triangle between three sites has half a site's capacity as target. The first row of sites lies half a row away
-/// from the border. So a triangle on a border edge has as target half of the strip over that edge, half a row in
-/// height; the other half goes to the triangles that touch the border at one corner. The target is proportional to the
-/// edge's length, so that short edges of a coastline take no more than their share. The edges that one site faces count
-/// together as one triangle; otherwise each would pull as strongly as a whole one. Triangles that touch the border at
-/// one corner get a fifth more than half of the strip, which brings the number of sites near the border closest to
-/// their share: benchmark BorderPattern.
+/// A triangle between three sites has half a site's capacity as target. The first row of sites should lie half a row
+/// away from the border, so a strip of half a row in height lies along each border edge. Half of this strip is the
+/// target of the triangle on the edge. The other half goes to the triangles that touch the border at one corner.
+/// Targets are proportional to the length of the border edge, so that short edges of a coastline take no more than
+/// their share. All border edges that one site faces count together as one triangle; otherwise each of them would pull
+/// as strongly as a whole triangle. Triangles that touch the border at one corner get a fifth more than the other half,
+/// which brings the number of sites near the border closest to their share: benchmark BorderPattern.
 ///
-/// Fixed sites closer together than the spacing count as a border of this kind, except that the first row of free sites
-/// is a whole row away from them.
+/// Edges between fixed sites that are closer together than the spacing count as border edges. However, the first row of
+/// free sites is a whole row away from such edges.
 ///
 /// @param capacity    of the mesh's domain, total > 0
 /// @param capacities  [triangles]
 /// @param goals       out [triangles]
-/// @returns           the capacity variation: standard deviation over mean of capacity / target, with each triangle
-///                    weighted by its target; triangles without a movable site are left out
+/// @returns           the capacity variation: standard deviation over mean of capacity / target, in which each triangle
+///                    is weighted by its target and triangles without a movable site are left out
 ///
-/// Departure from Xu et al. 2011, where all triangles have the same target and sites crowd at the border.
+/// Departure from Xu et al. 2011: there, all triangles have the same target, and sites crowd at the border.
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same with capacities from another source.
+/// Does the same with given capacities.
 /// @param total    capacity that the sites share
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same with compact storage: if few triangles have a goal of their own, the weights take over the memory of
-/// the capacities.
+/// Does the same with compact storage: if few triangles have a goal of their own, the weights reuse the memory of the
+/// capacities.
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals);
 

@@ -15,7 +15,7 @@ namespace ccdt {
 
 namespace {
 
-/// Inserts sites where the start draws them, or else wherever there is space.
+/// Inserts sites where the start draws them, or else anywhere with space.
 class Placement {
 public:
     Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
@@ -23,7 +23,7 @@ public:
         : mesh_(mesh), first_(first), start_(start), vacancies_(std::move(vacancies)), seed_(seed), margin_(margin) {}
 
     /// Places sites, given in ascending order.
-    /// @returns  false if there is no place for one of them; after a stop it must not be used
+    /// @returns  false if there is no place for one of the sites; after a stop the result must not be used
     bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
         if (vacancies_.empty()) {
@@ -34,7 +34,8 @@ public:
     }
 
 private:
-    /// Number of attempts to place a site. If the domain covers half of its cell, all fail for 1 site of 65,536.
+    /// Number of attempts to place a site. If the domain covers half of a site's cell, all attempts fail for 1 such
+    /// site of 65,536.
     static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {
@@ -74,7 +75,7 @@ private:
     /// Places a site anywhere in a part; for kNone, anywhere in the domain.
     bool place_in(std::uint32_t part, std::uint32_t site) {
         constexpr int kTries = 1000;
-        constexpr std::uint64_t kStream = 0x616e797768657265;  // keeps these random numbers independent of the start's
+        constexpr std::uint64_t kStream = 0x616e797768657265;  // makes these random numbers differ from the start's
         if (!interior_ || part_ != part) interior_.emplace(mesh_.inside_triangles(part_ = part));
         Random random(seed_ ^ kStream, site);
         for (int attempt = 0; attempt < kTries; ++attempt) {

@@ -14,17 +14,18 @@ namespace ccdt {
 
 namespace {
 
-// Any kKeptArea > 0 keeps triangles counter-clockwise. kLeastShape must be well above 1e-16, the rounding of an area,
-// so that signs of areas are certain, and well below 1, so that the pattern is not affected.
+// With any kKeptArea > 0, triangles stay counter-clockwise. kLeastShape must be well above 1e-16, the rounding error of
+// an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps in a move
 constexpr double kLeastShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
 /// Doubled area relative to the mean, below which a triangle takes the general path.
 constexpr double kSmall = 1e-2;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
-constexpr double kSingular = 1e-12;   ///< least determinant relative to the product of the diagonal, above its rounding
+constexpr double kSingular =
+    1e-12;  ///< least determinant relative to the product of the diagonal; larger than its rounding error
 
-/// Returns the step along x and y to the minimum of a quadratic with the given half Hessian and half gradient; no step
-/// if singular. For one number or one per lane.
+/// Returns the step along x and y to the minimum of a quadratic with the given half Hessian and half gradient; a zero
+/// step if the Hessian is singular. For one number, or for one number per lane.
 template <class Numbers>
 CCDT_INLINE inline std::array<Numbers, 2> minimum(Numbers xx, Numbers xy, Numbers yy, Numbers x, Numbers y) {
     const Numbers det = xx * yy - xy * xy;
@@ -41,7 +42,7 @@ Point minimum(double xx, double xy, double yy, Point gradient) {
 
 /// Contribution of a triangle to the normal equations of its corners.
 struct Relaxation::Term {
-    double weight;  ///< weight and target are divided by the square root of the share
+    double weight;  ///< weight and target are divided by the square root of the triangle's share
     double target;
     double spring;  ///< weight * share
     double scale;   ///< 1 / sqrt(share)
@@ -66,7 +67,7 @@ struct Relaxation::NormalEquations {
         add_springs(from, to, spring * term.spring);
     }
 
-    /// Adds a triangle with a given residual of capacity minus target, and the gradient of its capacity.
+    /// Adds a triangle whose residual (capacity minus target) and gradient of capacity are given.
     void add(Point growth, double residual) {
         xx += growth.x * growth.x;
         xy += growth.x * growth.y;
@@ -109,7 +110,7 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     list_border();
 }
 
-/// One-rings are not stored; the groups follow from the levels of the sites.
+/// One-rings are not stored. The groups follow from the levels of the sites.
 void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop) {
     goals_ = std::move(goals);
     const bool first_time = levels_.empty();
@@ -175,7 +176,7 @@ void Relaxation::Group::clear() {
     others.clear();
 }
 
-/// Stores new records, in `memory` if they fit.
+/// Stores new records: in `memory` if they fit, else in the group.
 void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> memory) {
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
@@ -189,15 +190,15 @@ void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> me
 }
 
 /// Returns the memory reserved for the records of a number of sites. The mean number of neighbours is 6, and the last
-/// pair may be half empty; a block may need a little more.
+/// pair of a record may be half empty. A block may need a little more than this.
 std::size_t Relaxation::record_memory_of(std::size_t sites) const {
     constexpr double kSpare = 1.06;
     const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
     return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
 }
 
-/// Lists the sites with all neighbours in one block, and collects the others. Most sites have kept their neighbours;
-/// their records are copied from the old batches, in the same order.
+/// Lists the sites of which all neighbours are in one block, and collects the other sites. Most sites have kept their
+/// neighbours; their records are copied from the old batches, in the same order.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -234,7 +235,7 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
         std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
 
-/// Determines the levels of a block's sites, except those with unchanged neighbours, and collects those above level 0.
+/// Determines the levels of a block's sites, unless their neighbours are unchanged. Collects the sites above level 0.
 void Relaxation::find_levels(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     Group& group = groups_[0][number];
@@ -245,7 +246,7 @@ void Relaxation::find_levels(std::size_t number, bool first_time) {
     }
 }
 
-/// Lists the sites that need a block of a higher level.
+/// Lists the sites whose group belongs to a block of a higher level.
 /// @param exact  whether to list the sites alone, without records
 void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) {
     Group& group = groups_[level][number];
@@ -289,7 +290,7 @@ double Relaxation::mean_doubled_area() const {
     return std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(mesh_.triangle_count());
 }
 
-/// Adds a site to a batch or, for the general path, to the fans.
+/// Adds a site to a batch of records or, for the general path, to the fans.
 /// @param first, size  range of sites in the group
 /// @returns            false, without any change, if the site has free neighbours outside the group
 bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size) {
@@ -355,8 +356,8 @@ void Relaxation::pass(int times, const std::stop_token& stop) {
     for_groups(times, stop, [&](std::size_t level, std::size_t number) { move_group(groups_[level][number]); });
 }
 
-/// Calls move(level, number) for each group and slides the border's vertices, `times` times each: a few times in a row,
-/// level by level.
+/// Calls move(level, number) for each group, and then slides the vertices of the border, all `times` times. Each group
+/// moves a few times in a row, level by level.
 template <class Move>
 void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move) {
     // A larger value leaves longer waves in drafts: benchmark CountryPattern.
@@ -376,7 +377,7 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
     }
 }
 
-/// Moves a group's sites kind by kind, so that their data stays in the cache.
+/// Moves a group's sites kind by kind. So the data of a kind stays in the cache.
 void Relaxation::move_group(const Group& group) {
     move_batch<true, 2>(group);
     move_batch<true, 3>(group);
@@ -387,9 +388,9 @@ void Relaxation::move_group(const Group& group) {
     for (const Fan& fan : group.fans.all) move_site(group.fans, fan);
 }
 
-/// Moves the sites of a batch, taking them from several positions of the batch in turn. Sites with successive numbers
-/// are neighbours in the plane and would depend on each other. In this order, most successive sites can be moved at
-/// once.
+/// Moves the sites of a batch, in alternation from several positions of the batch. Sites with successive numbers are
+/// neighbours in the plane, so their moves depend on each other. In this order, most successive sites are independent
+/// and can be moved at once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -427,9 +428,10 @@ CCDT_TWO_LANES void Relaxation::move_two(const std::array<const std::uint32_t*, 
     move_few<kPlain, kPairs, TwoLanes>(records);
 }
 
-/// Moves a site as move_site() does, or several sites that are not neighbours, two triangles of each at a time. A
-/// triangle between a neighbour and its repetition is flat and contributes nothing. In plain records the sums of a and
-/// b over a closed ring vanish, and with them the common target. The fence is applied only with one lane.
+/// Moves one site as move_site() does, or several sites that are not neighbours, by two triangles of each site at a
+/// time. A triangle between a neighbour and the repetition of this neighbour is flat and contributes nothing. In plain
+/// records, the sums of a and b over a closed ring vanish, and so does the contribution of the common target. The fence
+/// is applied only with one lane.
 template <bool kPlain, std::size_t kPairs, class Lanes>
 CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records) {
     using Pairs = typename Lanes::Pairs;
@@ -443,7 +445,7 @@ CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_
     };
     const Pairs here = place(0);
 
-    std::array<Pairs, kPairs + 1> x, y;  // of the neighbours, relative to the vertex
+    std::array<Pairs, kPairs + 1> x, y;  // positions of the neighbours relative to the vertex
     for (std::size_t i = 0; i < kPairs; ++i) {
         const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
         x[i] = Lanes::firsts(p, q);
@@ -491,7 +493,7 @@ CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_
     }
     Numbers stiffness, pull_x, pull_y;  // sums over all springs
     if constexpr (kPlain) {
-        // All terms are divided by the squared weight. The repeated first neighbour must not pull.
+        // All terms are divided by the squared weight. The spring to the repeated first neighbour must not count.
         const double spring = options_.spring / plain_weight_;
         std::array<double, kLanes> repetitions;
         for (std::size_t lane = 0; lane < kLanes; ++lane)
@@ -570,10 +572,10 @@ void Relaxation::slide(const Fans& fans, const Fan& fan) {
     move(fan.vertex, options_.relaxation * equations.minimum_along(along) * along, ring_of(fans, fan), fan.triangles);
 }
 
-/// Moves a vertex as far as the first `triangles` triangles around it keep enough area.
+/// Moves a vertex, but only so far that the first `triangles` triangles around it keep enough area.
 void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::size_t triangles) {
     if (!std::isfinite(by.x) || !std::isfinite(by.y)) return;
-    // On a torus with few sites, a site can be its own neighbour, and the triangles would move with it.
+    // On a torus with few sites, a site can be its own neighbour. Its triangles would then move with the site.
     if (std::ranges::find(ring.vertices, vertex) != ring.vertices.end()) return;
     const Point v = mesh_.point(vertex);
     double share = 1;
@@ -586,7 +588,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const double kept = std::min(area, std::max(kKeptArea * area, least));
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
-    // Next to flat triangles, rounding could still invert one.
+    // Next to flat triangles, rounding could still invert a triangle.
     const Point moved = rounded(v + share * by);
     for (std::size_t i = 0; i < triangles; ++i) {
         const Point from = place(ring, i), to = place(ring, i + 1);
@@ -616,8 +618,8 @@ void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
     }
 }
 
-/// Moves a site by the true capacities. A triangle (v, from, to) gains the integral that its edge v-from sweeps on its
-/// right, and loses the integral that v-to sweeps.
+/// Moves a site according to the true capacities. A triangle (v, from, to) gains the integral that its edge v-from
+/// sweeps on the right of the edge, and loses the integral that v-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     ring.triangles.clear();
     NormalEquations equations;
@@ -650,7 +652,8 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
 }
 
-/// Whether move() would certainly neither shorten nor refuse a move; a fast test that may return false if unsure.
+/// Whether move() would certainly neither shorten nor refuse a move. A fast test, which returns false in uncertain
+/// cases.
 inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
     const std::size_t count = ring.triangles.size();
     const double flattest = options_.least_height * options_.least_height;
@@ -659,7 +662,7 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const Point from = ring.triangles[i].from, to = ring.triangles[i + 1 < count ? i + 1 : 0].from;
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
-        const double longest = 2 * (dot(from, from) + dot(to, to));  // squared bound of all edge lengths
+        const double longest = 2 * (dot(from, from) + dot(to, to));  // squared upper bound of all edge lengths
         fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }

@@ -17,39 +17,40 @@
 
 namespace ccdt {
 
-/// Restricts the moves of sites: returns `to` if the site may stand there, else a position on the way.
+/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position on the way to it.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
 struct RelaxationOptions {
-    // Stiffer springs and longer moves increase the distance between neighbours and the error of tone: benchmarks
+    // Stiffer springs and longer moves increase both the distance between neighbours and the error of tone: benchmarks
     // TorusPattern and PictureTone. Without springs along the border, more sites crowd there: benchmark BorderPattern.
     double spring = 0.01;        ///< stiffness of edges relative to that of areas
     double border_spring = 0.1;  ///< additional stiffness of border edges, which keeps their vertices apart
-    double relaxation = 1.2;     ///< length of a move relative to the minimising one, in [1, 2)
+    double relaxation = 1.2;     ///< length of a move relative to the move to the minimum, in [1, 2)
     double least_height = 1e-9;  ///< least height of a triangle after a move, in the unit frame
     /// Doubled area below which a triangle is checked for being a needle. None: derived from the mean area of all
-    /// triangles, for meshes with triangles of similar size.
+    /// triangles, which suits meshes with triangles of similar size.
     std::optional<double> small_area;
-    std::optional<double> site_share;  ///< share of the capacity for each site; none: equal shares of all of it
+    std::optional<double> site_share;  ///< share of the capacity for each site; none: all shares are equal
     Fence fence;                       ///< for all sites; may be empty
     /// Whether to move two sites at once if the processor can; the results are identical.
     bool by_two = true;
 };
 
-/// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets:
-/// coordinate descent on the sum of (weight * doubled area - target)^2 / share over triangles and of spring * mean
-/// weight * share * length^2 over edges, with stiffer border edges. So a fan of k triangles that replaces one triangle,
-/// each with 1/k of the share, counts as much as that one.
+/// Moves vertices, one at a time, to where the capacities of the triangles around them come closest to their targets.
+/// This is coordinate descent on an energy. Each triangle contributes (weight * doubled area - target)^2 / share, and
+/// each edge contributes spring * mean weight * share * length^2, with stiffer springs on border edges. So a fan of k
+/// triangles, each with a share of 1/k, counts as much as the one triangle that it replaces.
 ///
-/// Sites move freely, vertices on straight parts of the border slide along them, corners are fixed. A move is shortened
-/// where a triangle would lose more than 90 % of its area or become a needle. So all triangles stay counter-clockwise
-/// after any number of passes.
-/// Source: Xu et al. 2011, section 3.2, the 2 x 2 system R^T R X = -R^T S. Departures: targets are given and not the
-/// mean of the one-ring; springs; over-relaxation.
+/// Sites move freely, vertices on straight parts of the border slide along them, and corners are fixed. A move is
+/// shortened if a triangle would lose more than 90 % of its area or become a needle. So all triangles stay
+/// counter-clockwise after any number of passes.
+///
+/// Source: Xu et al. 2011, section 3.2, the 2 x 2 system R^T R X = -R^T S. Departures: targets are given, not the mean
+/// of the one-ring; springs; over-relaxation.
 class Relaxation {
 public:
-    /// @param fixed    [vertices - sites] of the border: true for those that never move
-    /// @param uniform  whether all weights are equal, and all targets between three sites
+    /// @param fixed    [vertices - sites] for the border's vertices: whether the vertex never moves
+    /// @param uniform  whether all weights are equal, and all triangles between three sites have the same target
     Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
 
     /// Lists the mesh's edges and takes new goals. Must be called before the first pass and after every
@@ -57,14 +58,15 @@ public:
     /// @param stop  polled regularly; no pass may follow a stop
     void prepare(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// Does the same for exact passes only, which need less data of the mesh.
+    /// Does the same for exact passes only, which need less data.
     void prepare_exact(TriangleGoals goals, const std::stop_token& stop = {});
 
     /// Returns the goals and releases the memory of measurements. New goals must be given before the next pass.
     TriangleGoals take_goals();
 
     /// Moves every vertex `times` times. The sites of a block move a few times in a row while their data is in the
-    /// cache, then as often the sites between blocks, and then the border's vertices. O(vertices) for each time.
+    /// cache; then the sites between blocks move as often, and then the vertices of the border. O(vertices) for each
+    /// time.
     /// @param stop  polled regularly; a stop leaves vertices where they are
     void pass(int times = 1, const std::stop_token& stop = {});
 
@@ -74,27 +76,27 @@ public:
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
-    /// assumes that a triangle keeps its mean density as it moves. An exact pass instead uses the density along the
-    /// moving edges. Capacities are updated to first order since the last measurement, which may be some passes ago.
+    /// assumes that a triangle keeps its mean density as it moves. An exact pass uses the density along the moving
+    /// edges instead. Since the last measurement, which may be some passes ago, capacities are updated to first order.
     ///
-    /// Where the density is steep, above all next to white, pass() stalls and this method does not. O(vertices).
-    /// Source: Gauss and Newton's method; Reynolds' transport theorem.
+    /// An exact pass does not stall next to areas of density zero or at other steep changes, as pass() does.
+    /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
     void exact_pass(int times = 1, const std::stop_token& stop = {});
 
-    /// Returns the sum that the passes minimise; no pass increases it.
+    /// Returns the energy that the passes minimise. No pass increases it.
     double energy() const;
 
 private:
     struct Term;
     struct NormalEquations;
 
-    /// Records of sites of one kind, for the fast path. A record holds the site, its neighbours counter-clockwise, with
-    /// the first one repeated to fill 2 * pairs + 1 entries, and, unless the kind is plain, the 2 * pairs triangles
-    /// between them.
+    /// Records of sites of one kind, for the fast path. A record holds the site and its neighbours counter-clockwise,
+    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, it also holds the 2 *
+    /// pairs triangles between these neighbours.
     using Batch = std::vector<std::uint32_t>;
 
-    // Kinds of sites, by the number of neighbours, in pairs, and by whether all goals around are the common one
-    // (plain).
+    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
+    // goal (plain).
     static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
     static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
@@ -107,12 +109,12 @@ private:
     }
 
     /// A vertex and its one-ring, for the general path: the neighbours counter-clockwise, and the triangle between each
-    /// neighbour and the next. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
+    /// neighbour and the next one. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
-        std::uint32_t first;  ///< first entry of its one-ring
+        std::uint32_t first;  ///< index of the first entry of its one-ring
         std::uint32_t neighbours;
-        std::uint32_t triangles;  ///< equal to `neighbours`; one less on the border
+        std::uint32_t triangles;  ///< equal to `neighbours`, or one less on the border
     };
 
     struct Fans {
@@ -126,16 +128,16 @@ private:
 
     using Batches = std::array<Batch, kKinds>;
 
-    /// Sites that one task moves in sequence. All their neighbours that other tasks could move belong to the same
-    /// group.
+    /// Sites that one task moves in sequence. If other tasks could move a neighbour of one of these sites, that
+    /// neighbour is in this group as well.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
         std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
         std::vector<std::uint32_t> own;                  ///< the records, if stored here
         Fans fans;
-        /// All of its sites; empty at level 0, where these are most sites of the block.
+        /// All sites of the group. Empty at level 0, where the group has most sites of the block.
         std::vector<std::uint32_t> sites;
-        std::vector<std::uint32_t> others;  ///< sites of the block that belong to a larger one
+        std::vector<std::uint32_t> others;  ///< sites of the block that belong to the group of a larger block
 
         std::span<const std::uint32_t> batch(std::uint8_t kind) const {
             return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
@@ -144,12 +146,12 @@ private:
         void keep(const Batches& batches, std::span<std::uint32_t> memory);
     };
 
-    /// A triangle (site, from, to) in an exact pass.
+    /// A triangle (site, from, to) around a site in an exact pass.
     struct ExactTriangle {
         std::uint32_t triangle;
         std::uint32_t vertex;  ///< the vertex `from`
         Point from;            ///< relative to the site
-        Point gradient;        ///< gradient of its capacity
+        Point gradient;        ///< gradient of the triangle's capacity
     };
 
     /// Buffers for the one-ring of a site in an exact pass, counter-clockwise.
@@ -161,7 +163,7 @@ private:
     /// Neighbours of a vertex on the general path, counter-clockwise and cyclic.
     struct Ring {
         std::span<const std::uint32_t> vertices;
-        const Point* lifts;  ///< shift of each around a torus; null: none
+        const Point* lifts;  ///< shift of each neighbour around a torus; null if there are no shifts
     };
     Point place(const Ring& ring, std::size_t i) const;
     Ring ring_of(const Fans& fans, const Fan& fan) const;
@@ -212,14 +214,14 @@ private:
     double plain_weight_ = 0;  ///< weight of the triangles around plain sites
     TriangleGoals goals_;
 
-    std::vector<std::uint8_t> kinds_;         ///< [sites] as long as there are records
-    std::vector<std::uint8_t> levels_;        ///< [sites] level of the group
+    std::vector<std::uint8_t> kinds_;         ///< [sites] kind of each site, as long as there are records
+    std::vector<std::uint8_t> levels_;        ///< [sites] level of the site's group
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
-    /// Memory for the records of each level-0 block. One piece, since it is returned to the allocator as such; freed
-    /// pieces of block size would hardly fit later needs.
+    /// Memory for the records of each level-0 block, in one piece. So it returns to the allocator as one piece; freed
+    /// pieces of the size of a block would hardly fit later needs.
     std::vector<std::uint32_t> record_memory_;
     Fans border_;
-    std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities, and swept integrals as last measured
+    std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured
     double unit_ = 0;                   ///< factor from capacities to the units of the terms
 };
 

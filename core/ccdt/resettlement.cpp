@@ -20,8 +20,8 @@ bool has_site(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
 }
 
-/// Returns the site to which each triangle without a site is assigned: the one of the nearest triangle that has one
-/// [triangles]. kNone for triangles with sites, and in parts without any.
+/// Returns the site to which each triangle without a site is assigned [triangles]: a site of the nearest triangle that
+/// has a site. kNone for triangles with sites, and in parts without sites.
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     std::vector<std::uint32_t> owner(mesh.triangle_count(), kNone), reached;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) for each triangle around a site and its next vertex.
+/// Calls function(triangle, neighbour) for each triangle around a site, with the triangle's next vertex after the site.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -100,14 +100,14 @@ void Resettlement::sum_around() {
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto corners = mesh_.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
-            // Each edge between sites is visited once from either end.
+            // Each edge between sites is visited once from each end.
             const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
             if (mesh_.is_site(a) && mesh_.is_site(b)) around_[a] += surplus_[b];
         }
     }
 }
 
-/// Lists sites with too many or too few sites around them, by part, in descending order of the amount.
+/// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing amount.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
     constexpr double kLeast = 0.5;  // in sites; smaller amounts are due to waves or noise
@@ -122,7 +122,7 @@ std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const
 }
 
 std::size_t Resettlement::even_out() {
-    constexpr double kGain = 1.1;  // a gain of one site would only move the error
+    constexpr double kGain = 1.1;  // least sum of surplus and deficit; a sum of 1 would only move the error
     const auto many = candidates(1), few = candidates(-1);
     std::size_t taken = 0;
     auto to = few.begin();
@@ -160,8 +160,8 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
     return clearest != kNone && relocate(site, clearest);
 }
 
-/// Returns the squared distance to the nearest other site that a site would have after relocate(); negative if there is
-/// no place.
+/// Returns the squared distance from the nearest other site that a site would have after relocate(); negative if there
+/// is no place.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
@@ -203,7 +203,7 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
 /// Whether a triangle is large enough to be divided.
 /// @param share  share of its area that the smallest of the three parts gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area of a part relative to the longest edge squared
+    constexpr double kLeastShape = 1e-5;  // doubled area of each part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
     const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
@@ -228,8 +228,8 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Returns the place in a site's small part that is farthest from all other sites; among places that are far enough,
-/// the one in the largest triangle.
+/// Returns the place in a site's small part that is farthest from all other sites. Among places that are far enough,
+/// returns one in the largest triangle.
 Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
     constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
@@ -264,7 +264,7 @@ double Resettlement::enough_squared(std::uint32_t site) const {
     return least * least;
 }
 
-/// Returns the positions of all sites but one in the bounding box of some triangles, and up to `reach` around it.
+/// Returns the positions of all other sites in the bounding box of some triangles, and up to `reach` around this box.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};
@@ -295,7 +295,7 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
         moved = site;
     }
     if (best.squared < enough) {
-        // Relative to the distance above; the centre of a triangle in a hexagonal grid has 0.69.
+        // Relative to the distance that two sites should have. In a hexagonal grid, the centre of a triangle has 0.69.
         constexpr double kClear = 0.6;
         const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
         for (const std::uint32_t site : pair) {

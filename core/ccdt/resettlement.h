@@ -14,11 +14,11 @@
 
 namespace ccdt {
 
-/// Moves single sites from where there are too many to where there are too few, within the same part of the domain.
-/// Small moves cannot correct a narrow tongue with one site too many or none, since sites would have to pass through
-/// its neck in line.
+/// Relocates single sites from places with too many sites to places with too few, within the same part of the domain.
+/// Small moves cannot correct a narrow tongue that has one site too many or none: sites would have to pass through its
+/// neck one after another.
 ///
-/// Afterwards, lists of the mesh's edges and one-rings must be rebuilt.
+/// After a relocation, lists of the mesh's edges and one-rings must be rebuilt.
 class Resettlement {
 public:
     /// @param mesh          trimmed, not of a torus, with all sites free
@@ -28,33 +28,34 @@ public:
     /// O(triangles).
     Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height = 0);
 
-    /// Relocates sites that, with their neighbours, have a surplus of more than half a site, to where as much is
-    /// missing.
+    /// Relocates sites that, together with their neighbours, have a surplus of more than half a site. They move to
+    /// places where more than half a site is missing.
     /// @returns  number of relocated sites
     ///
-    /// O(sites), and O(n log n) for the n sites with too many or too few around them.
+    /// O(sites), and O(n log n) for the n sites with too many or too few sites around them.
     std::size_t even_out();
 
-    /// Relocates a site next to one of those sites of its part that have the most capacity. Chooses the first place
-    /// with distance `enough` to all other sites, else the one with the largest distance.
-    /// @param least  least distance at the new place
-    /// @returns      false, and the site stays, if there is no such place, or if it is near a previously relocated
-    ///               site's old or new place
+    /// Relocates a site next to one of the sites of its part with the largest capacity. Chooses the first place that is
+    /// at least `enough` away from all other sites; if there is none, the place that is farthest from them.
+    /// @param least  least distance from other sites at the new place
+    /// @returns      false, without moving the site, if there is no such place, or if the site or the place is near the
+    ///               old or new place of a previously relocated site
     ///
     /// O(sites).
     bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
-    /// Relocates one of two sites that are too close. The second site may be in another part. In a part of few sites
-    /// the site moves to the place farthest from all other sites, including those of other parts; in a larger part as
-    /// by move_away().
-    /// @returns  false, and both stay, if no place is farther from other sites than the two are from each other
+    /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
+    /// the relocated site moves to the place farthest from all other sites, including those of other parts. In a larger
+    /// part, it moves as in move_away().
+    /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
+    ///           other
     ///
     /// O(sites), and O(triangles) for the first call; in a small part O(its triangles) times the sites nearby.
     bool separate(std::array<std::uint32_t, 2> pair);
 
 private:
     struct Candidate {
-        double sites;  ///< surplus or deficit around it, in sites
+        double sites;  ///< surplus or deficit of the site and its neighbours, in sites
         std::uint32_t site;
     };
     /// A candidate place for a site in a small part.
@@ -65,7 +66,7 @@ private:
     };
     /// Triangles and sites of the parts with few sites.
     struct SmallParts {
-        std::vector<std::size_t> sites;                     ///< [parts] number of sites, for large parts as well
+        std::vector<std::size_t> sites;                     ///< [parts] number of sites, also for large parts
         std::vector<std::vector<std::uint32_t>> triangles;  ///< [parts] empty for large parts
     };
 
@@ -86,9 +87,9 @@ private:
     Triangulation& mesh_;
     const TriangleGoals& goals_;
     double least_height_;
-    std::optional<SmallParts> small_parts_;        ///< created when first needed
-    std::vector<double> surplus_;                  ///< [sites] 1 - the site's own capacity, in sites
-    std::vector<double> around_;                   ///< [sites] its own surplus plus that of its neighbours
+    std::optional<SmallParts> small_parts_;  ///< created when first needed
+    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, in sites
+    std::vector<double> around_;             ///< [sites] sum of the site's own surplus and its neighbours' surpluses
     std::vector<std::uint32_t> largest_triangle_;  ///< [sites] its largest triangle
     std::vector<bool> outdated_;                   ///< [sites] whether its data is outdated by a relocation
 };

@@ -12,16 +12,16 @@ namespace ccdt {
 
 namespace {
 
-/// With one site per cell, the cells are visible: in benchmark TorusPattern the peak of a draft's spectrum nearly
-/// doubles. With 64 sites, long waves arise: StartSites.FollowTheDensity.
+/// With one site per cell, the cells are visible: in benchmark TorusPattern, the peak of a draft's spectrum is nearly
+/// twice as high. With 64 sites per cell, long waves arise: StartSites.FollowTheDensity.
 constexpr std::size_t kSitesPerCell = 4;
 
-/// With more sites in cells that the border cuts, they stand too often on the wrong side of fjords and straits, which
-/// they cannot cross.
+/// If a cell that the border cuts held more sites, too many sites would lie on the wrong side of fjords and straits,
+/// which sites cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
-/// Solves for the place in [x0, x1] where an increasing function, linear between neighbouring grid points, has passed a
-/// given share of its rise.
+/// Solves for the place in [x0, x1] at which an increasing function has completed a given share of its rise. The
+/// function is linear between neighbouring grid points.
 template <class Function>
 double invert(double x0, double x1, double share, Function&& function) {
     double f0 = function(x0), f1 = function(x1);
@@ -66,7 +66,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     knows_cuts_ = !domain.is_box() && density.is_uniform() && fixed_.empty();
     constexpr double kMostCells = 4194304;
     if (!density.is_uniform()) {
-        // A very fine picture is summed in blocks.
+        // A very fine picture is divided into blocks of pixels, which become the cells of the grid.
         const double pixels = static_cast<double>(density.width()) * density.height();
         const int block = pixels > kMostCells ? static_cast<int>(std::ceil(std::sqrt(pixels / kMostCells))) : 1;
         columns_ = (density.width() + block - 1) / block;
@@ -74,7 +74,7 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     }
     if (!domain.is_box() || !fixed_.empty()) {
         const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
-        const double for_each = fixed_.empty() ? 4 : 16;  // the area taken by fixed points has finer detail
+        const double for_each = fixed_.empty() ? 4 : 16;  // cells per site; areas of fixed points have finer detail
         const auto all = static_cast<double>(options.sites + fixed_.size());
         const double cells = std::clamp(for_each * all / share, 4096.0, kMostCells);
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
@@ -119,8 +119,8 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
     }
 }
 
-/// Returns the capacities of the cells without the area of fixed points.
-/// @param share  covered share of each cell; empty: all covered
+/// Returns the capacities of the cells, from which the area of fixed points is subtracted.
+/// @param share  share of each cell that the domain covers; empty: all of every cell
 std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
     std::vector<double> masses(width * height, 1);
@@ -142,7 +142,7 @@ double StartSites::sum(double x, double y) const {
     return (1 - fy) * (s[0] + fx * (s[1] - s[0])) + fy * (above[0] + fx * (above[1] - above[0]));
 }
 
-/// Returns the abscissa at which a vertical cut leaves a given share of the box's capacity on its left.
+/// Returns the abscissa of a vertical cut that has a given share of the box's capacity on its left.
 double StartSites::cut_across_x(const Rectangle& box, double share) const {
     if (box.x1 - box.x0 <= 1 && std::ceil(box.x1) - std::floor(box.x0) <= 1) return std::lerp(box.x0, box.x1, share);
     return invert(box.x0, box.x1, share, [&](double x) { return sum(x, box.y1) - sum(x, box.y0); });
@@ -173,16 +173,16 @@ void StartSites::divide(const Rectangle& box, std::size_t sites) {
     }
 }
 
-/// Whether a good part of a cell lies outside the domain.
+/// Whether a considerable part of a cell lies outside the domain.
 bool StartSites::is_cut(const Rectangle& box) const {
-    constexpr double kCut = 0.95;  // relative to the capacity of a cell inside
+    constexpr double kCut = 0.95;  // relative to the capacity of a cell that lies inside
     if (!knows_cuts_) return false;
     const double inside = sum(box.x1, box.y1) - sum(box.x0, box.y1) - sum(box.x1, box.y0) + sum(box.x0, box.y0);
     return inside < kCut * (box.x1 - box.x0) * (box.y1 - box.y0);
 }
 
-/// Returns the density at a place relative to the largest in its grid cell: 1 unless the density is finer than the
-/// grid.
+/// Returns the density at a place relative to the largest density in its grid cell: 1 unless the density is finer than
+/// the grid.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
     const auto place = [](double v, int cells, int pixels) {
@@ -230,8 +230,8 @@ Point StartSites::draw(std::size_t site, int attempt) const {
 }
 
 Point StartSites::draw_stream(std::uint64_t stream, int attempt, const Rectangle& box) const {
-    // At least one try in n is accepted, where n is the number of pixels per cell: 16 for 64 megapixels. All tries then
-    // fail for one site in 10^7, which lies anywhere in its cell.
+    // At least one try in n is accepted, where n is the number of pixels per cell: 16 for 64 megapixels. In that case
+    // all tries fail for one site in 10^7, which is then placed anywhere in its cell.
     constexpr int kTries = 256;
     Random random(seed_, stream + (static_cast<std::uint64_t>(attempt) << 40));
     double x = 0, y = 0;

@@ -14,25 +14,25 @@
 namespace ccdt {
 
 /// Draws the initial sites. Divides the domain's bounding box into cells of equal capacity with up to four sites each,
-/// by recursive halving across the longer side, and places each site at random by density in its cell. So long waves of
-/// density error do not arise, and no grid is visible. If the density is uniform, cells that the border cuts hold one
-/// site. Start::Random uses one cell, the box.
+/// by recursive halving across the longer side. Places each site at random in its cell, with the density as
+/// probability. So long waves of density error do not arise, and no grid is visible. If the density is uniform, a cell
+/// that the border cuts holds one site. With Start::Random, the box is the only cell.
 ///
-/// Near the domain's border only the mean density of a grid cell is known, so a site may be drawn outside. The caller,
-/// who can tell, draws again.
+/// Near the domain's border, only the mean density of a grid cell is known, so a site may be drawn outside the domain.
+/// In that case, the caller must draw another position for the site.
 class StartSites {
 public:
     /// @param domain, density  must outlive this; their documented ranges keep the numbers of cells within an int
     StartSites(const Domain& domain, const Density& density, const Options& options);
 
-    /// Returns a position for a site, in the unit frame. Sites with close numbers are mostly neighbours. Depends on the
-    /// seed, site and attempt alone.
+    /// Returns a position for a site, in the unit frame. Sites with close numbers are mostly neighbours. The position
+    /// depends on the seed, the site and the attempt alone.
     Point draw(std::size_t site, int attempt) const;
 
-    /// Fixed points of the options, without those far outside, in the unit frame.
+    /// Fixed points of the options, in the unit frame; points far outside are left out.
     const std::vector<Point>& fixed() const { return fixed_; }
 
-    /// The area that these take, where no site is drawn.
+    /// The area that the fixed points take. No site is drawn there.
     const FixedArea& fixed_area() const { return fixed_area_; }
 
 private:
@@ -54,7 +54,7 @@ private:
     const Density& density_;
     std::uint64_t seed_;
     Point unit_size_;
-    bool knows_cuts_ = false;  ///< whether the sums are areas, from which cuts by the border follow
+    bool knows_cuts_ = false;  ///< whether the sums are areas, which show where the border cuts cells
     int columns_ = 1;
     int rows_ = 1;
     std::vector<Point> fixed_;
@@ -62,7 +62,7 @@ private:
     std::vector<double> sums_;  ///< capacity left of and below each grid point [rows + 1][columns + 1]
     std::vector<Rectangle> cells_;
     std::vector<std::uint32_t> cell_of_;    ///< [sites] cell in which each site is drawn
-    std::vector<std::uint32_t> stream_of_;  ///< [sites]; empty if it is the site's own number
+    std::vector<std::uint32_t> stream_of_;  ///< [sites] number of each site's random stream; empty: the site's number
 };
 
 }  // namespace ccdt

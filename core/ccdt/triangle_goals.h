@@ -12,16 +12,16 @@
 
 namespace ccdt {
 
-/// Weight of a triangle's doubled area, and target of the product. In units of half a site's capacity, so that a
-/// triangle between three sites has the target 1.
+/// Weight of a triangle's doubled area, and target of the product of weight and area. Both are in units of half a
+/// site's capacity, so a triangle between three sites has the target 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;
     double share = 1;  ///< size relative to a regular triangle, > 0; less than 1 for the many triangles of a narrow fan
 };
 
-/// The goals of all triangles, in one of three forms: one for each triangle; the weights of all and the goals of few,
-/// if the targets of most are 1; or one common goal and the goals of few.
+/// The goals of all triangles, in one of three forms: a goal for each triangle; a weight for each triangle and the
+/// goals of a few, if most targets are 1; or one common goal and the goals of a few.
 class TriangleGoals {
 public:
     TriangleGoals() = default;
@@ -29,8 +29,8 @@ public:
     /// @param all  [triangles]
     TriangleGoals(std::vector<TriangleGoal> all) : all_(std::move(all)) {}
 
-    /// @param triangles  those that have goals of their own
-    /// @param goals      their goals [triangles.size()]
+    /// @param triangles  the triangles that have goals of their own
+    /// @param goals      goals of these triangles [triangles.size()]
     TriangleGoals(const TriangleGoal& common, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : common_(common), triangles_(std::move(triangles)), own_(std::move(goals)) {
         list_slots();
@@ -50,10 +50,10 @@ public:
         return triangle < all_.size() ? all_[triangle] : rare(triangle);
     }
 
-    /// Returns the memory of the individual goals for reuse, and keeps none.
+    /// Returns the memory of the individual goals for reuse. The goals are lost.
     std::vector<TriangleGoal> release() { return std::exchange(all_, {}); }
 
-    /// Returns the memory of the weights for reuse, and keeps none.
+    /// Returns the memory of the weights for reuse. The weights are lost.
     std::vector<double> release_weights() { return std::exchange(weights_, {}); }
 
 private:
@@ -77,10 +77,10 @@ private:
     }
 
     std::vector<TriangleGoal> all_;
-    std::vector<double> weights_;  ///< [triangles] negative or -0 for those that have goals of their own
+    std::vector<double> weights_;  ///< [triangles] negative or -0 for triangles that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
-    std::vector<TriangleGoal> own_;     ///< [triangles_] their own goals
+    std::vector<TriangleGoal> own_;     ///< [triangles_] goals of these triangles
     std::vector<std::uint32_t> slots_;  ///< hash table: index into triangles_, or kNone
 };
 

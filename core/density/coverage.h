@@ -15,24 +15,24 @@ struct BorderEdge {
     double weight = 1;  ///< weight of the area; equal for all its edges
 };
 
-/// Cells of a grid: in each row, all cells from the first to the last one that a border crosses.
+/// Some cells of a grid: in each row, all cells from the first to the last cell that a border crosses.
 struct CrossedCells {
     struct Row {
-        std::size_t first = 0, end = 0;  ///< columns; equal if there are none
+        std::size_t first = 0, end = 0;  ///< columns [first, end); equal if the row has no such cells
         std::size_t number = 0;          ///< index of the row's first cell in `values`
     };
     std::vector<Row> rows;
     std::vector<double> values;  ///< values of the cells, row by row
 };
 
-/// Computes the share of each cell that areas cover, times their weights, to rounding. Cells not listed are not
-/// covered.
-/// @param sides  size of the box over which the grid is stretched, with its corner at the origin
+/// Computes the share of each cell that areas cover, times the weights of the areas. Exact except for rounding. Cells
+/// that are not listed are not covered.
+/// @param sides  size of the box over which the grid is stretched; the box's lower left corner is the origin
 ///
-/// O(rows + cells between those that a border crosses).
+/// O(rows + listed cells).
 CrossedCells crossed_coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
-/// Computes the same for all cells [rows * columns]. O(cells + those that a border crosses).
+/// Computes the same for all cells [rows * columns]. O(cells).
 std::vector<double> coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
 }  // namespace ccdt

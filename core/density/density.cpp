@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Multiplies values by the power of two that brings the largest into [1, 2).
+/// Multiplies values by the power of two that brings the largest value into [1, 2).
 class Scaling {
 public:
     /// @param largest  > 0, finite
@@ -30,8 +30,8 @@ private:
     double second_;
 };
 
-/// Returns the largest value.
-/// Errors: Malformed for a value that is negative or not finite; Unusable if all are zero.
+/// Returns the largest value. Errors: Malformed for a value that is negative or not finite; Unusable if all values are
+/// zero.
 template <class T>
 Result<double> largest_of(std::span<const T> values) {
     double largest = 0;

@@ -25,20 +25,21 @@ struct CellBlock {
 /// The wanted density of sites, relative to other places: constant, or constant on each cell of a grid that is
 /// stretched over the bounding box of the domain.
 ///
-/// Only ratios matter. All values are scaled on entry by one power of two, which loses no precision: the largest lies
-/// in [1, 2), and values below kLeast count as 0. So sums of values, products of two values or of a value and an area,
-/// and quotients of these are finite and do not underflow. Densities that differ by a power of two give identical
-/// bytes.
+/// Only ratios matter. On entry, all values are scaled by one power of two, which loses no precision: the largest value
+/// then lies in [1, 2), and values below kLeast count as 0. So all of the following are finite and do not underflow:
+/// sums of values, products of two values, products of a value and an area, and quotients of these. Densities that
+/// differ by a power of two give identical bytes.
 class Density {
 public:
-    /// The least positive value, far below anything that affects a number of sites.
+    /// The least positive value. It is so small that it affects no number of sites.
     static constexpr double kLeast = 0x1p-256;
 
     static Density uniform() { return {}; }
 
     /// @param values  [width * height], row by row, the first row at the smallest y; finite, >= 0, at least one > 0
     ///
-    /// Errors: Malformed for a wrong count or value (field `values/i`); Unusable if all are zero.
+    /// Errors: Malformed for a wrong number of values or a value out of range (field `values/i`); Unusable if all are
+    /// zero.
     static Result<Density> grid(int width, int height, std::span<const double> values);
     static Result<Density> grid(int width, int height, std::span<const float> values);
 
@@ -54,7 +55,7 @@ public:
     int width() const { return width_; }    ///< cells; 0 if uniform
     int height() const { return height_; }  ///< cells; 0 if uniform
 
-    /// Scaled value of a cell, to the rounding of its row's sums.
+    /// Scaled value of a cell, with the rounding errors of the row's prefix sums.
     double value(int column, int row) const {
         const double* sums = row_sums_.data() + static_cast<std::size_t>(row) * (static_cast<std::size_t>(width_) + 1) +
                              static_cast<std::size_t>(column);
@@ -70,8 +71,8 @@ public:
     /// Returns the smallest block that contains all nonzero cells. O(cells).
     CellBlock support() const;
 
-    /// Integrates the density over each cell in one row of another grid, which has `columns` x `rows` cells over a
-    /// block of this one. Areas are in units of this grid's cells.
+    /// Integrates the density over each cell in one row of another grid, which has `columns` x `rows` cells and is
+    /// stretched over a block of this grid. Areas are in units of this grid's cells.
     /// @param masses  out, [columns]
     void resample_row(const CellBlock& block, int columns, int rows, int row, std::span<double> masses) const;
 

@@ -7,11 +7,11 @@
 
 namespace ccdt {
 
-/// Cuts the segment ab at the lines of a grid of unit cells and calls `visit(column, row, x, dy)` for each piece with
-/// its cell, the abscissa of its midpoint and its signed height. The heights add up to b.y - a.y.
+/// Cuts the segment ab at the lines of a grid of unit cells. Calls `visit(column, row, x, dy)` for each piece, with the
+/// piece's cell, the abscissa of its midpoint and its signed height. The heights add up to b.y - a.y.
 ///
-/// @param columns, rows  size of the grid in cells; the segment lies within it, and pieces on the far sides belong to
-///                 the last cell
+/// @param columns, rows size of the grid in cells; the segment lies within the grid, and pieces on its far sides belong
+///                 to the last cell
 template <class Visit>
 inline void walk_cells(Point a, Point b, int columns, int rows, Visit&& visit) {
     const double height = b.y - a.y;
@@ -20,7 +20,7 @@ inline void walk_cells(Point a, Point b, int columns, int rows, Visit&& visit) {
     const double slope = width / height;
     const double rise = width != 0 ? height / width : 0;  // unused if the segment stays in one column
     const int step = height > 0 ? 1 : -1;
-    // Rounding can put a point just below 0; truncation assigns it to cell 0, as it should.
+    // Rounding can put a point just below 0; truncation then assigns the point to cell 0, which is correct.
     const int last_row = std::min(static_cast<int>(b.y), rows - 1);
     int row = std::min(static_cast<int>(a.y), rows - 1);
     int column = std::min(static_cast<int>(a.x), columns - 1);

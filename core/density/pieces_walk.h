@@ -7,19 +7,20 @@
 
 namespace ccdt {
 
-/// Segments ab side by side, one for each number in the lanes.
+/// Several segments ab, as many as the lanes have numbers.
 template <class Lanes>
 struct Segments {
     static constexpr std::size_t kCount = 2 * Lanes::kCount;
     typename Lanes::Pairs ax, ay, bx, by;
 };
 
-/// Cuts several segments at once as walk_cells() does, horizontal ones included. Calls `visit(column, row, from, to)`
-/// with whole numbers for the cell and with the parameters of the piece's ends along each segment: 0 at a, 1 at b. The
-/// number of calls is that of the segment with the most pieces; the other segments get pieces of length 0. The pieces
-/// of a segment are bit for bit the same whatever its neighbours and whichever its lane.
+/// Cuts several segments at once, in the way of walk_cells(), but including horizontal segments. Calls `visit(column,
+/// row, from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends
+/// along the segment, 0 at a and 1 at b. The number of calls is that of the segment with the most pieces; the other
+/// segments get pieces of length 0. The pieces of a segment are bit for bit the same whatever the other segments and
+/// whichever its lane.
 ///
-/// @param columns, rows  size of the grid in cells; the segments lie within it, but for rounding
+/// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>
 CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns, int rows, Visit&& visit) {
     using Pairs = typename Lanes::Pairs;

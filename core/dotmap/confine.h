@@ -13,16 +13,17 @@
 
 namespace ccdt {
 
-/// Cuts an area. Errors: Unusable if nothing is left; others.
+/// Cuts an area. Errors: Unusable if nothing would be left; others.
 using Cut = std::function<Result<Domain>(const Domain& area)>;
 
-/// Cuts the areas of all features that have dots. A feature of which nothing is left keeps its area and loses its dots.
+/// Cuts the areas of all features that have dots. If a cut would remove all of a feature's area, the feature's dots are
+/// removed instead, and its area does not change.
 /// @returns  numbers of the features that lost their dots
 ///
 /// Errors: those of `cut` except Unusable.
 Result<std::vector<std::uint32_t>> cut_areas(std::span<MapFeature> features, const Cut& cut);
 
-/// Removes from features what lies outside of a domain, as cut_areas() does.
+/// Removes the parts of features that lie outside a domain, as cut_areas() does.
 /// @param kept  not a torus
 ///
 /// Errors: Stopped.

@@ -45,11 +45,11 @@ public:
     }
 
     /// Creates the grid of an octave.
-    /// @param box       bounding box of its features and of those in adjacent octaves
-    /// @param features  all of these
-    /// @param own       its own features, at least one
+    /// @param box       bounding box of all of `features`
+    /// @param features  the octave's own features and those of the adjacent octaves
+    /// @param own       the octave's own features, at least one
     ErrorGrid make_grid(const Box& box, std::span<const std::size_t> features, std::span<const std::size_t> own) const {
-        constexpr double kMostCells = 8;  // for each dot; features of an octave may lie far apart
+        constexpr double kMostCells = 8;  // per dot; features of an octave may lie far apart
         double area = 0;
         std::size_t dots = 0, own_dots = 0;
         std::vector<BorderEdge> border;
@@ -71,7 +71,7 @@ private:
     Point to_user(Point unit) const { return corner_ + side_ * unit; }
     double area(std::size_t feature) const { return ground_.area(feature).area() / side_ / side_; }
 
-    /// Adds the border of a feature, weighted by the density of dots where the map's density is 1.
+    /// Adds the border of a feature. Its weight is the density of the feature's dots where the map's density is 1.
     void add_border(std::size_t feature, Point corner, std::vector<BorderEdge>& border) const {
         const Domain& area = ground_.area(feature);
         const auto place = [&](Point p) { return to_unit(area.to_user(p)) - corner; };
@@ -81,7 +81,7 @@ private:
         }
     }
 
-    /// Samples the map's density over a box, at the centre of each cell.
+    /// Samples the map's density over a box, at the centres of cells.
     Density density_over(const Box& box, double cell) const {
         if (ground_.is_uniform()) return Density::uniform();
         constexpr double kMost = 1024;

@@ -13,13 +13,14 @@
 namespace ccdt {
 
 /// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of the
-/// features' spacings has a grid, which holds the features of this octave and of the two adjacent ones, with their
-/// dots. A dot takes its error from the grid of its own feature's octave. So dots account for all neighbours up to four
-/// times as dense or as sparse. For stronger contrasts, a feature treats the other one as outside the border.
+/// features' spacings has a grid. It holds the features of this octave and of the two adjacent octaves, with their
+/// dots. The error of a dot is read from the grid of its feature's octave. So all neighbours up to four times as dense
+/// or as sparse are taken into account. Beyond that contrast, the area of the neighbouring feature counts as outside
+/// the border.
 class DotError {
 public:
     /// @param land  its unit frame is the frame of all positions
-    /// @param dots  used for their features only
+    /// @param dots  used only to look up the feature of each dot
     ///
     /// O(dots + corners of the features).
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
@@ -34,7 +35,7 @@ private:
     struct Octave {
         ErrorGrid grid;
         Box box;                            ///< box over which the grid is stretched, in the unit frame
-        std::vector<std::uint32_t> own;     ///< dots of its own features
+        std::vector<std::uint32_t> own;     ///< dots of the octave's own features
         std::vector<std::uint32_t> others;  ///< dots of features in the adjacent octaves
     };
 

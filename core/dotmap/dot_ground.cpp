@@ -41,7 +41,7 @@ std::optional<InteriorSampler> interior_of(const Domain& area) {
     return InteriorSampler(Triangulation(0, *scaffold).inside_triangles());
 }
 
-/// Returns the position along Morton's curve.
+/// Returns the position of a point along Morton's curve.
 std::uint64_t along_curve(Point share) {
     std::uint64_t place = 0;
     for (int bit = 15; bit >= 0; --bit) {
@@ -109,7 +109,7 @@ Result<Density> DotGround::density_of(std::uint32_t feature) const {
     return is_uniform() ? Result<Density>(Density::uniform()) : cut_out(map_.features[feature].area, largest);
 }
 
-/// Returns the options for drawing the initial dots.
+/// Returns the options for drawing the initial dots of a feature.
 Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) const {
     Options options;
     options.sites = dots(feature);
@@ -118,16 +118,16 @@ Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) cons
     return options;
 }
 
-/// Creates the area of a feature with clearance from sparser ground. On sparser ground almost no dots push back, so
-/// rows of dots would be pushed onto the border. Between similar densities there is no clearance, so that borders do
-/// not show.
+/// Creates the area of a feature, in which dots keep a clearance from sparser features. Almost no dots push back from a
+/// sparser feature, so without clearance rows of dots would be pushed onto the border. Between similar densities there
+/// is no clearance, so that borders do not show.
 FeatureArea DotGround::make_fence(std::uint32_t feature) const {
     constexpr double kClear = 0.3;    // relative to the distance of neighbours; half a row would be 0.43
     constexpr double kSteepness = 2;  // no clearance if the density beyond is at least half of that inside
-    constexpr double kThin = 0.5;     // limit relative to the feature's width
-    // Relative to the distance of neighbours: offset at which the density beyond is sampled.
+    constexpr double kThin = 0.5;     // limit on the clearance relative to the feature's width
+    // Distance beyond the border at which the density is sampled, relative to the distance of neighbours.
     constexpr double kBeyond = 1e-3;
-    constexpr std::size_t kCells = 4;  // cells of the grid per dot
+    constexpr std::size_t kCells = 4;  // number of cells of the grid per dot
     const Domain& area = map_.features[feature].area;
     if (dots(feature) == 0) return map_.areas[feature];
     double perimeter = 0;
@@ -215,7 +215,7 @@ Result<std::vector<FeatureDot>> DotGround::draw(std::uint64_t seed, const std::f
 
 Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const std::function<Point(Point)>& rounded,
                              std::span<FeatureDot> dots) const {
-    constexpr int kAttempts = 16;  // where the feature covers half of a dot's cell, 1 dot of 65,536 is still unplaced
+    constexpr int kAttempts = 16;  // if the feature covers half of the dots' cells, 1 dot of 65,536 is left unplaced
     constexpr int kClearAttempts = 8;
     const Domain& area = map_.features[feature].area;
     const auto density = density_of(feature);
@@ -259,7 +259,8 @@ Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, co
 void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop) {
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
     std::uint32_t current = kNone;
-    std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // the last feature that is known to overlap each one
+    std::vector<std::uint32_t> known_to(overlaps_.size(),
+                                        kNone);  // [features] the last feature that is known to overlap each feature
     for (const auto& [place, feature] : dots) {
         if (stop.stop_requested()) return;
         if (feature != current) {

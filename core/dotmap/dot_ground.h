@@ -21,27 +21,27 @@
 
 namespace ccdt {
 
-/// A dot, and the feature to which it belongs permanently.
+/// A dot, and the feature in which it must stay.
 struct FeatureDot {
     Point place;
     std::uint32_t feature = 0;
 };
 
-/// The ground of one class: how densely its dots lie in the features of a map, and where they may lie. All positions
+/// The wanted dots of one class: how densely they lie in the features of a map, and where they may lie. All positions
 /// are in the caller's coordinates.
 class DotGround {
 public:
-    /// Data that all classes of a map share; must outlive their grounds.
+    /// Data that all classes of a map share. Must outlive the DotGround of every class.
     struct Map {
         std::span<const MapFeature> features;
         std::span<const FeatureArea> areas;  ///< areas of the features
         const FeatureIndex& index;           ///< index of the areas
         const Box& box;                      ///< box over which the density is stretched
         const Density& density;
-        std::span<const Point> fixed;  ///< existing points; dots take the rest of a feature
+        std::span<const Point> fixed;  ///< existing points; dots take the remaining area of a feature
     };
 
-    /// Creates the ground of one class.
+    /// Creates the DotGround of one class.
     /// @param stop  polled regularly; a stop gives the error Stopped
     ///
     /// Errors: Unusable if the density is zero everywhere in a feature that has dots.
@@ -55,27 +55,27 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Number of dots per squared unit that a feature has where the density is 1. The area of fixed points counts as
-    /// dots.
+    /// Number of dots per squared unit that a feature has where the density is 1. The area that fixed points take
+    /// counts as dots.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// Returns the wanted density at a point, according to the map's density.
     double density(Point p) const;
 
-    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. Features are
-    /// ordered so that successive ones are mostly neighbours.
+    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. In the order
+    /// of the result, successive features are mostly neighbours.
     /// @param rounded  rounds a position to the one where it will be stored; called in parallel
     ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
                                          Executor& executor, const std::stop_token& stop) const;
 
-    /// Draws a new position for a dot, anywhere in its feature, until one is accepted. Errors: Unusable.
-    /// @param interior  sampler of the feature; created if empty
+    /// Draws new positions for a dot, anywhere in its feature, until one is accepted. Errors: Unusable if none is.
+    /// @param interior  sampler of the feature; created here if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
 
-    /// Finds overlapping features from the positions of dots.
+    /// Finds pairs of overlapping features from the positions of dots.
     /// @param stop  polled regularly; after a stop some overlaps may be missing
     void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
@@ -83,7 +83,7 @@ public:
     /// features there.
     double at(std::uint32_t feature, Point p) const;
 
-    /// Returns the density of dots at any position, over all features there.
+    /// Returns the density of dots at any position: the sum over all features there.
     double around(Point p) const;
 
     /// Whether the density is constant over a feature.
@@ -92,10 +92,11 @@ public:
     /// Whether a dot may lie at a position.
     bool may_be(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position: it must keep its row's distance from sparser ground.
+    /// Whether a dot may start at a position. It must not be too close to a border beyond which the density is much
+    /// lower.
     bool is_clear(std::uint32_t feature, Point p) const;
 
-    /// Fast test for is_clear() that succeeds at most positions.
+    /// Fast test for is_clear(). It returns true at most positions at which is_clear() would.
     bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
 
     /// Returns the position that a dot reaches when it moves from one position towards another.
@@ -117,11 +118,11 @@ private:
     Map map_;
     std::size_t class_;
     std::size_t dots_ = 0;
-    std::vector<FeatureArea> fences_;  ///< [features] with the clearance for this class
+    std::vector<FeatureArea> fences_;  ///< [features] areas with the clearance for this class
     std::vector<double> wanted_;       ///< [features] dots per squared unit where the density is 1
-    /// [features] fixed points in each; empty if there are none at all.
+    /// [features] fixed points in each feature; empty if there are no fixed points.
     std::vector<std::vector<Point>> fixed_;
-    std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] other features that overlap it
+    std::vector<std::vector<std::uint32_t>> overlaps_;  ///< [features] the other features that overlap each feature
 };
 
 }  // namespace ccdt

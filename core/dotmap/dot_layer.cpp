@@ -25,12 +25,12 @@ namespace {
 constexpr double kLongestPush = 0.4;  ///< relative to a dot's radius: neighbours keep more than half of their distance
 constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
 constexpr double kSmall = 0.01;       ///< share of the wanted area below which a triangle may be a needle
-// Dots or triangles per task.
+// Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
-/// Returns the wanted doubled area of a triangle between discs of given radii. For equal radii it is that of the
-/// hexagonal grid. Along a straight border between small and large discs, the strip between the two first rows is half
-/// a row of each.
+/// Returns the wanted doubled area of a triangle between discs with the given radii. For equal radii, it is the area of
+/// a triangle of the hexagonal grid. Along a straight border between small and large discs, the two first rows on both
+/// sides are half a row of small discs plus half a row of large discs apart.
 double doubled_area(double a, double b, double c) {
     const auto [least, most] = std::minmax({a, b, c});
     if (!(most > 0)) return 0;
@@ -162,7 +162,7 @@ void DotLayer::find_radii() {
     });
 }
 
-/// Computes the wanted areas of all triangles. A border vertex has the mean radius of the triangle's dots.
+/// Computes the wanted areas of all triangles. A border vertex counts with the mean radius of the triangle's dots.
 void DotLayer::find_aims() {
     find_radii();
     aims_.resize(mesh().triangle_count());
@@ -197,8 +197,8 @@ double DotLayer::measure() {
     return variation;
 }
 
-/// Reduces the weight of triangles between dense and sparse dots. Their error is due to the sparse dots, which cannot
-/// adapt, and would draw rows of dense dots onto the border.
+/// Reduces the weight of triangles between dense and sparse dots. The error of such triangles is due to the sparse
+/// dots, which cannot adapt. With full weight, it would draw rows of dense dots onto the border.
 void DotLayer::soften_borders() {
     const auto soften = [this](std::uint32_t triangle) {
         double least = std::numeric_limits<double>::max(), most = 0;
@@ -251,7 +251,7 @@ void DotLayer::relax(int passes) {
 }
 
 void DotLayer::ease(const PolishSettings& settings) {
-    constexpr int kFirst = 2;  // earlier, dots are not near their final places
+    constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final places
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
     begin();
     push_apart(settings.reach, settings.push, {});
@@ -300,7 +300,7 @@ Point DotLayer::push_off_neighbours(std::uint32_t dot, double reach, double push
             const Point along = mesh().along(h);
             const double both = radii_[dot] + radii_[other], least = reach * both;
             const double squared = ccdt::dot(along, along);
-            // If the neighbour is fixed, the dot moves the whole way.
+            // If the neighbour is fixed, the dot moves the whole distance.
             const double share = mesh().is_free(other) ? radii_[dot] / both : 1;
             if (squared < least * least) moved = moved - 2 * push * share * (least / std::sqrt(squared) - 1) * along;
         }
@@ -322,8 +322,8 @@ Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) co
     return moved;
 }
 
-/// Creates the transport. Excess does not flow between dots of very different density: dense dots keep clear of such a
-/// border, which would obstruct the flow.
+/// Creates the transport. Excess does not flow between dots of very different density: dense dots keep away from a
+/// border with sparse dots, which would obstruct the flow.
 MeshTransport DotLayer::make_transport() const {
     constexpr double kMostContrast = 2;
     auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,
@@ -388,7 +388,7 @@ bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
 }
 
-/// Reverts moves at triangles that would be inverted or lose most of their area, until there are none.
+/// Reverts moves around triangles that would be inverted or lose most of their area, until no such triangle remains.
 void DotLayer::revert_moves() {
     std::vector<std::vector<std::uint32_t>> lists((areas_.size() + kTriangles - 1) / kTriangles);
     for (bool found = true; found;) {
@@ -402,7 +402,7 @@ void DotLayer::revert_moves() {
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(t, mesh().doubled_area(t))) continue;  // a neighbour has been moved back meanwhile
+                if (is_sound(t, mesh().doubled_area(t))) continue;  // meanwhile a neighbouring dot was moved back
                 for (const std::uint32_t v : mesh().corners(t)) {
                     if (!mesh().is_site(v) || mesh().point(v) == before_[v]) continue;
                     mesh().points()[v] = before_[v];

@@ -25,12 +25,12 @@
 namespace ccdt {
 
 /// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while goes_on();
-/// then, if there is a polish, begin() and its steps, with restore() after large moves. After the start, collect()
-/// returns the current state.
+/// then, if there is a polish, begin() and the steps of the polish. restore() follows large moves. After the start,
+/// collect() returns the current state.
 class DotLayer {
 public:
     /// @param ground   must outlive this
-    /// @param land     all ground that has dots
+    /// @param land     union of all features that have dots of the class
     /// @param control  its executor must outlive this
     DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
     DotLayer(const DotLayer&) = delete;  // relaxations refer to it
@@ -40,7 +40,7 @@ public:
     Result<void> start();
 
     bool goes_on() const;
-    /// Runs the steps of the polish that precede the next iteration, if any: a push and an even round.
+    /// Runs the polish steps that precede the next iteration: a push and an even round. Does nothing if there are none.
     void ease(const PolishSettings& settings);
     /// @returns  false after a stop
     bool iterate();
@@ -54,7 +54,7 @@ public:
 
     /// Moves neighbours that are too near apart, and adds the given moves.
     /// @param reach   relative to the distance that two neighbours should have
-    /// @param push    share of the missing distance by which the two move on average
+    /// @param push    share of the missing distance by which the two neighbours move on average
     /// @param pushed  [dots] moves caused by other classes; may be empty
     void push_apart(double reach, double push, std::span<const Point> pushed);
 
@@ -111,14 +111,14 @@ private:
     std::stop_token stop_;
     Executor& executor_;
     std::optional<DomainMesh> placed_;
-    std::vector<FeatureDot> dots_;             ///< in the order of their sites, with their initial positions
-    FixedSites fixed_;                         ///< fixed points; their vertices follow the dots' vertices
-    std::optional<CellList> others_;           ///< fixed points without a vertex
-    std::vector<double> radii_;                ///< [sites] half of the wanted distance of neighbours, in the unit frame
-    std::vector<double> aims_;                 ///< [triangles] wanted doubled area
-    std::vector<double> capacities_;           ///< [triangles] area relative to the wanted one, in halves of a dot
-    std::vector<TriangleGoal> goals_;          ///< [triangles] targets and weights
-    std::vector<Point> moves_, before_;        ///< [sites] current moves, and positions before them
+    std::vector<FeatureDot> dots_;       ///< in the order of their sites, with their initial positions
+    FixedSites fixed_;                   ///< fixed points; their vertices follow the dots' vertices
+    std::optional<CellList> others_;     ///< fixed points without a vertex
+    std::vector<double> radii_;          ///< [sites] half of the wanted distance between neighbours, in the unit frame
+    std::vector<double> aims_;           ///< [triangles] wanted doubled area
+    std::vector<double> capacities_;     ///< [triangles] area relative to the wanted area, in halves of a dot
+    std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
+    std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves
     std::optional<Relaxation> relaxation_;     ///< during iterations only
     std::optional<MeshTransport> transport_;   ///< created when first needed
     std::vector<double> spacings_;             ///< [sites] local spacings

@@ -21,7 +21,7 @@ namespace ccdt {
 namespace {
 
 /// Returns the union of all features that have dots.
-/// @param number  of the class; none: dots of any class
+/// @param number  number of the class; none: features with dots of any class
 Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::size_t> number,
                        const std::stop_token& stop) {
     std::vector<const Domain*> areas;
@@ -71,11 +71,11 @@ private:
     DotGround::Map map_;
     const Options& options_;
     const Control& control_;
-    std::optional<Domain> land_;                       ///< of all classes; none if only one class has dots
+    std::optional<Domain> land_;  ///< union of the features of all classes; none if only one class has dots
     std::vector<std::unique_ptr<DotGround>> grounds_;  ///< [classes] null for classes without dots
     std::vector<std::unique_ptr<DotLayer>> layers_;    ///< [classes] null for classes without dots
-    std::vector<DotLayer*> used_;                      ///< those of classes with dots
-    std::optional<PolishSettings> settings_;           ///< none without polish
+    std::vector<DotLayer*> used_;                      ///< the layers of classes with dots
+    std::optional<PolishSettings> settings_;           ///< none if there is no polish
     int round_ = 0;
 };
 
@@ -115,7 +115,7 @@ Result<void> DotMap::make_layers() {
 }
 
 PolishSettings DotMap::settings() const {
-    // Like boxes, which need no more than pushes besides transport.
+    // With fixed points, dots are treated like the sites of boxes, which are moved by pushes alone besides transport.
     const bool is_pushed_alone = !options_.fixed.empty();
     const bool is_smooth = map_.density.is_smooth();
     if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);

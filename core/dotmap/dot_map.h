@@ -15,7 +15,7 @@
 
 namespace ccdt {
 
-/// A part of a map with its own number of dots of each class.
+/// A part of a map for which the number of dots of each class is given.
 struct MapFeature {
     Domain area;                    ///< not a torus
     std::vector<std::size_t> dots;  ///< [classes] number of dots
@@ -28,26 +28,26 @@ struct ClassDots {
 };
 
 /// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot
-/// leaves its feature. The distance of neighbours in two features lies between the spacings of both. Where features
-/// overlap, there are the dots of both. The dots of each class are evenly distributed, and dots of different classes
-/// keep apart.
+/// leaves its feature. The distance between neighbours in two features lies between the spacings of these features.
+/// Overlapping features each keep their dots. The dots of each class are evenly distributed, and dots
+/// of different classes keep apart.
 ///
-/// All dots of a class are the sites of one triangulation of all ground that has dots. The target of a triangle follows
-/// from the discs of its corners' dots, each as large as the dot's share of ground. Moves that would leave a feature
-/// slide along its border instead. Long waves of density error are removed across borders between similar densities,
-/// and within each feature otherwise.
+/// All dots of a class are the sites of one triangulation, of the union of all features that have such dots. Each dot
+/// has a disc as large as its share of the feature. The target of a triangle follows from the discs of its corners. A
+/// move that would leave a feature slides along its border instead. Long waves of density error are removed across
+/// borders between similar densities; at other borders, they are removed on each side separately.
 ///
 /// @param features  all with the same number of classes, and at least one dot in all
 /// @param box       box over which the density is stretched
-/// @param density   wanted density, relative to other ground of the same feature
-/// @param options   the number of sites is that of the features' dots; no mesh is kept
+/// @param density   wanted density, relative to other places in the same feature
+/// @param options   the number of sites is ignored, as features have numbers of dots; no mesh is kept
 /// @param control   as in distribute_inks(); a stop returns the current dots, which is not an error; a stop during the
 ///                  start gives the error Stopped
 /// @returns         [classes]
 ///
-/// Errors: as distribute(); Unusable with the field `features/i` if a density is zero everywhere in a feature that has
-/// dots, or if a feature is too thin for points strictly inside.
-/// Deterministic. O(dots) per pass, times the logarithm of the number of the features' corners.
+/// Errors: as for distribute(); Unusable with the field `features/i` if a density is zero everywhere in a feature that
+/// has dots, or if a feature is too thin for points strictly inside. Deterministic. O(dots log c) per pass, where c is
+/// the number of the features' corners.
 Result<std::vector<ClassDots>> distribute_dots(std::span<const MapFeature> features, const Box& box,
                                                const Density& density, const Options& options,
                                                const Control& control = {});

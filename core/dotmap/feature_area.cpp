@@ -8,7 +8,7 @@ namespace ccdt {
 
 FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::size_t cells)
     : bounds_(domain.bounds()) {
-    // Covers the rounding of corners and that of points.
+    // Allows for the rounding of corners and of points.
     constexpr double kRoundings = 2;
     margin_ = kRoundings * domain.resolution() * std::max(bounds_.width(), bounds_.height());
     std::vector<Edge> all;
@@ -23,7 +23,7 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::
             heights += std::abs(b.y - a.y);
         }
     }
-    // The largest number of rows for which an edge lies in four rows on average.
+    // The largest number of rows for which an edge lies in four rows on average, or fewer.
     constexpr double kEach = 4;
     const double spans = std::max(heights / bounds_.height(), kEach);
     const auto rows = static_cast<std::size_t>(1 + kEach * static_cast<double>(all.size()) / spans);
@@ -41,7 +41,7 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::
     if (cells > 0) make_grid(all, spans, cells);
 }
 
-/// Determines the cells that no edge comes near, and which of them lie inside.
+/// Finds the cells that no edge comes near, and determines which of these cells lie inside.
 /// @param crossings  mean number of edges that cross a row
 void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, std::size_t cells) {
     const double each = static_cast<double>(cells), shape = bounds_.width() / bounds_.height();
@@ -59,7 +59,7 @@ void FeatureArea::make_grid(const std::vector<Edge>& edges, double crossings, st
                                    (static_cast<double>(row) + 0.5) / rows * bounds_.height()};
     };
     for (std::size_t row = 0; row < grid_rows_; ++row) {
-        Cell run = Cell::Near;  // state of the current run of cells without an edge between them
+        Cell run = Cell::Near;  // state of the current run of cells that no edge separates
         for (std::size_t column = 0; column < grid_columns_; ++column) {
             Cell& cell = grid_[row * grid_columns_ + column];
             if (cell != Cell::Near && run == Cell::Near) {
@@ -104,7 +104,7 @@ std::size_t FeatureArea::row_of(double y) const {
     return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(first_.size() - 2)));
 }
 
-/// @param near  out: an edge within whose clearance the point lies, if it is in the margin
+/// @param near  out: if the point is in the margin, an edge within whose clearance it lies
 FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))
         return Place::Outside;

@@ -12,14 +12,14 @@
 
 namespace ccdt {
 
-/// Tests whether points lie inside a domain that is not a torus, in the caller's coordinates: strictly inside, by more
-/// than rounding errors.
+/// Tests whether points lie inside a domain that is not a torus, in the caller's coordinates. Such points lie strictly
+/// inside, by more than rounding errors.
 class FeatureArea {
 public:
     /// Position of a point relative to the area.
     enum class Place {
         Outside,
-        Margin,  ///< inside, but nearer to an edge than its clearance
+        Margin,  ///< inside, but nearer to an edge than the edge's clearance
         Inside,
     };
 
@@ -30,14 +30,14 @@ public:
     /// Creates an empty area.
     FeatureArea() = default;
 
-    /// @param clearance  none: 0
-    /// @param cells      approximate size of a grid that stores which cells lie entirely inside; 0: no grid
+    /// @param clearance  none: all clearances are 0
+    /// @param cells      approximate number of cells of a grid that stores which cells lie entirely inside; 0: no grid
     explicit FeatureArea(const Domain& domain, const Clearance& clearance = {}, std::size_t cells = 0);
 
     const Box& bounds() const { return bounds_; }
 
-    /// O(1) in cells entirely inside; else O(edges in the row of the point), which are few unless borders are
-    /// scribbles.
+    /// O(1) for points in cells entirely inside. For other points O(edges in the row of the point), which are few
+    /// unless borders are scribbles.
     bool contains(Point p) const { return place_of(p) != Place::Outside; }
     Place place_of(Point p) const {
         const Edge* edge = nullptr;
@@ -48,9 +48,9 @@ public:
         return !grid_.empty() && grid_[grid_row(p.y) * grid_columns_ + grid_column(p.x)] == Cell::Inside;
     }
 
-    /// Returns where a move from one position towards another ends without leaving the area: at `to` if it is inside;
-    /// else at a point slid along the obstructing border by the same distance, half way to that border, or at `from`. A
-    /// point that keeps the clearance continues to do so.
+    /// Returns where a move from one position towards another ends without leaving the area. It ends at `to` if `to` is
+    /// inside. Otherwise it ends at a point slid along the obstructing border by the same distance, half way to that
+    /// border, or at `from`. A point that keeps the clearance continues to do so.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 
@@ -79,7 +79,7 @@ private:
     double margin_ = 0;
     double row_height_ = 1;
     std::vector<std::size_t> first_;  ///< [rows + 1] first edge of each row
-    std::vector<Edge> edges_;         ///< sorted by row; an edge is listed in each row that it reaches
+    std::vector<Edge> edges_;         ///< sorted by row; an edge is listed in every row that it reaches
     std::size_t grid_columns_ = 1, grid_rows_ = 1;
     double columns_per_unit_ = 1, rows_per_unit_ = 1;
     std::vector<Cell> grid_;  ///< [rows][columns], or empty

@@ -15,19 +15,19 @@ namespace ccdt {
 
 struct GlobeDots {
     std::vector<ClassDots> classes;   ///< points in longitude, within [-180, 180], and latitude, in degrees
-    double pitch = 0;                 ///< square root of the ground per dot, in metres
-    std::vector<std::uint32_t> lost;  ///< features that lost their dots because the buffer leaves nothing of them
+    double pitch = 0;                 ///< square root of the ground area per dot, in metres
+    std::vector<std::uint32_t> lost;  ///< features that lost their dots because the buffer covers all of their area
 };
 
-/// Distributes dots as distribute_dots() does, evenly on the ground of each feature.
+/// Distributes dots as distribute_dots() does. They are evenly distributed on the ground, within each feature.
 ///
 /// @param features  in longitude and latitude
 /// @param region    union of the features, in longitude and latitude, see distribute_on_globe()
-/// @param density   stretched over the bounding box of the region; relative to other ground of the same feature
+/// @param density   stretched over the bounding box of the region; relative to other places in the same feature
 /// @param buffer    least distance on the ground from the border of the region, in metres
 ///
-/// Errors: those of distribute_dots() and chart_region(); Unusable for features that cover the globe, or for a buffer
-/// that leaves nothing of the features with dots.
+/// Errors: those of distribute_dots() and chart_region(); Unusable if the features cover the globe, or if the buffer
+/// covers all features with dots.
 Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features, const Domain& region,
                                            const Density& density, const Options& options, double buffer = 0,
                                            const Control& control = {});

@@ -13,7 +13,7 @@
 namespace ccdt {
 namespace {
 
-constexpr std::size_t kStopStride = 4'096;  ///< points between two looks at the stop token
+constexpr std::size_t kStopStride = 4'096;  ///< points between polls of the stop token
 
 double distance_to_edge(Point p, Point a, Point b) {
     const Point along = b - a, to = p - a;
@@ -71,7 +71,7 @@ private:
         for (p.x += period_ * std::ceil((box_.min.x - p.x) / period_); p.x <= box_.max.x; p.x += period_) function(p);
     }
 
-    /// Finds the area whose border is nearest, among those whose bounding boxes are near, if there are any.
+    /// Finds the area whose border is nearest. Considers only areas whose bounding boxes are near, if there are any.
     std::uint32_t nearest(Point p) const {
         std::uint32_t best = 0;
         double least = std::numeric_limits<double>::max();

@@ -12,13 +12,13 @@
 
 namespace ccdt {
 
-/// Finds the area in which each of several points lies: the first of those that overlap there. A point in none of them,
-/// as one on a border that two areas share, belongs to the area whose border is nearest.
+/// Finds the area in which each of several points lies. Where areas overlap, it is the first of them. If a point lies
+/// in no area, or on a border that two areas share, it belongs to the area whose border is nearest.
 ///
 /// @param areas   [n >= 1], none of them a torus
-/// @param period  distance along x after which places repeat, as 360 degrees of longitude; 0: they do not
+/// @param period  distance along x after which places repeat, such as 360 degrees of longitude; 0: places do not repeat
 /// @returns       indices of areas [points]
-/// Errors: Stopped. O(edges in the row of a point) each.
+/// Errors: Stopped. O(edges in the row of the point) for each point.
 Result<std::vector<std::uint32_t>> locate(std::span<const Domain* const> areas, std::span<const Point> points,
                                           double period = 0, const std::stop_token& stop = {});
 

@@ -12,7 +12,8 @@
 namespace ccdt {
 namespace {
 
-/// Lines per task: more than are transformed at once, and columns that fill whole cache lines in each row of the grid.
+/// Number of lines per task. It exceeds the number of lines transformed at once, and as many columns fill whole cache
+/// lines in each row of the grid.
 constexpr std::size_t kLines = 16;
 
 struct Free {
@@ -54,10 +55,10 @@ std::size_t product(int columns, int rows) {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
 
-/// Transforms columns in a copy, a few at a time. In place, the large strides of a big grid would map to few sets of
-/// the cache.
+/// Copies a few columns at a time and transforms the copies. In place, the large strides of a big grid would map to few
+/// sets of the cache.
 /// @param grid       row by row
-/// @param transform  called with the lines and a pointer to the first of them
+/// @param transform  called with the lines and a pointer to the first line
 template <class Value, class Transform>
 void for_columns(Executor& executor, Value* grid, std::size_t width, std::size_t rows, Transform&& transform) {
     for_ranges(executor, width, kLines, [&](std::size_t begin, std::size_t end) {

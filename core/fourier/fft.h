@@ -17,13 +17,13 @@ int good_size(double least);
 
 /// Fourier transform of a real grid, and its inverse.
 ///
-/// The same input gives the same bits in every run, on every processor of one architecture and with any executor. An
-/// object must be used by one thread at a time. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
+/// The same input gives the same bits in every run, on every processor of one architecture and with any executor. Only
+/// one thread at a time may use an object. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
 class RealTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
     /// @param executor       runs the transforms; must outlive this
-    /// @param spare          least size of spare(), in numbers
+    /// @param spare          least size of spare(), as a count of numbers
     ///
     /// All cells are 0 at first.
     RealTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
@@ -31,18 +31,19 @@ public:
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
 
-    /// Releases the memory. The next call must be grid() or spare(), which allocates it again with all cells 0.
+    /// Releases the memory. The next call must be grid() or spare(), which allocates the memory again, with all cells
+    /// 0.
     void release_memory();
 
     /// Cells of the grid [rows * columns], row by row.
     std::span<double> grid();
 
-    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) is in row y mod rows. Each column left out
-    /// is the complex conjugate of the coefficient at (-x, -y).
+    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) is in row y mod rows. The columns of
+    /// negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
-    /// Memory of the spectrum, free for other use between backward() and forward(): `spare` numbers.
+    /// Memory of the spectrum as an array of `spare` numbers, free for other use between backward() and forward().
     std::span<double> spare();
 
     /// Computes spectrum[k] = sum over cells j of grid[j] e^(-2 pi i k.j), k.j = x_k x_j / columns + y_k y_j / rows.
@@ -58,13 +59,13 @@ private:
     std::unique_ptr<Grids> grids_;
 };
 
-/// Cosine transform of a real grid, and its inverse, in place: the Fourier transform of the grid mirrored at its
-/// border. The guarantees of RealTransform hold; 8 bytes per cell.
+/// Cosine transform of a real grid, and its inverse, in place. This is the Fourier transform of the grid mirrored at
+/// its border. The guarantees of RealTransform hold. 8 bytes per cell.
 class CosineTransform {
 public:
     /// @param columns, rows  >= 1; see good_size()
     /// @param executor       runs the transforms; must outlive this
-    /// @param spare          least size of spare(), in numbers; 0, or at least the number of cells
+    /// @param spare          least size of spare(), as a count of numbers; 0, or at least the number of cells
     ///
     /// All cells are 0 at first.
     CosineTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
@@ -72,14 +73,15 @@ public:
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();
 
-    /// Releases the memory. The next call must be grid() or spare(), which allocates it again with all cells 0.
+    /// Releases the memory. The next call must be grid() or spare(), which allocates the memory again, with all cells
+    /// 0.
     void release_memory();
 
-    /// Cells of the grid [rows * columns], row by row: values before forward(), coefficients of frequency (x, y) after
-    /// it.
+    /// Cells of the grid [rows * columns], row by row. They hold values before forward(), and coefficients of frequency
+    /// (x, y) afterwards.
     std::span<double> grid();
 
-    /// Memory that begins with the grid: `spare` numbers, if any were asked for.
+    /// Memory that begins with the grid. Its size in numbers is the larger of `spare` and the number of cells.
     std::span<double> spare();
 
     /// DCT-II. Coefficient (x, y) is 4 sum over cells (i, j) of

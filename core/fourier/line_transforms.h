@@ -6,7 +6,7 @@
 
 namespace ccdt {
 
-/// Lines of numbers at equal distances in memory. All distances are in numbers.
+/// Lines of numbers at equal distances in memory. All distances are counted in numbers, not bytes.
 struct LineSet {
     std::size_t size;   ///< numbers per line, >= 1
     std::size_t step;   ///< distance between successive numbers of a line
@@ -14,8 +14,8 @@ struct LineSet {
     std::size_t apart;  ///< distance between successive lines
 };
 
-/// Transforms of lines, several at once. The result of a line is bit for bit the same whatever the other lines and
-/// whatever the processor. By pocketfft (Reinecke 2019), which caches its tables for recent sizes. Thread-safe. The
+/// Transforms of lines, several lines at once. The result of a line is bit for bit the same whatever the other lines
+/// and the processor. Uses pocketfft (Reinecke 2019), which caches its tables for recent sizes. Thread-safe. The
 /// functions throw std::bad_alloc. O(n log n) for n numbers.
 struct LineTransforms {
     /// DCT-II in place: Y[k] = 2 sum over j of y[j] cos(pi k (j + 1/2) / size).
@@ -39,7 +39,7 @@ struct LineTransforms {
     void (*complex_back)(const LineSet& lines, std::complex<double>* values);
 };
 
-/// Returns the transforms for every processor of the architecture.
+/// Returns the transforms that run on every processor of the architecture.
 const LineTransforms& common_line_transforms();
 
 /// Returns the fastest transforms that this processor supports.

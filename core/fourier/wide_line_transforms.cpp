@@ -3,8 +3,8 @@
 
 #if defined(__x86_64__) && !defined(__clang__)
 
-// Everything that pocketfft includes from the standard library is included before the pragma. Its inline functions are
-// shared with other files, which must run on every processor.
+// All standard headers that pocketfft includes are included before the pragma. Their inline functions are shared with
+// other files, which must run on every processor.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,8 +19,8 @@
 #include <string>
 #include <vector>
 
-// pocketfft derives its vector width from __AVX__, which the pragma does not define. The third macro renames its
-// namespace, to keep this code apart from that compiled for every processor.
+// pocketfft derives its vector width from __AVX__, which the pragma does not define. The third macro renames
+// pocketfft's namespace, to keep this code apart from the code compiled for every processor.
 #pragma GCC push_options
 #pragma GCC target("avx2")
 #define __AVX__ 1

@@ -39,7 +39,7 @@ bool Cover::has_segment(std::uint32_t triangle, std::size_t edge) const {
     return set != kNone && !map_.groups_of(set).empty();
 }
 
-/// Reports points of one ring that coincide.
+/// Reports points of the same ring that coincide.
 void Cover::find_shared_points() {
     std::vector<bool> is_shared(map_.points.size(), false);
     for (std::uint32_t i = 0; i < map_.vertex_of.size(); ++i) {
@@ -121,7 +121,7 @@ void Cover::walk() {
     }
 }
 
-/// @param set  the set crossed to enter the triangle
+/// @param set  the set of groups crossed to enter the triangle
 void Cover::enter(std::uint32_t triangle, std::uint32_t set) {
     Face& face = faces_[face_of_[triangle]];
     if (!face.is_thin) ++passed_;
@@ -155,7 +155,7 @@ void Cover::toggle(std::uint32_t group) {
 }
 
 /// Reports a hole outside its part, a hole in another hole of its part, and parts that overlap.
-/// @param set  the set just crossed
+/// @param set  the set of groups just crossed
 void Cover::examine(std::uint32_t set, Point place) {
     const auto last_open = [&](auto is_wanted) {
         const auto found = std::find_if(open_.rbegin(), open_.rend(), is_wanted);
@@ -184,7 +184,7 @@ void Cover::examine(std::uint32_t set, Point place) {
     add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
 }
 
-/// Gives each thin face the state of its surroundings: flips it if no neighbouring face agrees with it.
+/// Decides for each thin face whether it is covered: if all neighbouring faces differ from it, it takes their state.
 void Cover::settle_thin_faces() {
     std::vector<bool> has_like(faces_.size(), false);
     for (std::uint32_t t = 0; t < map_.triangles.size(); ++t) {

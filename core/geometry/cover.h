@@ -13,8 +13,8 @@
 
 namespace ccdt {
 
-/// Decides which triangles of an arrangement a set of rings covers. Each group of chains is one ring. A ring encloses
-/// its inside by the even-odd rule, a part is its outer ring minus its holes, and the covered area is the union of all
+/// Finds the triangles of an arrangement that a set of rings covers. Each group of chains is one ring. By the even-odd
+/// rule, a ring encloses its inside. A part is its outer ring minus its holes. The covered area is the union of all
 /// parts.
 class Cover {
 public:
@@ -39,8 +39,8 @@ public:
     /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.
     bool has_contacts() const { return !map_.meetings.empty() || !shared_.empty(); }
 
-    /// Returns the borders of the covered area, which lies on their left. Each border passes through one fan of
-    /// triangles at each corner.
+    /// Returns the borders of the covered area, which lies on their left. At a vertex where several separate sectors of
+    /// the area meet, each border passes through one sector.
     std::vector<Ring> trace() const;
 
 private:
@@ -57,7 +57,7 @@ private:
         std::size_t holes = 0;    ///< holes that contain the current triangle
         std::size_t faces = 0;    ///< faces covered by this part alone and entered across its own border
     };
-    /// A point that coincides with other points.
+    /// An input point that coincides with other input points.
     struct Shared {
         std::uint32_t vertex, group, point;
         friend auto operator<=>(const Shared&, const Shared&) = default;
@@ -101,8 +101,8 @@ private:
     std::vector<bool> is_open_;          ///< [groups] whether the ring contains the current triangle
     std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
     std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
-    std::size_t passed_ = 0;             ///< triangles of thick faces entered so far
-    std::vector<std::size_t> thick_in_;  ///< [groups] triangles of thick faces entered while the group was open
+    std::size_t passed_ = 0;             ///< number of triangles of thick faces entered so far
+    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles of thick faces entered while it was open
 };
 
 }  // namespace ccdt

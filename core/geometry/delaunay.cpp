@@ -55,7 +55,8 @@ Kernel::Point_2 to_cgal(Point p) {
 }
 
 /// Inserts points in spatial order.
-/// @returns  [points] the vertex of each; coincident points share one, numbered as one of them; empty after a stop
+/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex, which has the
+///           number of one of them
 std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
                                   const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;
@@ -133,7 +134,7 @@ std::vector<ConstrainedDelaunay::Branch> find_branches(std::span<const std::uint
     return branches;
 }
 
-/// Computes the same value as exact_crossing() in quadruple precision; none if that precision does not suffice.
+/// Computes the same value as exact_crossing() in quadruple precision; returns none if that precision does not suffice.
 std::optional<Point> quick_crossing(Point a, Point b, Point c, Point d) {
     constexpr int kRoundings = 8;  // more roundings than in any of the sums below
     const Wide ux = Wide{b.x} - a.x, uy = Wide{b.y} - a.y, vx = Wide{d.x} - c.x, vy = Wide{d.y} - c.y;
@@ -166,7 +167,7 @@ Point exact_crossing(Point a, Point b, Point c, Point d) {
     return {rounded(place->x()), rounded(place->y())};
 }
 
-/// Returns the crossing of two segments, rounded; it lies within the bounding box of each.
+/// Returns the crossing of two segments, rounded to a point within the bounding boxes of both.
 Point crossing(Point a, Point b, Point c, Point d) {
     const auto quick = quick_crossing(a, b, c, d);
     const Point place = quick ? *quick : exact_crossing(a, b, c, d);
@@ -180,10 +181,10 @@ double distance_to_line(Point p, Point a, Point b) {
 /// Number of segments above which inserting them one after the other may take too long.
 constexpr std::size_t kVeryMany = 100'000;
 
-/// Returns the order in which to insert segments. Inserting a segment takes time for each triangle that it crosses, and
-/// a segment crosses none beyond its neighbours that were inserted before. If there are very many, neighbours along a
-/// chain are therefore inserted far from one another in time: in the order of their numbers with reversed bits.
-/// Otherwise n needles beside each other can take O(n^2).
+/// Returns the order in which to insert segments. The time to insert a segment grows with the number of triangles that
+/// it crosses. It crosses no triangle beyond a neighbouring segment that has already been inserted. So if there are
+/// very many segments, they are inserted in the order of their numbers with reversed bits, which separates neighbours
+/// along a chain. Otherwise n needles beside each other can take O(n^2).
 ///
 /// Source: Shewchuk and Brown, Fast segment insertion and incremental construction of constrained Delaunay
 /// triangulations, Computational Geometry 48 (2015). Departure: the order is not random.
@@ -200,10 +201,10 @@ std::vector<std::uint32_t> insertion_order(std::size_t segments) {
     return order;
 }
 
-using DelaunayBase = Triangulation;  // which within a class derived from it is CGAL's name for another
+using DelaunayBase = Triangulation;  // within a derived class, CGAL gives the name Triangulation another meaning
 
-/// A triangulation that need not stay Delaunay where segments are inserted. The flips that restore this take up to
-/// O(n^2) for a segment that crosses n triangles.
+/// A triangulation that may lose the Delaunay property where segments are inserted. The flips that would restore the
+/// property take up to O(n^2) for a segment that crosses n triangles.
 class LooseTriangulation : public Triangulation {
 public:
     explicit LooseTriangulation(bool is_delaunay) : is_delaunay_(is_delaunay) {}
@@ -218,7 +219,7 @@ private:
     const bool is_delaunay_;
 };
 
-/// Inserts the segments of chains, and cuts them and the edges that they cross.
+/// Inserts the segments of chains. Cuts each segment, and the edges that it crosses.
 class Arranger {
 public:
     Arranger(const Chains& chains, double tolerance, std::size_t most)
@@ -258,11 +259,11 @@ private:
     using Ends = std::pair<Vertex, Vertex>;
     using Groups = std::vector<std::uint32_t>;
 
-    /// A part of one segment, or of several segments that run along the same edge.
+    /// A part of one segment, or of several segments along the same edge.
     struct Piece {
         Vertex from;
         Vertex to;
-        std::uint32_t segment;  ///< kNone: inserted before, so that its meetings are not reported again
+        std::uint32_t segment;  ///< kNone: already inserted once, so that its meetings are not reported again
         Groups groups;
     };
     struct Edge {
@@ -279,8 +280,8 @@ private:
     }
     Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
 
-    /// Returns the segment between two vertices, in either direction, by the point at which it begins; kNone if there
-    /// is none.
+    /// Returns the segment between two vertices, in either direction, identified by the point at which it begins; kNone
+    /// if there is none.
     std::uint32_t segment_along(const Ends& ends) const {
         const auto runs = [&](Vertex from, Vertex to) {
             const std::uint32_t point = from->info();
@@ -290,7 +291,7 @@ private:
         return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
     }
 
-    /// Returns the groups along an edge. Only edges that are not simply one whole segment have an entry.
+    /// Returns the groups along an edge. Only edges other than one entire segment have an entry.
     Groups& groups_along(const Ends& ends, bool is_constrained) {
         const auto [found, is_new] = edges_.try_emplace(key(ends));
         Groups& groups = found->second.groups;
@@ -332,8 +333,8 @@ private:
         return std::nullopt;
     }
 
-    /// Finds the first vertex or constrained edge that a segment meets, starting from its beginning, if no edge runs
-    /// along it there.
+    /// Finds the first vertex or constrained edge that a segment meets after its beginning. No edge may run along the
+    /// beginning of the segment.
     std::pair<Vertex, Triangulation::Edge> look_along(Vertex from, Vertex to) const {
         const auto side = [&](Vertex v) { return triangulation_.orientation(from->point(), to->point(), v->point()); };
         auto face = triangulation_.incident_faces(from);
@@ -355,7 +356,8 @@ private:
         }
     }
 
-    /// Adds the groups of a piece to those along an edge; a group already there is removed, since two cancel out.
+    /// Adds the groups of a piece to the groups along an edge. A group that is already there is removed instead, since
+    /// two copies cancel out.
     void lay(const Piece& piece, const Ends& ends, bool was_constrained) {
         const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
         if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
@@ -396,8 +398,8 @@ private:
         return std::nullopt;
     }
 
-    /// Returns the vertex at a place, inserting one if needed. Rounding spreads a crossing of several lines over
-    /// several places close together; the first one serves for all.
+    /// Returns the vertex at a place; inserts one if needed. Because of rounding, several lines through one point cross
+    /// at several places close together; the first such place serves for all of them.
     Vertex vertex_at(Point at, Face nearby) {
         Triangulation::Locate_type where{};
         int i = 0;
@@ -475,7 +477,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
         } catch (const Triangulation::Intersection_of_constraints_exception&) {
             return tl::unexpected(SegmentConflict{i});
         }
-        // A point on the segment splits it silently.
+        // A point on the segment splits the segment without an error.
         if (!triangulation.is_edge(a, b)) return tl::unexpected(SegmentConflict{i});
     }
     result.vertex_of = numbers_of(vertices, points.size());

@@ -59,7 +59,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
 /// Points, each joined by a segment to the next one of its chain. Chains are closed; several can form a group.
 struct Chains {
     std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
-    /// [points] end of the segment that begins here; the point itself if there is no such segment.
+    /// [points] the point at which the segment that begins here ends; the point itself if no segment begins here.
     std::vector<std::uint32_t> next;
     std::vector<std::uint32_t> group;  ///< [points] the group of the chain, below `groups`
     std::uint32_t groups = 0;
@@ -79,7 +79,7 @@ struct Arrangement {
         Kind kind;
         std::uint32_t segment;  ///< identified by the point at which it begins
         std::uint32_t vertex;   ///< the vertex that it touches; kNone if it meets an edge
-        /// The group of the edge that is met: the segment's own group if that runs there; kNone if a vertex is met.
+        /// A group that runs along the edge that is met, preferably the segment's own group; kNone if a vertex is met.
         std::uint32_t group;
         Point place;
     };
@@ -105,16 +105,17 @@ struct TooManyCrossings {
     Point place;
 };
 
-/// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. It is
-/// Delaunay unless there are very many segments.
+/// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The
+/// triangulation is Delaunay unless there are very many segments.
 ///
 /// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
 /// @param most       limit on the pieces that crossings create
 /// @param stop       polled regularly; after a stop the result must not be used
 ///
-/// Each crossing becomes a vertex at the exact intersection, rounded. Rounding can bend a piece across other pieces;
-/// these are cut again. So no two edges cross, all chains remain closed, and counting edges tells on which side of a
-/// chain a triangle lies. Each cut moves a piece by at most a rounding error; nothing else moves.
+/// Each crossing becomes a vertex at the exact intersection, rounded. Because of the rounding, a piece can cross
+/// further pieces; these crossings are cut in the same way. So no two edges cross, and all chains remain closed. The
+/// number of segments along the edges tells on which side of a chain a triangle lies. Each cut moves a piece by at most
+/// a rounding error. Nothing else moves.
 ///
 /// Deterministic. O(n log n) for inputs that occur in practice, plus some microseconds for each crossing.
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double tolerance, std::size_t most,
@@ -123,8 +124,8 @@ tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double
 /// Returns the sign of the signed area of triangle abc: 1 if counter-clockwise, 0 if collinear, -1 if clockwise. Exact.
 int exact_orientation(Point a, Point b, Point c);
 
-/// Returns the ordinate of the segment ab at abscissa x, which lies between the differing abscissas of a and b. Exact
-/// but for one final rounding.
+/// Returns the ordinate of the segment ab at abscissa x, which lies between the differing abscissas of a and b. The
+/// result is exact except for one final rounding.
 double exact_ordinate(Point a, Point b, double x);
 
 /// Returns 1 if d lies inside the circle through the counter-clockwise triangle abc, 0 if on it, -1 if outside. Exact.

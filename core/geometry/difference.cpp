@@ -12,7 +12,7 @@ namespace ccdt {
 
 namespace {
 
-/// A side of a box.
+/// The line along a side of a box.
 struct Side {
     bool is_upright = false;
     double at = 0;
@@ -29,7 +29,7 @@ Point crossing(const Side& side, Point a, Point b) {
     return {exact_ordinate(turned(a), turned(b), side.at), side.at};
 }
 
-/// Clips a ring to one side of a line, with edges along that line.
+/// Clips a ring to one side of a line. Where the ring is cut off, the result has edges along that line.
 /// Source: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17 (1974).
 Ring clipped(const Ring& ring, const Side& side) {
     Ring kept;

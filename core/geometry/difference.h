@@ -19,13 +19,13 @@ Ring clipped(Ring ring, const Box& box);
 /// @param domain  not a torus
 /// @param areas   in the domain's coordinates
 ///
-/// The unit frame and the bounding box do not change. However far outside the domain an edge ends, its part inside
-/// moves by no more than the rounding of the domain's coordinates.
+/// The unit frame and the bounding box do not change. An edge of an area may end far outside the domain. Even then, the
+/// part of the edge inside the domain moves by no more than the rounding of the domain's coordinates.
 ///
 /// Errors: Unusable if nothing is left or the areas cross too often; Stopped. Deterministic.
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop = {});
 
-/// Returns the area outside a domain, out to beyond a box.
+/// Returns the area between a domain and a larger box, which contains `box` with a margin.
 /// @param domain  not a torus
 Area outside_of(const Domain& domain, const Box& box);
 

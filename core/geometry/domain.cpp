@@ -16,11 +16,11 @@ namespace ccdt {
 
 namespace {
 
-// Smallest area relative to the square of the bounding box's longer side; smaller areas drown in rounding.
+// Smallest area relative to the square of the bounding box's longer side; smaller areas are lost in rounding errors.
 constexpr double kMinArea = 1e-12;
 // Squares of lengths, and their sums, must be finite and keep full precision.
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
-// Smallest size relative to the magnitude of the coordinates, which must resolve the domain.
+// Smallest size relative to the magnitude of the coordinates; a smaller domain has too few distinct coordinates.
 constexpr double kMinSize = 1e-9;
 // Smallest thickness relative to the distance by which rounding moves a point.
 constexpr double kMinThickness = 1000;
@@ -101,7 +101,7 @@ Result<FramedRings> to_frame(const std::vector<PolygonPart>& parts) {
     return FramedRings{*std::move(given), *frame};
 }
 
-/// Moves rings into the frame of their own bounding box. Parts dropped by a repair can have extended beyond the rest.
+/// Moves rings into the frame of their own bounding box. Parts that a repair drops can have extended the previous box.
 /// @param frame  the frame of the rings; replaced
 Result<std::vector<Ring>> tighten(std::vector<Ring> rings, UnitFrame& frame, const std::vector<RingInput>& given,
                                   const std::stop_token& stop) {

@@ -22,9 +22,9 @@ struct RepairedArea;
 ///
 /// Rings are kept normalised, in the unit frame: the longer side of the bounding box is 1 and its lower left corner is
 /// the origin. Successive corners differ. The inside lies on the left, so outer rings run counter-clockwise and holes
-/// clockwise. Rings do not cross. They may touch themselves and each other, at corners only; edges do not touch. If the
-/// inside has several fans of triangles at one place, each fan has its own corner there, between the two edges that
-/// bound the fan. `to_user` converts a point of the unit frame to the caller's coordinates.
+/// clockwise. Rings do not cross. They may touch themselves and each other, but only at corners. At a corner where
+/// several separate sectors of the inside meet, each sector has a corner of its own, between the two edges that bound
+/// it. `to_user` converts a point of the unit frame to the caller's coordinates.
 ///
 /// Guaranteed ranges, in the caller's coordinates: the longer side is between 1e-140 and 1e140, and no coordinate
 /// exceeds 1e9 times the longer side. The shorter side is at least 1e-12 times the longer side, and the area at least
@@ -55,12 +55,13 @@ public:
     /// often.
     static Result<RepairedDomain> repair(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// Creates the domain that closed chains of segments, of any number and order, enclose together by the even-odd
-    /// rule. Segments that run back and forth along the same line enclose nothing. Errors: as repair().
+    /// Creates the domain that closed chains of segments enclose together, by the even-odd rule. There may be any
+    /// number of chains, in any order. Segments that run back and forth along the same line enclose nothing. Errors: as
+    /// repair().
     static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
 
-    /// Computes the area that a domain made by repair() would enclose, even if its extent is out of range for a domain.
-    /// Errors: as repair(), without those about the extent.
+    /// Computes the area that a domain made by repair() would enclose. The extent of the area may be out of range for a
+    /// domain. Errors: as repair(), except those about the extent.
     static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
     /// Creates the union of several domains, none of which is a torus. They may touch, overlap and share edges. Errors:
@@ -104,7 +105,7 @@ public:
 
     std::size_t corner_count() const;
 
-    /// Whether the domain equals its bounding box. True of a torus.
+    /// Whether the domain equals its bounding box, as a torus does.
     bool is_box() const { return is_box_; }
 
     /// Whether opposite sides of the bounding box are joined. The sides of a torus in the unit frame are multiples of

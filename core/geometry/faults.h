@@ -18,14 +18,15 @@ namespace ccdt {
 
 /// A fault of a polygon that has been repaired.
 struct Repair {
-    std::string field;   ///< JSON Pointer relative to the polygon: /part/ring/vertex, as far as known
+    std::string field;   ///< JSON Pointer relative to the polygon, /part/ring/vertex; shorter if the vertex or the ring
+                         ///< is not known
     std::string detail;  ///< text for people: the rings, the fault, and its place in the caller's coordinates
 };
 
 /// Faults of one ring or of a pair of rings, in ascending order of severity.
 enum class Fault { Touches, IsCut, Overlaps, LiesOutside, RunsAlong, Crosses, HasNoArea };
 
-/// Collects faults of rings and describes them. For each pair of rings it keeps only the worst.
+/// Collects faults of rings and describes them. For each pair of rings, only the most severe fault is kept.
 class Faults {
 public:
     static constexpr std::size_t kNoCorner = ~std::size_t{0};
@@ -41,8 +42,8 @@ public:
     /// Whether the ring has any fault.
     bool concerns(std::size_t ring) const { return concerned_.contains(ring); }
 
-    /// Describes the faults in the order of the rings: the first hundred, then one entry that counts the rest. For
-    /// a ring without area, no other fault is reported.
+    /// Describes the faults in the order of the rings: the first hundred, then one entry with the number of further
+    /// faults. If a ring has no area, no other fault of the ring is reported.
     std::vector<Repair> describe(std::span<const RingInput> rings, const UnitFrame& frame) const;
 
 private:

@@ -23,7 +23,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kMore = 16;  ///< additional pieces per corner that crossings may create, since strips overlap
+constexpr std::size_t kMore = 16;  ///< additional pieces per corner that crossings of overlapping strips may create
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
@@ -37,10 +37,10 @@ double distance_to(Point a, Point b, Point p) {
     return length(from - at * along);
 }
 
-/// Largest angle between corners of the polygon around an arc; its radius exceeds the arc's by at most 0.5 %.
+/// Largest angle between corners of the polygon around an arc. The polygon's radius exceeds the arc's by at most 0.5 %.
 constexpr double kSlice = std::numbers::pi / 16;
 
-/// The neighbourhood of a piece of the border: of an edge, on its left, or of a segment, on both sides.
+/// The neighbourhood of a piece of the border: on the left of an edge, or on both sides of a segment.
 struct Reach {
     Point a, b;
     double distance = 0;  ///< width of the neighbourhood
@@ -51,17 +51,19 @@ struct Reach {
     /// Signed distance of a point from the neighbourhood; negative inside.
     double clearance(Point p) const { return distance_to(a, b, p) - distance; }
 
-    /// Whether this piece begins where the other one ends, and the other one is at least as wide.
+    /// Whether this piece begins where the other one ends, and the other piece is at least as wide.
     bool is_after(const Reach& other) const { return other.b == a && other.distance >= distance; }
 };
 
 /// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
 ///
-/// With discs around the border points themselves, a point of the domain that is too near has its nearest border point
-/// either on an edge, with the point on the left of the edge, or at a reflex corner, with the point between the normals
-/// of the two edges. A run of many edges close to one segment is replaced by a capsule around that segment. So few
-/// pieces are left of borders much finer than the distance. Discs with other centres always become capsules, unless
-/// there are many and they hardly differ: then all edges use the largest distance.
+/// First case: the discs are centred at the border points. If a point of the domain is too near to the border, its
+/// nearest border point lies on an edge with the point on its left, or at a reflex corner with the point between the
+/// normals of the corner's two edges. A run of many edges close to one segment is replaced by a capsule around the
+/// segment. So a border with detail much finer than the distance has few pieces.
+///
+/// Second case: the discs have other centres. Each piece is then a capsule. If there are many pieces and the discs
+/// hardly differ, all edges use the largest distance instead.
 class Strip {
 public:
     Strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference)
@@ -91,7 +93,7 @@ private:
         return {centre, radius + kResolutions * domain_.resolution()};
     }
 
-    /// Successive edges of a ring that one segment replaces.
+    /// Successive edges of a ring that are replaced by one segment.
     struct Run {
         std::size_t edges = 1;
         double reach = 0;  ///< distance to keep from the segment
@@ -119,7 +121,7 @@ private:
         }
     }
 
-    /// Returns the run of edges from a corner on: a single edge, or enough edges that a capsule is less work.
+    /// Returns the run of edges that begins at a corner: one edge, or so many edges that a capsule is less work.
     Run longest_run(const Ring& ring, std::size_t first) const {
         constexpr std::size_t kFewest = 4;
         Run longest;
@@ -133,7 +135,7 @@ private:
         return longest;
     }
 
-    /// Returns the run of the given number of edges; none if too few are left or they deviate too far from a segment.
+    /// Returns the run of the given number of edges; none if too few follow or if they deviate too far from a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
         constexpr double kMostOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
@@ -149,8 +151,8 @@ private:
         return Run{edges, most + off};
     }
 
-    /// Adds the area that the discs around the points of an edge sweep. Halves the edge until the disc at its middle is
-    /// where interpolation expects it.
+    /// Adds the area that the discs around the points of an edge sweep. Halves the edge until the disc at the
+    /// middle of each piece hardly protrudes from the capsule around the discs at the ends of the piece.
     void add_swept(Point a, Point b, const Disc& from, const Disc& to, int halvings) {
         constexpr double kMostOff = 5e-4;
         const Point middle = 0.5 * (a + b);
@@ -168,7 +170,7 @@ private:
 
     /// Chooses one distance for all edges, if the discs hardly differ.
     void even_out() {
-        constexpr double kBetween = 1e-3;  // by which an edge may need more than its ends, relative
+        constexpr double kBetween = 1e-3;  // margin for points between the ends of an edge, relative
         double least = std::numeric_limits<double>::infinity(), most = 0;
         for (const Ring& ring : domain_.rings()) {
             for (const Point& p : ring) {
@@ -226,9 +228,9 @@ public:
     }
 
     /// Returns how many of the first pieces one polygon can represent, up to the last corner; at least 1. Such pieces
-    /// are edges of nearly one direction, long enough that no offset line degenerates. Every offset line, at any
-    /// distance up to the full one, is then a graph over that direction, and greater distances lie above smaller ones,
-    /// so no two lines cross.
+    /// are edges of nearly one direction, long enough that no offset line degenerates. Every offset line is then a
+    /// graph over that direction, at any distance up to the full one. A line at a greater distance lies above one at a
+    /// smaller distance, so no two lines cross.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMost = 256;
         constexpr double kForward = 0.05;  // least cosine
@@ -381,8 +383,8 @@ private:
     std::vector<Area> areas_;
 };
 
-/// Unites areas in groups of few, repeatedly, until few are left. Edges inside a union disappear before it meets the
-/// other areas.
+/// Unites areas in groups of few, repeatedly, until few are left. Edges inside a union disappear before the union meets
+/// the other areas.
 Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, const std::stop_token& stop) {
     constexpr std::size_t kTogether = 8;
     while (areas.size() > kTogether) {
@@ -398,12 +400,12 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
 }
 
 /// A quadtree over the unit square. A square is divided until few pieces of the border can matter in it. The nearest
-/// piece alone decides whether a point is too near; so a piece that is farther from the whole square than another one
-/// does not matter there.
+/// piece alone decides whether a point is too near; so a piece does not matter in a square if
+/// another piece is nearer to all of the square.
 class ReachTree {
 public:
-    /// @param coarse    radius in the unit frame of squares that are removed whole if the new border may cross them; 0
-    ///                  for none
+    /// @param coarse    radius in the unit frame of squares that are removed as a whole if the new border may cross
+    ///                  them; 0: no such squares
     /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares
     ReachTree(const Domain& domain, std::vector<Reach> reaches, double coarse, double coarsest,
               const std::stop_token& stop)
@@ -707,8 +709,8 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
     return difference(simple, {}, resolution, stop, kMore);
 }
 
-/// Subtracts the neighbourhood of the border where the new border runs. The rest falls into the eroded domain and rings
-/// that are too near, which are dropped.
+/// Subtracts the neighbourhood of the border where the new border runs. The remaining area consists of the eroded
+/// domain and of rings that are too near to the border, which are dropped.
 Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                              const std::stop_token& stop) {
     constexpr std::size_t kVeryMany = 50'000;

@@ -24,11 +24,11 @@ struct Disc {
 /// most 1 % farther: arcs around corners become circumscribed polygons, and borders with detail much finer than the
 /// distance are simplified.
 ///
-/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, however
-/// ragged.
+/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, even if
+/// the border is ragged.
 ///
 /// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops detail of the border that is finer
-/// than a hundredth of the distance. Both leave points too near to the border.
+/// than a hundredth of the distance. Both faults leave points too near to the border.
 Result<Domain> inset(const Domain& domain, double distance, const std::stop_token& stop = {});
 
 /// Returns the disc to be removed around a point of the border, in the domain's coordinates; radius 0 removes nothing.
@@ -36,19 +36,19 @@ Result<Domain> inset(const Domain& domain, double distance, const std::stop_toke
 using DiscAround = std::function<Disc(Point)>;
 
 /// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
-/// @param indifference  distance in the domain's coordinates by which the new border may be farther still. If there are
-///                      many corners and their discs differ by less than this, all discs count as equally large, which
-///                      is far less work.
+/// @param indifference  additional distance, in the domain's coordinates, by which the new border may be farther from
+///                      the old one. If there are many corners and their discs differ by less than this, all discs
+///                      count as equally large, which is much faster.
 ///
-/// Beside more than 50,000 corners the new border may be farther by 40 times the indifference, and by up to 120 times
-/// where the corners are so dense that a quadtree would have very many squares. It is then made of squares that the
-/// border may cross, and simplified. If the discs of all corners have a radius above 0, the edges of the old border are
-/// not intersected at all.
+/// If the domain has more than 50,000 corners, the additional distance can be 40 times the indifference. It can be 120
+/// times the indifference where corners are so dense that a quadtree would need very many squares. In this case the
+/// domain's edges are not intersected at all, provided that all discs have a radius above 0. Instead, the squares that
+/// the new border may cross are removed as a whole, and the resulting border is simplified.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 
-/// Returns the largest distance of any point of a domain from its border, in the domain's coordinates. The returned
-/// distance is attained by some point and at most 1 % below the true maximum.
+/// Returns the largest distance of any point of a domain from its border, in the domain's coordinates. Some point
+/// attains the returned distance, which is at most 1 % below the true maximum.
 /// @param stop  polled regularly; a stop returns the best value so far
 ///
 /// O(n) for each of some hundred trial points. Source: Garcia-Castellanos, Lombardo, Poles of inaccessibility, Scottish

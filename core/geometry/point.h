@@ -39,13 +39,13 @@ inline double whole(double v) {
     return truncated > v ? truncated - 1 : truncated;
 }
 
-/// Returns the copy of x in [0, period).
+/// Returns the periodic copy of x in [0, period).
 inline double wrapped(double x, double period) {
     const double inside = x - std::floor(x / period) * period;
     return inside < period ? inside : 0;
 }
 
-/// Returns the copy of p in the box of a torus.
+/// Returns the periodic copy of p in the box of a torus.
 inline Point wrapped(Point p, Point period) {
     return {wrapped(p.x, period.x), wrapped(p.y, period.y)};
 }

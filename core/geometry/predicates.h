@@ -8,8 +8,9 @@
 
 namespace ccdt {
 
-/// Returns the sign of the signed area of triangle abc, exactly. Floating point decides if its error bound allows.
-/// Source of the bounds: Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997, section 4.
+/// Returns the exact sign of the signed area of triangle abc. Uses floating point where the error bound allows it, and
+/// exact arithmetic otherwise. Source of the bounds: Shewchuk, Adaptive Precision Floating-Point Arithmetic, 1997,
+/// section 4.
 inline int orientation(Point a, Point b, Point c) {
     constexpr double kBound = 3.3306690738754716e-16;  // (3 + 16 e) e, e = 2^-53
     const double left = (a.x - c.x) * (b.y - c.y);

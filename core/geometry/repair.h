@@ -15,8 +15,7 @@
 
 namespace ccdt {
 
-/// Returns the limit on the pieces that crossings may create: enough for scribbles, and little enough to bound the
-/// memory.
+/// Returns the largest number of pieces that crossings may create. It allows for scribbles and bounds the memory.
 /// @param more  additional pieces per corner
 constexpr std::size_t most_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;
@@ -24,41 +23,41 @@ constexpr std::size_t most_pieces(std::size_t corners, std::size_t more = 0) {
 
 /// The border of the area that rings enclose, and the faults of the rings.
 struct Enclosed {
-    /// The inside lies on the left. Rings meet at corners at most. If the inside has several fans of triangles at one
-    /// place, each fan has its own corner there.
+    /// The inside lies on the left. Rings touch only at corners. At a corner where several separate sectors of the
+    /// inside meet, each sector has a corner of its own.
     std::vector<Ring> rings;
     std::vector<Repair> repairs;
 };
 
-/// Computes the area that rings enclose. A ring encloses its inside by the even-odd rule, a part is its outer ring
-/// minus its holes, and the area is the union of all parts.
+/// Computes the area that rings enclose. By the even-odd rule, a ring encloses its inside. A part is its outer ring
+/// minus its holes. The area is the union of all parts.
 ///
 /// @param rings  in the unit frame; outer rings counter-clockwise, holes clockwise
 /// @param frame  the unit frame of the corners
 /// @param stop   polled regularly; a stop gives the error Stopped
 ///
 /// Simple rings that meet nowhere are returned unchanged. Rings that are valid by OGC Simple Features need no repair;
-/// such rings and parts may touch at points. All others are cut where they meet, see arrange(). That moves edges by
-/// rounding errors near crossings and changes nothing else. Slivers inside, and gaps between parts, that are no thicker
-/// than such an error are indistinguishable from rounding and are dropped.
+/// such rings and parts may touch at points. All other rings are cut where they meet, see arrange(). Cutting moves
+/// edges by rounding errors near crossings and changes nothing else. A sliver of the inside, or a gap between parts, is
+/// dropped if it is no thicker than a rounding error.
 ///
-/// Errors (Unusable): crossings that create more than most_pieces().
+/// Errors (Unusable): crossings that create more pieces than most_pieces() allows.
 ///
-/// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS itself: it works in the caller's
-/// coordinates, so converting the result to the unit frame would break it again; its overlays snap vertices together
-/// where rounding interferes; and it can be interrupted only for the whole process. Why not CGAL's
+/// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS: it works in the caller's
+/// coordinates, and conversion of its result to the unit frame could make the result invalid again. Its overlays snap
+/// vertices together where rounding interferes. Its interruption affects the whole process. Why not CGAL's
 /// Constrained_triangulation_plus_2: it keeps a list of vertices, some hundred bytes, for each segment, although few
-/// are cut.
+/// segments are cut.
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,
                                const std::stop_token& stop = {});
 
-/// Computes the area that rings together enclose by the even-odd rule; otherwise as enclosed_area(), without a report
-/// of faults.
+/// Computes the area that rings together enclose by the even-odd rule. Otherwise as enclosed_area(), but faults are not
+/// reported.
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop = {});
 
-/// Subtracts areas from an area and returns the border of the rest; otherwise as enclosed_area(), without a report of
-/// faults.
+/// Subtracts areas from an area and returns the border of the difference. Otherwise as enclosed_area(), but faults are
+/// not reported.
 /// @param area, others  in the unit frame, within the unit square
 /// @param resolution    parts of about this thickness or less are dropped
 /// @param more          additional pieces per corner that crossings may create, see most_pieces()

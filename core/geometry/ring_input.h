@@ -15,7 +15,7 @@ namespace ccdt {
 struct RingInput {
     std::size_t part = 0;
     std::size_t ring = 0;             ///< 0 is the outer one
-    Ring corners;                     ///< without repeated ones; fewer than three enclose nothing
+    Ring corners;                     ///< successive ones differ; fewer than three enclose nothing
     std::vector<std::size_t> source;  ///< the caller's index of each corner
 
     bool is_hole() const { return ring > 0; }

@@ -20,16 +20,16 @@ Direction cross(Direction a, Direction b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Returns the tangent of the conformal latitude, given that of the geodetic latitude.
+/// Returns the tangent of the conformal latitude for the tangent of a geodetic latitude.
 double conformal_tangent(double tangent) {
     const double secant = std::sqrt(1 + tangent * tangent);
     const double sigma = std::sinh(kEccentricity * std::atanh(kEccentricity * tangent / secant));
     return tangent * std::sqrt(1 + sigma * sigma) - sigma * secant;
 }
 
-/// Returns the tangent of the geodetic latitude, given that of the conformal latitude.
+/// Returns the tangent of the geodetic latitude for the tangent of a conformal latitude.
 double geodetic_tangent(double conformal) {
-    constexpr int kSteps = 3;  // each step squares the error, which is 1e-5 at first
+    constexpr int kSteps = 3;  // the initial error is 1e-5, and each step squares it
     double tangent = conformal / (1 - kSquare);
     for (int i = 0; i < kSteps; ++i) {
         const double found = conformal_tangent(tangent);

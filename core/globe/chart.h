@@ -24,24 +24,25 @@ Direction normalised(Direction v);
 
 /// Maps the WGS 84 ellipsoid conformally onto the unit sphere: latitudes become conformal latitudes.
 ///
-/// @param place  longitude, with any number of turns, and latitude in [-90, 90]; degrees. Longitudes that differ by
+/// @param place  longitude, plus any number of turns, and latitude in [-90, 90]; degrees. Longitudes that differ by
 ///               whole turns give identical bytes, and so do all longitudes of a pole.
 ///
 /// Source: Karney, Transverse Mercator with an accuracy of a few nanometers, J. Geodesy 85 (2011), eqs. 7 to 9.
 Direction direction_of(Point place);
 
-/// Inverse of direction_of(), by Newton's method, to double precision. The longitude is in [-180, 180].
+/// Computes the inverse of direction_of(), by Newton's method, to double precision. The longitude is in [-180, 180].
 /// Source: as above, eqs. 19 to 21.
 Point place_of(Direction direction);
 
-/// A conformal map of the ellipsoid, except for one point, onto a plane: to the sphere, and from there by stereographic
-/// projection from the point opposite the centre. The centre maps to the origin. Angles in the plane equal those on the
-/// ground, and `ground()` gives the scale of areas. The plane's unit is the sphere's radius at the centre.
+/// A conformal map of the ellipsoid, except for one point, onto a plane. It maps the ellipsoid to the sphere, and the
+/// sphere to the plane by stereographic projection from the point opposite the centre. The centre maps to the origin.
+/// Angles in the plane equal angles on the ground, and `ground()` gives the scale of areas. The unit of the plane is
+/// the sphere's radius, at the scale of the centre.
 ///
 /// Source: Snyder, Map Projections: A Working Manual, USGS 1395 (1987), pp. 157 to 163. Equal to PROJ's `+proj=stere
-/// +ellps=WGS84` up to its unit and a rotation. Why not PROJ: it has no closed form of the scale, its inverse is
-/// accurate to 1e-10 radians only, and it would bring curl, GnuTLS, LDAP and Kerberos into the process that computes
-/// for strangers. Tests compare with it.
+/// +ellps=WGS84` up to unit and rotation. Why not PROJ: it has no closed form of the scale, and its inverse is accurate
+/// to 1e-10 radians only. It would also add curl, GnuTLS, LDAP and Kerberos to the process that computes for unknown
+/// clients. Tests compare with PROJ.
 class Chart {
 public:
     explicit Chart(Direction centre);

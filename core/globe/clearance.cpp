@@ -12,7 +12,7 @@ namespace ccdt {
 Disc disc_on_ground(const Chart& chart, Point place, double metres) {
     constexpr double kMost = 0.99 * std::numbers::pi;  // angle from the centre
     constexpr double kRoom = 1e-3;
-    constexpr double kVaries = 0.007;  // relative change of metres per radian, per radian of latitude
+    constexpr double kVaries = 0.007;  // relative change of the length of a metre on the sphere, per radian of latitude
     const double squared = dot(place, place), length = std::sqrt(squared);
     const double radian = std::sqrt(chart.ground(place)) * (1 + squared / 4);
     const double from_centre = 2 * std::atan(length / 2), least = metres / radian;
@@ -24,7 +24,7 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 }
 
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
-    constexpr double kOnSeam = 1e-5;  // the circle's edges are chords; other borders are degrees away
+    constexpr double kOnSeam = 1e-5;  // the edges of the circle are chords; other borders are degrees away
     if (!(buffer > 0)) return {};
     const double metres = std::max(buffer, kLeastBuffer) + part.error;
     const DiscAround disc_around = [&](Point p) {

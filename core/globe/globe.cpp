@@ -19,8 +19,8 @@ namespace ccdt {
 
 namespace {
 
-/// Divides the sites among the parts in proportion to their integrals.
-/// @param taken  [parts] number of sites whose ground fixed points have taken
+/// Divides the sites among the parts in proportion to the integrals of the parts' densities.
+/// @param taken  [parts] number of sites whose ground the fixed points take
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
                                     const std::vector<double>& taken) {
     double all = 0, places = static_cast<double>(sites);
@@ -37,8 +37,8 @@ std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDe
     return shares;
 }
 
-/// Returns the options of each part, with sites in proportion to the ground that fixed points leave, so that the
-/// density is the same in all parts.
+/// Returns the options of each part. The numbers of sites are proportional to the ground that fixed points leave, so
+/// that the density is the same in all parts.
 std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, const std::vector<PlaneDensity>& densities,
                                       const Options& options, const std::stop_token& stop) {
     constexpr int kRounds = 3;  // the ground that a point takes depends only weakly on the number of sites
@@ -71,7 +71,7 @@ void to_degrees(const Chart& chart, const InverseProjection& back, Distribution&
     for (Point& p : std::span(vertices.begin() + sites, vertices.end())) p = place_of(chart.to_direction(p));
 }
 
-/// Joins two meshes. In each of them, and in the result, sites come first.
+/// Joins two meshes. In both meshes, and in the result, sites come before other vertices.
 TriangleMesh joined(TriangleMesh a, std::size_t a_sites, const TriangleMesh& b, std::size_t b_sites) {
     const auto a_size = static_cast<std::uint32_t>(a.vertices.size());
     const auto from_a = [&](std::uint32_t v) { return v < a_sites ? v : v + static_cast<std::uint32_t>(b_sites); };

@@ -15,26 +15,28 @@ using Distribute = std::function<Result<Distribution>(const Domain&, const Densi
 
 struct GlobeDistribution {
     Distribution sites;  ///< in longitude, within [-180, 180], and latitude, in degrees
-    double pitch = 0;    ///< square root of the ground per site, in metres
+    double pitch = 0;    ///< square root of the ground area per site, in metres
 };
 
-/// Distributes sites over a region of the globe with the same number per square kilometre everywhere, and isotropic on
-/// the ground. The computation runs in a conformal plane (region.h), whose scale is part of the density.
+/// Distributes sites over a region of the globe. On the ground, their number per square kilometre follows the wanted
+/// density, and they are isotropic. The computation takes place in a conformal plane (region.h), whose scale is part of
+/// the density.
 ///
 /// @param region   in longitude and latitude, see chart_region(). Parts that overlap only after a shift by a whole turn
-///                 are not recognised as the same ground; the overlap of two such parts is left out.
-/// @param density  wanted density, relative to other ground; stretched over the bounding box of the region in one turn
-/// @param options  fixed points are in degrees as well; if the region has two parts, sites are divided by the ground
-///                 that the points leave in each
+///                 are not recognised as the same ground, and their overlap is left out.
+/// @param density  wanted density, relative to other places; stretched over the bounding box of the region in one turn
+/// @param options  fixed points are in degrees as well; if the region is divided into two parts, sites are divided in
+///                 proportion to the ground that fixed points leave in each part
 /// @param buffer   least distance of sites from the border on the ground, in metres; a cut does not count as border
 /// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
+///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
 /// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero everywhere in the region, or if
-/// the buffer leaves nothing of it.
+/// the buffer covers the whole region.
 ///
-/// Limits: a region that leaves no cap of 5 degrees free is divided into two parts, at a circle of 20 degrees around a
-/// point far from any other border. Sites keep half a row's distance from this circle, as from any border.
+/// Limits: a region that leaves no cap of 5 degrees free is divided into two parts, by a circle of 20 degrees around a
+/// point far from any border of the region. Sites keep half a row's distance from this circle, as from any border.
 Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Density& density, const Options& options,
                                               const Distribute& distribute, double buffer = 0,
                                               const Control& control = {});

@@ -27,7 +27,7 @@ Inside::Inside(const std::vector<Ring>& rings) {
     }
     west_ = box.min.x;
     extent_ = std::max(box.width(), box.height());
-    // The largest number of columns for which an edge lies in four columns on average.
+    // The largest number of columns for which an edge lies in four columns on average, or fewer.
     constexpr double kEach = 4;
     double widths = 0;
     for (const Edge& edge : edges_) widths += std::abs(edge.b.x - edge.a.x);
@@ -79,7 +79,7 @@ Point Inside::nearest(Point p, double stretch) const {
         const double found = distance(there);
         const double length = std::sqrt(dot(b - a, b - a));
         const Point normal{(a.y - b.y) / length, (b.x - a.x) / length};
-        // At a corner both edges are equally near, so their normals are added.
+        // At a corner, both edges are equally near; the normals of both are added.
         if (found == least && there == foot) inward = inward + normal;
         if (found >= least) continue;
         least = found;

@@ -10,18 +10,18 @@
 
 namespace ccdt {
 
-/// Tests whether points lie inside rings that do not cross, and moves points just outside to the inside.
+/// Tests whether points lie inside rings that do not cross. Moves points that are just outside to the inside.
 class Inside {
 public:
     /// @param rings  with the inside on their left
     explicit Inside(const std::vector<Ring>& rings);
 
-    /// Whether a point lies inside. O(edges above and below).
+    /// Whether a point lies inside. O(edges directly above and below the point).
     bool contains(Point p) const;
 
-    /// Returns the nearest position inside, moved inwards by the least sufficient distance of 1e-12 to 1e-3 of the
-    /// rings' extent. Returns p itself if it is inside already, or if no such move suffices. O(edges) for points
-    /// outside.
+    /// Returns the position inside that is nearest to p, moved inwards by the least sufficient distance of 1e-12 to
+    /// 1e-3 of the rings' extent. Returns p if it is inside already, or if no such distance suffices. O(edges) for
+    /// points outside.
     /// @param stretch  scale of distances along x relative to those along y
     Point nearest(Point p, double stretch) const;
 
@@ -33,7 +33,7 @@ private:
     std::size_t column_of(double x) const;
 
     std::vector<Edge> edges_;
-    std::vector<std::size_t> first_;  ///< [columns + 1] first entry of each column's edges in `members_`
+    std::vector<std::size_t> first_;  ///< [columns + 1] where the edges of each column begin in `members_`
     std::vector<std::uint32_t> members_;
     double west_ = 0, column_width_ = 1, extent_ = 0;
 };

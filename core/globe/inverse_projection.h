@@ -8,8 +8,8 @@
 
 namespace ccdt {
 
-/// Maps points of a chart's plane back to a region of the globe. The plane's polygon has straight edges and can extend
-/// slightly beyond the region; points there are moved into the region.
+/// Maps points of a chart's plane back to a region of the globe. The polygon in the plane has straight edges, so it can
+/// extend slightly beyond the region. Points that would lie outside are moved into the region.
 class InverseProjection {
 public:
     /// @param degrees  the region in longitude and latitude, in one turn

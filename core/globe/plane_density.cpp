@@ -22,8 +22,8 @@ struct Raster {
     std::vector<double> values;
 };
 
-/// Returns the number of cells along the longer side of a part's box. It is large enough that the scale of ground
-/// changes little between cells, but bounded by the number of sites along the side.
+/// Returns the number of cells along the longer side of a part's box. With this number, the scale of ground areas
+/// changes little between cells. The number is bounded by the number of sites along the side.
 int cells_for_ground(const Box& box, std::size_t sites) {
     constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMost = 1'024;
     const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMost);
@@ -41,7 +41,8 @@ public:
 
     double operator()(Point place) const {
         place.x += longitude_wrap_offset(place.x, box_.min.x);
-        // A position slightly west of the box belongs to its west side, if it is nearer to that than to the east side.
+        // A position slightly west of the box belongs to the west side if it is nearer to the west than to the east
+        // side.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {
             return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
@@ -82,7 +83,7 @@ Raster draw(const ChartedPart& part, const Domain& degrees, const Density& densi
 
 Result<PlaneDensity> plane_density(const ChartedPart& part, const Domain& degrees, const Density& density,
                                    std::size_t sites, const std::stop_token& stop) {
-    constexpr double kEven = 1.002;  // for less variation, the deviation from an even density is below a thousandth
+    constexpr double kEven = 1.002;  // with less variation, an even density is accurate to a thousandth
     const Raster raster = draw(part, degrees, density, sites, stop);
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the density was made");
     const auto [least, most] = std::ranges::minmax(raster.values);

@@ -14,10 +14,10 @@ namespace ccdt {
 /// A density in the plane of a chart.
 struct PlaneDensity {
     Density density;   ///< stretched over the part's bounding box
-    double total = 0;  ///< integral over the part of the wanted density, in square metres of ground
+    double total = 0;  ///< integral of the wanted density over the part, in square metres of ground
 };
 
-/// Computes the density in the plane that corresponds to the wanted density on the ground, which may be uniform.
+/// Computes the density in the plane for a wanted density on the ground, which may be uniform.
 ///
 /// @param degrees  the region, in one turn
 /// @param density  stretched over the region's bounding box

@@ -17,7 +17,7 @@ namespace {
 /// Least radius of curvature of the ellipsoid, in metres.
 constexpr double kLeastRadius = 6'335'439;
 
-/// Tolerance in degrees of coordinates at the ends of their ranges: ten micrometres.
+/// Tolerance of coordinates at the ends of their ranges, in degrees: ten micrometres.
 constexpr double kClose = 1e-10;
 constexpr double kTolerance = 1e-3;  ///< tolerance of edges on a chart, relative to the pitch of sites
 constexpr double kBentTo = 4'000;    ///< ratio of the buffer to the tolerance of edges
@@ -44,7 +44,7 @@ bool jumps(const Ring& ring) {
     return false;
 }
 
-/// Removes the jumps of a ring, and closes it along the pole if it goes around one.
+/// Removes the jumps of a ring. If the ring goes around a pole, closes it along the pole.
 void unroll(Ring& ring) {
     if (!jumps(ring)) return;
     double shift = 0, latitudes = 0;
@@ -74,8 +74,8 @@ bool goes_around(const Ring& ring) {
            std::abs(ring.back().x - ring[ring.size() - 2].x) >= kTurn;
 }
 
-/// Swaps an outer ring and a hole around the same pole if the hole is larger. On the globe they enclose the same area
-/// either way.
+/// Swaps an outer ring and a hole around the same pole if the hole is larger. Either order encloses the same area on
+/// the globe.
 void put_larger_outside(PolygonPart& part) {
     if (!goes_around(part.outer)) return;
     const auto reach = [](const Ring& ring) {
@@ -89,7 +89,7 @@ void put_larger_outside(PolygonPart& part) {
     }
 }
 
-/// Shifts a hole to the turn of the globe of its outer ring.
+/// Shifts a hole by whole turns to its outer ring.
 void follow(const Ring& outer, Ring& hole) {
     if (outer.empty() || hole.empty()) return;
     const auto by_longitude = [](Point a, Point b) { return a.x < b.x; };
@@ -100,8 +100,8 @@ void follow(const Ring& outer, Ring& hole) {
     for (Point& p : hole) p.x += shift;
 }
 
-/// Clips a ring to one side of a meridian, with edges along it.
-/// @param sign  1: keeps the part east of it; -1: west
+/// Clips a ring to one side of a meridian. Where the ring is cut off, the result has edges along the meridian.
+/// @param sign  1: keeps the part east of the meridian; -1: west
 ///
 /// Source: Sutherland and Hodgman, Reentrant polygon clipping, CACM 17 (1974).
 Ring cut(const Ring& ring, double meridian, double sign) {
@@ -116,7 +116,7 @@ Ring cut(const Ring& ring, double meridian, double sign) {
     return kept;
 }
 
-/// A point far from all border, and whether it is in the region.
+/// A point far from any border, and whether it lies in the region.
 struct Far {
     Direction direction;
     double distance = 0;  ///< angle on the sphere, in radians
@@ -130,7 +130,7 @@ public:
 
     Result<std::vector<ChartedPart>> execute();
 
-    /// Mean spacing of sites, on the sphere.
+    /// Mean spacing of sites, as a distance on the sphere.
     double pitch() const;
 
     /// Projects the region onto an existing chart.
@@ -262,7 +262,7 @@ double Charting::distance_to_border(Direction direction) const {
     return std::acos(std::clamp(nearest, -1.0, 1.0));
 }
 
-/// Moves a point to the local maximum of the distance from all border.
+/// Moves a point to the local maximum of its distance from the border.
 void Charting::improve(Far& far) const {
     constexpr double kFirst = 0.1, kLast = 1e-4, kGain = 1e-9;
     for (double step = kFirst; step > kLast;) {
@@ -280,7 +280,7 @@ void Charting::improve(Far& far) const {
     }
 }
 
-/// Finds the point farthest from all border; outside the region if one there is far enough.
+/// Finds the point farthest from the border. Prefers a point outside the region, if one there is far enough.
 Far Charting::far_from_border() const {
     constexpr int kTried = 2'000;
     constexpr double kFree = 5 * kDegree;  // a cap of this size makes the scale vary by a factor of 525
@@ -300,7 +300,7 @@ Far Charting::far_from_border() const {
     return outside.distance >= std::min(kFree, inside.distance) ? outside : inside;
 }
 
-/// Returns the chart of a region that is small relative to the globe; none for other regions.
+/// Returns the chart of a region that is small relative to the globe; none if the region is larger.
 std::optional<Chart> Charting::simple_chart() const {
     constexpr double kMost = 0.5;  // cosine of the largest distance
     Direction sum{0, 0, 0};
@@ -341,7 +341,7 @@ void Charting::for_chunks(Point a, Point b, Visit visit) {
         visit(a + static_cast<double>(i) / pieces * along, i + 1 == pieces ? b : a + (i + 1.0) / pieces * along);
 }
 
-/// Whether an edge is straight to within a tolerance on any chart.
+/// Whether an edge is straight on every chart, to within a tolerance.
 bool is_straight(Point a, Point b, double tolerance) {
     const Point along = b - a;
     return dot(along, along) * kDegree * kDegree < tolerance;
@@ -359,13 +359,13 @@ void Charting::for_bent_edges(Visit visit) const {
     });
 }
 
-/// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer asks for a fine tolerance, but
+/// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer requires a fine tolerance, but
 /// the number of pieces is limited.
 double Charting::tolerance(const Chart& chart) const {
     constexpr double kMostPieces = 10'000;
     const double wanted = buffer_ / kBentTo;
     if (buffer_ == 0 || wanted >= coarsest_) return coarsest_;
-    double pieces = 0;  // pieces times the square root of the tolerance
+    double pieces = 0;  // number of pieces times the square root of the tolerance
     for_bent_edges([&](Point a, Point b) {
         if (is_straight(a, b, wanted)) return;
         for_chunks(a, b, [&](Point from, Point to) { pieces += std::sqrt(deviation(chart, from, to)); });
@@ -380,7 +380,7 @@ double Charting::error(double tolerance) const {
     return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kLargestRadius : 0;
 }
 
-/// Appends an edge without its end, approximated on a chart.
+/// Appends the approximation of an edge on a chart, without the end point.
 void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
     constexpr double kMostPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
@@ -393,7 +393,7 @@ void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring&
     });
 }
 
-/// Returns the rings in the plane of a chart. Pieces of the seam that are edges on both sides run back and forth.
+/// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the ring runs back and forth.
 std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
@@ -450,7 +450,7 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
                        "the polygon is strewn over all of the globe: no place is some degrees from its border");
     }
     const Chart chart(-far.direction), opposite(far.direction);
-    // Seen from the centre, the circle encloses everything except the hole that the second part fills.
+    // Seen from the centre, the circle encloses everything except the hole, which is the second part.
     const double tolerance = this->tolerance(chart);
     std::vector<Ring> rings = lay_all(chart, tolerance);
     rings.push_back(circle(std::numbers::pi - angle));

@@ -9,9 +9,10 @@
 
 namespace ccdt {
 
-/// Position between two neighbouring pixel centres along one axis; beyond the outermost centres it is at these.
+/// Position between two neighbouring pixel centres along one axis. Positions beyond the outermost centres are clamped
+/// to them.
 struct BetweenPixels {
-    /// @param place   in pixels; the first one covers [0, 1]
+    /// @param place   in pixels; the first pixel covers [0, 1]
     /// @param pixels  >= 1
     BetweenPixels(double place, int pixels) {
         const double inside = std::clamp(place - 0.5, 0.0, pixels - 1.0);
@@ -22,7 +23,7 @@ struct BetweenPixels {
     }
 
     std::size_t first, second;
-    float share;  ///< of the second, in [0, 1]
+    float share;  ///< weight of `second`, in [0, 1]
 };
 
 /// Interpolates linearly from a to b.
@@ -30,10 +31,10 @@ inline float mix(float a, float b, float share) {
     return a + share * (b - a);
 }
 
-/// Interpolates bilinearly between the centres of an image's pixels.
+/// Interpolates an image bilinearly between its pixel centres.
 ///
 /// @param values  [width * height]
-/// @param place   in pixels from the image's corner
+/// @param place   in pixels from the image's upper left corner
 inline float interpolated(const std::vector<float>& values, int width, int height, Point place) {
     const BetweenPixels x(place.x, width), y(place.y, height);
     const float* upper = values.data() + y.first * static_cast<std::size_t>(width);

@@ -7,19 +7,20 @@
 
 namespace ccdt {
 
-/// Blurs a plane of values by about a Gaussian, as if mirrored at its sides.
+/// Applies an approximate Gaussian blur to an image, which is mirrored at its sides.
 ///
 /// @param values   [width * height], finite
-/// @param sigma    pixels, >= 0; more than half a side count as that
-/// @param scratch  [width * height], overwritten
-/// By two extended boxes each way, whose standard deviation is exact. Same input, same bytes, whatever the executor.
-/// O(pixels), whatever the sigma.
+/// @param sigma    standard deviation in pixels, >= 0; along each axis at most half the side, larger values are reduced
+/// @param scratch  buffer; resized and overwritten
+///
+/// Applies two extended box filters along each axis. Their joint standard deviation is exact. Deterministic for any
+/// number of threads. O(pixels) for any sigma.
 /// Source: Gwosdek, Grewenig, Bruhn, Weickert 2011, Theoretical foundations of Gaussian convolution by extended box
 /// filtering, section 3.
 void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,
           Executor& executor = inline_executor());
 
-/// Blurs a copy.
+/// Returns a blurred copy of an image.
 std::vector<float> blurred(std::vector<float> values, int width, int height, double sigma,
                            Executor& executor = inline_executor());
 

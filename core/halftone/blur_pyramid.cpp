@@ -17,13 +17,14 @@ namespace {
 
 using Kernel = std::array<float, 5>;
 
-/// Binomial weights: a variance of 1 pixel.
+/// Binomial weights, with a variance of 1 squared pixel.
 constexpr Kernel kWide = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
 
-/// Variance of 2/3: with 1/4 from the finer level and 1/16 from averaging 2 x 2 pixels it makes about 1.
+/// Weights with a variance of 2/3. The finer level contributes a variance of 1/4 and the averaging of 2 x 2 pixels
+/// 1/16. The sum is about 1.
 constexpr Kernel kNext = {1 / 36.0f, 8 / 36.0f, 18 / 36.0f, 8 / 36.0f, 1 / 36.0f};
 
-/// Filters along the columns, then along the rows. Pixels beyond the border equal those at it.
+/// Filters along the columns, then along the rows. The pixels at the border are repeated outside.
 void filter(std::vector<float>& values, int width, int height, const Kernel& kernel, std::vector<float>& scratch,
             Executor& executor) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
@@ -56,7 +57,7 @@ void filter(std::vector<float>& values, int width, int height, const Kernel& ker
     });
 }
 
-/// Averages blocks of 2 x 2 pixels; the last row or column stands for a missing one.
+/// Averages blocks of 2 x 2 pixels. If a side is odd, the last row or column is repeated.
 std::vector<float> halved(const std::vector<float>& values, int width, int height) {
     const int columns = (width + 1) / 2, rows = (height + 1) / 2;
     std::vector<float> result;
@@ -78,7 +79,7 @@ std::vector<float> halved(const std::vector<float>& values, int width, int heigh
 
 BlurPyramid::BlurPyramid(std::vector<float> values, int width, int height, double widest, Executor& executor) {
     assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    constexpr int kSmallest = 4;  // pixels a side
+    constexpr int kSmallest = 4;  // least side of a level, pixels
     std::vector<float> scratch;
     filter(values, width, height, kWide, scratch, executor);
     levels_.push_back({width, height, std::move(values)});

@@ -6,7 +6,7 @@
 namespace ccdt {
 
 BoundedLeastSquares::Numbers BoundedLeastSquares::minimize() const {
-    constexpr int kMostRounds = 100;  // a few are needed; rounding must not make it endless
+    constexpr int kMostRounds = 100;  // a few suffice; the limit prevents an endless loop due to rounding
     Numbers x{};
     States states{};
     for (int round = 0; round < kMostRounds; ++round) {
@@ -19,7 +19,7 @@ BoundedLeastSquares::Numbers BoundedLeastSquares::minimize() const {
     return x;
 }
 
-/// The number at an end of its range that gains most by leaving it.
+/// Returns the variable at a bound whose release decreases the objective fastest; none if no release decreases it.
 std::optional<std::size_t> BoundedLeastSquares::to_free(const Numbers& x, const States& states) const {
     double most = 1e-12;
     std::optional<std::size_t> found;
@@ -34,7 +34,8 @@ std::optional<std::size_t> BoundedLeastSquares::to_free(const Numbers& x, const 
     return found;
 }
 
-/// The minimum over the free numbers, their range left aside. Elimination needs no pivots, G being positive definite.
+/// Returns the minimum over the free variables, without regard to their bounds. Since G is positive definite, the
+/// elimination needs no pivoting.
 BoundedLeastSquares::Numbers BoundedLeastSquares::solve(const Numbers& x, const States& states) const {
     std::array<std::size_t, kMostNumbers> free{};
     std::size_t n = 0;
@@ -66,8 +67,8 @@ BoundedLeastSquares::Numbers BoundedLeastSquares::solve(const Numbers& x, const 
     return to;
 }
 
-/// Goes towards a place as far as all numbers stay in range; the one that comes to an end of it first stays there.
-/// @returns  whether it went all the way
+/// Moves x towards `to` until a variable reaches a bound, and holds that variable there.
+/// @returns  whether x reached `to`
 bool BoundedLeastSquares::step(Numbers& x, States& states, const Numbers& to) const {
     double share = 1;
     std::optional<std::size_t> first;

@@ -9,9 +9,10 @@ namespace ccdt {
 
 /// Minimizes x' G x / 2 - w' x for x in [0, 1]^n, n up to 6.
 ///
-/// By active sets, as in bounded-variable least squares (Stark, Parker 1995): one number after the other is set free
-/// from an end of its range where that gains most. G must be positive definite: then the minimum is one, and continuous
-/// in G and w. O(n^3) a step, of which there are about n.
+/// G must be positive definite. Then the minimum is unique, and it is continuous in G and w. Takes about n steps of
+/// O(n^3) each.
+/// Source: the active-set method of Stark, Parker 1995, Bounded-variable least-squares. Each step releases the variable
+/// whose release decreases the objective fastest.
 class BoundedLeastSquares {
 public:
     static constexpr std::size_t kMostNumbers = 6;
@@ -21,7 +22,7 @@ public:
     std::array<Numbers, kMostNumbers> products{};  ///< G
     Numbers wanted{};                              ///< w
 
-    /// @returns  [n], the rest is 0
+    /// Returns the minimum [n]; the remaining entries are 0.
     Numbers minimize() const;
 
 private:

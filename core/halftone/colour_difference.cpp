@@ -10,7 +10,8 @@ namespace ccdt {
 
 namespace {
 
-/// Lightness counts twice: it carries the picture, where inks cannot have both.
+/// Weight of differences in chroma and hue relative to lightness. Where inks cannot match both, lightness matters more
+/// to the picture.
 constexpr double kColour = 0.5;
 
 }  // namespace

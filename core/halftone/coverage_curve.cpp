@@ -12,17 +12,19 @@ namespace {
 
 constexpr std::size_t kEntries = 1024;
 
-/// The share that an entry of the table stands for.
+/// Returns the coverage that belongs to an entry of the table.
 double share_at(std::size_t entry) {
     return static_cast<double>(entry) / kEntries;
 }
 
-/// Share of places whose nearest dot is within reach of them, by the number of dots in a disc of that reach.
+/// Returns the share of the plane within a given distance of a dot.
 ///
-/// Measured on ten flat greys of 16,384 dots, quality standard, to 0.0001; drafts cover up to 0.006 less, the best up
-/// to 0.003 more. Shown by CoverageCurve.MatchesPolishedDots.
+/// @param dots  mean number of dots in a disc of which the radius is that distance
+///
+/// Measured to 0.0001 on ten flat greys of 16,384 dots with quality standard. With draft, dots cover up to 0.006 less;
+/// with best, up to 0.003 more. Shown by CoverageCurve.MatchesPolishedDots.
 double within_reach(double dots) {
-    constexpr double kFirst = 0.6, kStep = 0.05;  // below the first, discs do not touch
+    constexpr double kFirst = 0.6, kStep = 0.05;  // below kFirst, discs do not touch
     constexpr std::array kShares = {0.6,     0.64968, 0.69899, 0.74649, 0.79030, 0.82966, 0.86439, 0.89447,
                                     0.92009, 0.94145, 0.95856, 0.97187, 0.98162, 0.98839, 0.99291, 0.99582,
                                     0.99763, 0.99872, 0.99934, 0.99965, 0.99979, 0.99987, 0.99991, 0.99993,
@@ -31,7 +33,7 @@ double within_reach(double dots) {
     const double place = (dots - kFirst) / kStep;
     const auto below = static_cast<std::size_t>(place);
     if (below + 1 >= kShares.size()) return 1;
-    // A cubic through four neighbours: a straight line would lie 0.0006 too low where the curve bends.
+    // Cubic interpolation between four entries. Linear interpolation would be 0.0006 too low where the curve bends.
     const double b = kShares[below], c = kShares[below + 1], t = place - static_cast<double>(below);
     const double a = below == 0 ? kFirst - kStep : kShares[below - 1];
     const double d = below + 2 < kShares.size() ? kShares[below + 2] : 1;

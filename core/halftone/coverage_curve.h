@@ -5,29 +5,30 @@
 
 namespace ccdt {
 
-/// What discs of one size cover of an area by how many they are, overlaps counted once, and how many cover what: for
-/// dots as distribute() spreads them, polished.
+/// Relation between the number of equal discs in an area and the share of the area that they cover, where overlaps
+/// count once. The relation holds for dots that distribute() places and polishes.
 ///
-/// A place is covered if its nearest dot is no further away than the radius. So the curve is that of the distance from
-/// anywhere to the nearest dot, and holds in the mean for the pixels of a binary raster, too, which are covered if
-/// their centres are.
+/// A position is covered if its nearest dot is within the radius. So the curve is the cumulative distribution of the
+/// distance from a random position to the nearest dot. A pixel of a binary raster is covered if its centre is, so on
+/// average the curve holds for binary rasters as well.
 class CoverageCurve {
 public:
-    /// What is next to solid has some white specks; none would take half as many dots again, for a thousandth of the
-    /// light.
+    /// Least area that one more dot must newly cover, relative to the dot's own area. Because of this limit, nearly
+    /// solid areas keep a few white specks. Covering these specks would take 50 % more dots and change the light by a
+    /// thousandth.
     static constexpr double kLeastGain = 0.003;
 
     CoverageCurve();
 
-    /// Dots per area of a disc that cover a share, in [0, 1]: at most as many as it is worth. Each next one covers less
-    /// of what is bare; once that is below kLeastGain of its own size, an area counts as solid.
+    /// Returns the number of dots per disc area that cover a share in [0, 1]. Shares above solid() give the number for
+    /// solid().
     double dots(double share) const;
 
-    /// The share that counts as solid.
+    /// Returns the largest share that is worth its dots according to kLeastGain. Areas of this share count as solid.
     double solid() const { return solid_; }
 
 private:
-    std::vector<double> dots_;  ///< by shares at equal steps from 0 to 1
+    std::vector<double> dots_;  ///< dots per disc area, for shares at equal steps from 0 to 1
     double solid_ = 0;
 };
 

@@ -10,7 +10,7 @@ namespace ccdt {
 
 namespace {
 
-/// Middle of a picture's planes.
+/// Extracts a centred rectangle from planes.
 class Middle {
 public:
     Middle(int columns, int rows, int width, int height)

@@ -5,10 +5,10 @@
 
 namespace ccdt {
 
-/// Returns the middle of a picture. Where as many columns or rows cannot stay on either side, one more goes on the
-/// right or at the bottom.
+/// Returns the centred rectangle of a picture. If the number of columns to remove is odd, one more is removed on the
+/// right than on the left. If the number of rows is odd, one more is removed at the bottom.
 ///
-/// @param width, height  of the part, pixels, >= 1 and at most those of the picture
+/// @param width, height  size of the rectangle in pixels, >= 1 and at most that of the picture
 Picture middle_of(const Picture& picture, int width, int height);
 ColourPicture middle_of(const ColourPicture& picture, int width, int height);
 

@@ -6,11 +6,13 @@
 
 namespace ccdt {
 
-/// Turns shares of pixels, 255 being all of one, into 0 and 255, and hands what each gets too much or too little on to
-/// pixels that come after it: the sum stays, also locally. Pixels that are empty or full stay so.
+/// Rounds each coverage to 0 or 255 by error diffusion. The rounding error is passed on to neighbouring pixels that are
+/// rounded later, so that local sums stay nearly the same.
 ///
-/// Departs from its source in that, and in that errors which no neighbour can take wait for the next pixel that can.
-/// Source: Floyd, Steinberg 1976, An adaptive algorithm for spatial greyscale; rows in turn from either side.
+/// @param shares  [width * height] coverage of each pixel; 255 means fully covered
+/// Source: Floyd, Steinberg 1976, An adaptive algorithm for spatial greyscale. The direction alternates between rows.
+/// Departures: pixels of 0 and 255 do not change and receive no error. If no neighbour can receive an error, it is
+/// added to the next pixel that can change.
 void diffuse(std::vector<std::uint8_t>& shares, int width, int height);
 
 }  // namespace ccdt

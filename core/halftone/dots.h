@@ -13,57 +13,61 @@
 
 namespace ccdt {
 
-/// Canvas that dots are drawn on.
+/// A canvas that dots are drawn on.
 struct Canvas {
     int width = 0;     ///< pixels
     int height = 0;    ///< pixels
     double scale = 1;  ///< canvas pixels per unit of the dots' coordinates
 };
 
-/// Share of each pixel that dots cover, row by row, 255 being all of it. Binary rasters hold 0 and 255 only.
+/// The coverage of each pixel by dots, from 0 to 255 (fully covered). Binary rasters contain 0 and 255 only.
 struct Raster {
     int width = 0;
     int height = 0;
-    double radius = 0;                   ///< of the dots, in pixels
-    std::vector<std::uint8_t> coverage;  ///< [width * height]
+    double radius = 0;                   ///< radius of the dots in pixels; if radii differ, the largest
+    std::vector<std::uint8_t> coverage;  ///< [width * height], row by row from the top
 };
 
 struct DotOptions {
-    std::optional<double> radius;  ///< pixels, >= 0, finite; none: such that the mean coverage is `mean_coverage`
+    std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen for `mean_coverage`
     double mean_coverage = 0;      ///< in [0, 1]
     bool antialias = false;        ///< false: a pixel is covered if its centre is
-    /// A side, of whose mean each pixel is made, such that dots cover what discs do: with a radius only. None:
-    /// antialiased pixels tell of their nearest dot alone.
+    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples, so the total
+    /// coverage of the dots is that of exact discs. Requires `radius`. 0: an antialiased pixel follows from its nearest
+    /// dot alone.
     int samples = 0;
 };
 
+/// Largest number of samples on a canvas for which samples_for() chooses more than one sample per pixel.
 inline constexpr double kMostSamples = 16e6;
 
-/// Samples a side with which dots of a radius, in pixels, cover what discs do: as many as bring the radius to three
-/// samples, as long as the whole canvas has kMostSamples at most; one for binary dots of 1.5 pixels or more.
+/// Returns the number of samples along each side of a pixel at which dots have the coverage of exact discs. Chooses at
+/// least three samples per radius, or fewer if the whole canvas would need more than kMostSamples. Binary dots with a
+/// radius of 1.5 pixels or more need only one sample.
+/// @param radius  pixels
 int samples_for(double radius, const Canvas& canvas, bool antialias);
 
-/// Draws equal discs; without dots the raster stays empty. Overlaps count once, also in the choice of the radius: the
-/// mean of the raster is `mean_coverage` to the pixel (binary; pixels exactly as far from their dots as the last one
-/// needed are covered with it) or to one part in 10,000 (antialiased).
+/// Draws discs of equal size. Without dots, the raster is blank. Where discs overlap, the area counts once.
 ///
-/// Binary rasters of several samples are diffuse()d.
+/// If the radius is chosen for `mean_coverage`, the mean of an antialiased raster is exact to one part in 10,000. The
+/// mean of a binary raster is exact to one pixel, except if several pixels are at exactly the chosen radius from their
+/// dots. Binary rasters with several samples per pixel are rounded by diffuse().
 ///
-/// @param dots    finite; may lie beyond the canvas
-/// @param canvas  at least 1 x 1, its scale positive
-/// @param stop    asked at each dot; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the executor. O(pixels + dots), and the area of all dots.
+/// @param dots    finite; may lie outside the canvas
+/// @param canvas  at least 1 x 1; its scale positive
+/// @param stop    polled at each dot; after a stop the result must not be used
+/// Deterministic for any number of threads. O(pixels + dots + total area of the dots).
 Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
-/// Draws discs each with a radius of its own, overlaps counted once.
+/// Draws discs of individual radii. Where discs overlap, the area counts once.
 ///
-/// @param dots       finite; may lie beyond the canvas
+/// @param dots       finite; may lie outside the canvas
 /// @param radii      [dots] in units of the dots' coordinates, >= 0
 /// @param antialias  false: a pixel is covered if its centre is
-/// @param samples    a side, of whose mean each pixel is made; if more than 1 the raster is antialiased in any case
-/// @param stop       asked at each dot; a stop ends it early, with nothing of use
-/// Same input, same bytes, on any executor. O(pixels + dots), and the area of all dots.
+/// @param samples    number of samples along each side of a pixel, >= 1; above 1, the raster is always antialiased
+/// @param stop       polled at each dot; after a stop the result must not be used
+/// Deterministic for any number of threads. O(pixels + dots + total area of the dots).
 Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,
                  int samples, const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

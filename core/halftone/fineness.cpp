@@ -15,19 +15,20 @@ namespace ccdt {
 
 namespace {
 
-/// What is added up over squares of 2 x 2 pixels.
+/// Sums over squares of 2 x 2 pixels.
 struct Sums {
     double lightness = 0;
-    double squares = 0;
-    double squares_of_means = 0;
+    double squares = 0;           ///< squared lightness of each pixel
+    double squares_of_means = 0;  ///< sum over squares of 4 times the squared mean lightness
 
     Sums operator+(const Sums& other) const {
         return {lightness + other.lightness, squares + other.squares, squares_of_means + other.squares_of_means};
     }
 };
 
-/// Of two rows.
-/// @param first  pixel
+/// Adds the squares of 2 x 2 pixels in two rows.
+/// @param first      index of the first pixel of the upper row
+/// @param lightness  returns the lightness of a pixel by its index
 template <class Lightness>
 void add_rows(std::size_t first, std::size_t columns, const Lightness& lightness, Sums& sums) {
     for (std::size_t i = first; i + 1 < first + columns; i += 2) {
@@ -39,8 +40,8 @@ void add_rows(std::size_t first, std::size_t columns, const Lightness& lightness
     }
 }
 
-/// Of all squares of 2 x 2 pixels.
-/// @param lightness  of a pixel, by its index
+/// Returns the share of the variance of lightness that lies within squares of 2 x 2 pixels.
+/// @param lightness  returns the lightness of a pixel by its index
 template <class Lightness>
 double fineness(int width, int height, Executor& executor, const Lightness& lightness) {
     const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
@@ -52,13 +53,13 @@ double fineness(int width, int height, Executor& executor, const Lightness& ligh
             add_rows(2 * pair * columns, columns, lightness, parts[begin / range]);
     });
     const Sums all = std::accumulate(parts.begin(), parts.end(), Sums());
-    constexpr double kFlat = 1e-6;  // what rounding makes of a picture without any detail
+    constexpr double kFlat = 1e-6;  // a picture with this variance or less counts as flat, because of rounding
     const double count = static_cast<double>(columns / 2 * 2) * static_cast<double>(rows / 2 * 2);
     const double variation = all.squares - all.lightness * all.lightness / count;
     return variation > kFlat * count ? std::clamp((all.squares - all.squares_of_means) / variation, 0.0, 1.0) : 0;
 }
 
-/// Lightness of a luminance, on white.
+/// Returns the lightness of a pixel on white paper.
 float seen(float luminance, const Plane& alpha, std::size_t pixel) {
     const float light = std::sqrt(to_share(luminance));
     return alpha.empty() ? light : 1 + (light - 1) * to_share(alpha[pixel]);

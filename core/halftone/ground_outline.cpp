@@ -10,8 +10,9 @@ namespace ccdt {
 
 namespace {
 
-/// The level at the nodes of a grid: the cell centres, between them and the outside a node on each side of the picture,
-/// and white nodes around, at the same places as these.
+/// The level at the nodes of a grid. The inner nodes are the cell centres. Around them is a ring of nodes on the
+/// picture's border, with the level of the nearest cell. The outermost ring is white and has the same positions as the
+/// ring on the border, so that every outline is closed.
 class Nodes {
 public:
     explicit Nodes(const Ground& ground) : ground_(ground) {}
@@ -41,7 +42,7 @@ private:
     const Ground& ground_;
 };
 
-/// Drops points that lie exactly between their neighbours, as those along the border do.
+/// Removes points that are exactly collinear with their neighbours, such as those along the border.
 std::vector<Point> without_straight_points(const std::vector<Point>& ring) {
     std::vector<Point> result;
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -52,13 +53,14 @@ std::vector<Point> without_straight_points(const std::vector<Point>& ring) {
     return result;
 }
 
-/// A node, and whether the edge from it runs down or to the right.
+/// An edge of the node grid.
 struct Edge {
-    int column, row;
-    bool down;
+    int column, row;  ///< its first node
+    bool down;        ///< whether it leads to the node below; else to the node on the right
 };
 
-/// Links the edges that the boundary crosses, square by square, with black ground on the left.
+/// Follows the boundary through the squares between nodes. Links each edge that the boundary crosses to the edge that
+/// it crosses next, with black ground on the left.
 class Tracer {
 public:
     explicit Tracer(const Ground& ground)
@@ -110,7 +112,8 @@ private:
         return from + a / (a - b) * (to - from);
     }
 
-    /// Links the edges of a square. Its corners, and the edges that follow them, run clockwise from the upper left.
+    /// Links the crossed edges of a square. Corners are numbered clockwise from the upper left, and edge k follows
+    /// corner k.
     void link(int column, int row) {
         const std::array<bool, 4> black = {nodes_.is_black(column, row), nodes_.is_black(column + 1, row),
                                            nodes_.is_black(column + 1, row + 1), nodes_.is_black(column, row + 1)};
@@ -119,7 +122,7 @@ private:
         const bool is_joined =
             black[0] == black[2] && black[1] == black[3] && black[0] != black[1] && mean(column, row) <= 0.5f;
         for (std::size_t k = 0; k < 4; ++k) {
-            // The boundary enters where a walk around the square comes from white to black.
+            // The boundary enters through an edge that leads clockwise from white to black.
             if (black[k] || !black[(k + 1) % 4]) continue;
             std::size_t leaving = (k + 1) % 4;
             if (is_joined) {
@@ -138,7 +141,7 @@ private:
     }
 
     Nodes nodes_;
-    std::vector<std::uint32_t> next_;  ///< [edges] where the boundary crosses next
+    std::vector<std::uint32_t> next_;  ///< [edges] edge that the boundary crosses next; kNone if it does not cross
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// What levels make of light, by a table of the lights from the black point to the white point.
+/// Maps light by the levels. Uses a table with equal steps of light between the black and the white point.
 class LevelCurve {
 public:
     explicit LevelCurve(const Levels& levels)
@@ -50,7 +50,8 @@ public:
 
 private:
     static constexpr int kSteps = 1 << 15;
-    static constexpr float kWhite = 1 - 1e-6F;  // what rounding keeps from the white point is white: it gets no dots
+    /// Tolerance of the white point. Because of rounding, a pixel at the white point could otherwise get dots.
+    static constexpr float kWhite = 1 - 1e-6F;
 
     float black_;
     float white_;

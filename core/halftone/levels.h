@@ -6,21 +6,21 @@
 
 namespace ccdt {
 
-/// Levels of a picture, as its editors have them. They act on values as sRGB encodes light: up to `black` these become
-/// 0, from `white` on 1, and what lies a share t of the way between the two t^(1 / gamma).
+/// Levels adjustment, as in picture editors. It acts on sRGB values. Values up to `black` become 0, and values from
+/// `white` on become 1. In between, black + t (white - black) becomes t^(1 / gamma).
 struct Levels {
     double black = 0;  ///< in [0, 1], below white
     double white = 1;  ///< in [0, 1]
-    double gamma = 1;  ///< > 0; above 1 what lies between gets lighter
+    double gamma = 1;  ///< > 0; values above 1 lighten the middle tones
 
     friend bool operator==(const Levels&, const Levels&) = default;
 };
 
-/// Gives a picture levels; with the default ones it stays as it is, to the bit. Alpha stays.
-/// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
+/// Adjusts the levels of a picture. With the default levels, the result is bit for bit the same picture. Alpha does not
+/// change. Values outside [0, 1] are clamped, and NaN counts as 0.
 Picture with_levels(const Picture& picture, const Levels& levels, Executor& executor = inline_executor());
 
-/// Gives levels to red, green and blue alike.
+/// Adjusts the levels of red, green and blue alike.
 ColourPicture with_levels(const ColourPicture& picture, const Levels& levels, Executor& executor = inline_executor());
 
 }  // namespace ccdt

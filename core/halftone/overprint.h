@@ -19,29 +19,30 @@ struct Light {
     friend bool operator==(const Light&, const Light&) = default;
 };
 
-/// Red, green and blue of each pixel of a picture, in linear light [pixels].
+/// Red, green and blue of each pixel of a picture [pixels], in linear light.
 using LightPlanes = std::array<std::vector<float>, 3>;
 
 inline constexpr std::size_t kMostInks = 6;
 
-/// Inks and paper that a picture is printed with.
+/// The inks and the paper of a print.
 struct InkSet {
-    std::vector<Light> inks;  ///< 1 to kMostInks: what a full cover of each looks like, on white or as a lamp on black
+    std::vector<Light> inks;  ///< colours of full coverage, on white paper or, if additive, black; 1 to kMostInks
     Light paper{1, 1, 1};
-    /// false: each ink multiplies what is below it, as print on paper; true: it adds to it, as lamps do
+    /// false: each ink multiplies the light from below, as in print; true: each ink adds light, as lamps do
     bool additive = false;
 };
 
-/// The mean light where inks cover shares of a place independently of each other.
+/// Returns the mean light of an area that the inks cover independently of each other.
 /// @param cover  [inks] in [0, 1]
 Light printed(const InkSet& inks, std::span<const float> cover);
 
-/// The mean light of halftones of several inks, as distribute_inks() spreads their dots.
+/// Predicts the mean light of halftones in several inks whose dots distribute_inks() places.
 ///
-/// Dots of different inks keep apart where there is room, and where there is none overlap as if they knew nothing of
-/// each other. Any two inks overlap by the product of their covers times a factor between 0 and 1; of three and more
-/// each pair brings its factor (Kirkwood's superposition). With the shares of all combinations, colours are those of
-/// Neugebauer's equations. And where inks push each other, their own dots are spread less evenly, and cover less.
+/// Dots of different inks keep apart while there is space. At high coverage they overlap like independent patterns. So
+/// the overlap of two inks is the product of their coverages and a factor between 0 and 1. The overlap of three or more
+/// inks contains the factor of every pair of them (Kirkwood's superposition). The colour follows from the shares of all
+/// combinations of inks, by Neugebauer's equations. Where inks push each other, the pattern of each ink is less even
+/// and covers less.
 class Overprint {
 public:
     using Numbers = std::array<double, kMostInks>;
@@ -54,18 +55,21 @@ public:
 
     std::size_t count() const { return count_; }
 
-    /// @param cover  [inks] in [0, 1]: what the dots of each would cover without the others
+    /// Returns the mean light of a flat tint.
+    /// @param cover  [inks] in [0, 1]: coverage that the dots of each ink would have without other inks
     Channels light(const Numbers& cover) const;
 
 private:
-    /// Share that each combination of inks covers wholly, inks by their bits [2^count].
+    /// [2^count] For each combination of inks, the share of the area that all of its inks cover, whether or not other
+    /// inks cover it too. A combination is a set of bits, one for each ink.
     using Shares = std::array<double, std::size_t{1} << kMostInks>;
 
     Shares shares(const Numbers& cover) const;
 
     std::size_t count_;
     CoverageCurve curve_;
-    /// What a share of each combination adds to the light [2^count]; that of none is the paper.
+    /// [2^count] Light that each combination adds per share of the area. For the empty combination, the light of the
+    /// paper.
     std::array<Channels, std::size_t{1} << kMostInks> changes_{};
 };
 

@@ -9,7 +9,7 @@
 
 namespace ccdt {
 
-/// A value for each pixel, row by row from the top. Whoever has it cannot change them; copies share them.
+/// An immutable value for each pixel, row by row from the top. Copies share memory.
 class Plane {
 public:
     Plane() = default;

@@ -9,21 +9,21 @@
 
 namespace ccdt {
 
-/// Pixels, or as much work, that are worth a task of their own.
+/// Number of pixels, or equivalent work, in a parallel task.
 inline constexpr std::size_t kPixelsOfTask = std::size_t{1} << 15;
 
-/// Pixels that are added up one after the other. The sums of such ranges are added in order, so that a sum is the same
-/// whoever adds it.
+/// Number of pixels in a range that is summed sequentially. The sums of the ranges are then added in order. So results
+/// do not depend on the number of threads.
 inline constexpr std::size_t kPixelsOfSum = std::size_t{1} << 20;
 
-/// Rows that are worth a task of their own.
+/// Returns the number of pixel rows in a parallel task.
 /// @param width  >= 1
 constexpr std::size_t rows_of_task(int width) {
     const std::size_t rows = kPixelsOfTask / static_cast<std::size_t>(width);
     return rows > 0 ? rows : 1;
 }
 
-/// Calls value(i) for each of so many pixels, and adds up what that gives.
+/// Returns the sum of value(i) over all pixels i. Deterministic for any number of threads.
 template <class Value>
 double sum_of_pixels(Executor& executor, std::size_t pixels, const Value& value) {
     std::vector<double> sums((pixels + kPixelsOfSum - 1) / kPixelsOfSum, 0.0);

@@ -16,25 +16,26 @@ namespace ccdt {
 
 namespace {
 
-/// Where a pixel goes along one side: a share of it into one cell, the rest into the next.
+/// Division of a pixel along one axis between a cell and the next one.
 struct Part {
     std::size_t cell = 0;
-    double share = 1;
+    double share = 1;  ///< share of the pixel in `cell`; the remaining share is in the next cell
 };
 
-/// Parts of all pixels along a side. No cell is smaller than a pixel, so that none lies in more than two.
+/// Returns the division of each pixel along an axis. No cell is smaller than a pixel, so a pixel lies in at most two
+/// cells.
 std::vector<Part> parts_of(int pixels, int cells) {
     std::vector<Part> parts;
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
         const std::int64_t cell = pixel * cells / pixels;
-        const std::int64_t inside = (cell + 1) * pixels - pixel * cells;  // in a pixel's parts, of which it has `cells`
+        const std::int64_t inside = (cell + 1) * pixels - pixel * cells;  // length in units of 1 / cells pixels
         parts.push_back(
             {static_cast<std::size_t>(cell), std::min(1.0, static_cast<double>(inside) / static_cast<double>(cells))});
     }
     return parts;
 }
 
-/// Means over cells.
+/// Computes means of pixel values over cells.
 class CellMeans {
 public:
     CellMeans(int width, int height, const CellGrid& cells, Executor& executor)
@@ -45,22 +46,22 @@ public:
           area_(static_cast<double>(width) * height / (static_cast<double>(cells.columns) * cells.rows)),
           executor_(executor) {}
 
-    /// Fills [columns * rows] with means of values, which are told by their pixel.
+    /// Writes the mean of value(pixel) over each cell [columns * rows].
     template <class Value>
     void fill(float* to, const Value& value) const {
-        const std::size_t rows_of_pixels = (down_.size() + rows_ - 1) / rows_;  // in a row of cells
+        const std::size_t rows_of_pixels = (down_.size() + rows_ - 1) / rows_;  // number of pixel rows per row of cells
         const std::size_t range = std::max<std::size_t>(kPixelsOfTask / (across_.size() * rows_of_pixels), 1);
         for_ranges(executor_, rows_, range,
                    [&](std::size_t begin, std::size_t end) { fill_rows(begin, end, to + begin * columns_, value); });
     }
 
 private:
-    /// Fills some rows of cells. The sums of two are on the way: a row of pixels may lie in both.
+    /// Writes some rows of cells. A row of pixels may lie in two rows of cells, so sums of two rows are kept.
     template <class Value>
     void fill_rows(std::size_t begin, std::size_t end, float* to, const Value& value) const {
         std::vector<double> row(columns_ + 1), sums(columns_), next(columns_);
         const auto first = std::ranges::lower_bound(down_, begin, {}, &Part::cell) - down_.begin();
-        // What lies in the row of cells before may stretch into this one.
+        // The last row of pixels that begins in the preceding row of cells may extend into this row of cells.
         for (auto y = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - 1, 0));
              y < down_.size() && down_[y].cell < end; ++y) {
             add_pixels(y, row, value);
@@ -78,7 +79,7 @@ private:
         }
     }
 
-    /// Adds up a row of pixels by columns of cells.
+    /// Sums a row of pixels over the columns of cells.
     template <class Value>
     void add_pixels(std::size_t y, std::vector<double>& row, const Value& value) const {
         std::size_t pixel = y * across_.size();
@@ -92,17 +93,17 @@ private:
 
     std::size_t columns_, rows_;
     std::vector<Part> across_, down_;
-    double area_;  ///< of a cell, in pixels
+    double area_;  ///< area of a cell, in pixels
     Executor& executor_;
 };
 
 }  // namespace
 
 CellGrid resolved_cells(int width, int height, double radius) {
-    constexpr double kCell = 0.5;  // radii
-    constexpr double kLeast = 2;   // pixels
-    constexpr double kFewest = 64;
-    constexpr double kStep = 0.25;  // pixels: radii that are the same but for rounding have the same cells
+    constexpr double kCell = 0.5;   // side of a cell, radii
+    constexpr double kLeast = 2;    // least side of a cell, pixels
+    constexpr double kFewest = 64;  // least number of cells along the shorter side
+    constexpr double kStep = 0.25;  // pixels; sides are multiples of this, so rounding of the radius has no effect
     const double side = kStep * std::floor(std::min(kCell * radius, std::min(width, height) / kFewest) / kStep);
     if (!(side >= kLeast)) return {width, height};
     return {static_cast<int>(std::ceil(width / side)), static_cast<int>(std::ceil(height / side))};

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// Cells that a picture is divided into: columns and rows, all of one size, which need not be whole pixels.
+/// Division of a picture into cells of equal size, which need not be a whole number of pixels.
 struct CellGrid {
     int columns = 0;
     int rows = 0;
@@ -16,25 +16,29 @@ struct CellGrid {
     friend bool operator==(const CellGrid&, const CellGrid&) = default;
 };
 
-/// Chooses cells that dots of a radius do not tell from pixels: half a radius a side, but 64 along the shorter side at
-/// least. Where such cells would be of less than two pixels each way they are the pixels themselves. Measured on three
-/// photographs at 1,000 and 2,300 dots: noise at each scale, evenness and distances are as without, or better by some
-/// tenths of a decibel; of 0.7 radii and more they get worse.
+/// Chooses cells so small that dots of the given radius cannot resolve them. The sides of the cells are half a radius,
+/// or less if the shorter side of the picture would have fewer than 64 cells. If the sides would be below two pixels,
+/// the cells are the pixels.
+///
+/// Measured on three photographs at 1,000 and 2,300 dots: noise at each scale, evenness and distances are the same as
+/// with pixels, or some tenths of a decibel better. With sides of 0.7 radii and more, they get worse.
 ///
 /// @param width, height  pixels, >= 1
 /// @param radius         pixels, >= 0
 CellGrid resolved_cells(int width, int height, double radius);
 
-/// Takes the mean over each cell: the sum over all cells, times their area, is that over all pixels, to rounding.
+/// Returns the mean over each cell. The sum of these means times the area of a cell is the sum over all pixels, except
+/// for rounding.
 ///
 /// @param values  [width * height]
-/// @param cells   not more than there are pixels, either way
+/// @param cells   along each axis at most as many as there are pixels
 /// @returns       [columns * rows]
-/// Same input, same bytes, whatever the executor. O(pixels).
+/// Deterministic for any number of threads. O(pixels).
 std::vector<float> reduced(const std::vector<float>& values, int width, int height, const CellGrid& cells,
                            Executor& executor = inline_executor());
 
-/// Takes the mean light over each cell, pixels counting by their alpha: what is seen of it on any paper stays.
+/// Returns the mean light over each cell, weighted by alpha. So on paper of any colour, each cell looks like the mean
+/// of the picture's pixels on that paper.
 ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -13,41 +13,46 @@
 
 namespace ccdt {
 
-/// What inks on the paper look like by a tone, as inks and paper.
+/// Converts the colours of inks and paper to the scale of a tone.
 InkSet toned(const InkSet& inks, Tone tone);
 
-/// A picture in inks.
+/// A picture separated into inks.
 struct Separation {
-    /// Share of each pixel that the dots of each ink shall cover by themselves [inks][width * height], in [0, 1].
+    /// [inks][width * height] Share of each pixel that the dots of each ink would cover without the other inks, in [0,
+    /// 1].
     std::vector<std::vector<float>> coverage;
-    LightPlanes light;  ///< what is seen of that: the picture, where inks can make it
+    LightPlanes
+        light;  ///< light of the halftone as predicted; equal to that of the picture within the gamut of the inks
 };
 
-/// Separates a picture into inks, such that the halftone looks as much like it as they can (Overprint,
-/// ColourDifference): what they can make comes out as it is, of other colours the nearest by CIE 1994, lightness
-/// counting twice. One black ink on white paper has the coverage that ink_coverage gives for the picture's luminance.
+/// Separates a picture into inks. The halftone, as Overprint predicts it, is then as close to the picture as possible.
 ///
-/// Transparent parts show the paper: no dots. Values of the picture beyond [0, 1] count as the nearer end, what is no
-/// number as 0. Of the mixtures that look alike that one is taken which covers least, so that with ideal cyan, magenta,
-/// yellow and black greys are black alone; dots that would not be seen are left out.
+/// Colours within the gamut of the inks are exact. Any other colour becomes the nearest colour of the gamut by
+/// ColourDifference, in which lightness counts twice. One black ink on white paper has the coverage that ink_coverage()
+/// gives for the picture's luminance. Of several mixtures with the same colour, the one with the least coverage is
+/// used. So with an ideal set of cyan, magenta, yellow and black, greys consist of black alone. Dots that would be
+/// invisible are left out.
 ///
-/// @param stop  asked once a row; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the executor. O(pixels), and besides that for each kind of colour; all there are
-/// take as long as some million pixels do.
+/// Transparent pixels show the paper, without dots. Values outside [0, 1] are clamped, and NaN counts as 0.
+///
+/// @param stop  polled once per row; after a stop the result must not be used
+/// Deterministic for any number of threads. O(pixels), plus a cost for each different colour. For a picture that
+/// contains all colours, this cost is that of some million additional pixels.
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
                     Executor& executor = inline_executor());
 
-/// Share of each channel's light that is to be taken from a picture's pixels [red, green, blue][width * height], in
-/// [0, 1]: of that of the paper or, if inks add, of white. Transparent parts show the paper.
+/// Returns the share of light that dots must remove in each channel [red, green, blue][width * height], in [0, 1]. The
+/// share is relative to the paper or, for additive inks, to white. Transparent pixels show the paper.
 std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, const InkSet& inks, Tone tone,
                                                  Executor& executor = inline_executor());
 
-/// Shares sites among inks so that all dots have about one size: in proportion, by largest remainders, but one at least
-/// for each ink that covers anything as long as there are enough, those that cover most first. An ink that covers
-/// nothing has none; if none covers anything, none has any.
+/// Divides sites among inks in proportion to their coverage, so that all dots have about the same size.
+///
+/// Rounds by the method of largest remainders. Each ink with any coverage gets at least one site. If there are too few
+/// sites for that, the inks with the most coverage get one each. An ink without coverage gets none.
 ///
 /// @param ink_sums  [inks] sum of each ink's coverage; >= 0
-/// @returns         [inks], in all `sites`
+/// @returns         [inks] numbers whose sum is `sites`, or 0 if no ink has any coverage
 std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size_t sites);
 
 }  // namespace ccdt

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNothing = 1e-6F;
 
-/// What there is over what there would be; 1 where that is next to nothing.
+/// Returns wanted / made, or 1 if `made` is almost 0.
 float ratio(float wanted, float made) {
     return made > kNothing ? wanted / made : 1.0F;
 }

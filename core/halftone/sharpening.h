@@ -7,15 +7,17 @@
 
 namespace ccdt {
 
-/// Sharpens what is to be covered, so that it looks more as it did once it is blurred. What is 0 or 1 stays so, and
-/// sums around any place stay nearly.
+/// Sharpens a coverage so that, after a blur, it resembles the original more closely. Values of 0 and 1 do not change,
+/// and local sums hardly change.
 ///
-/// @param cover  [width * height] in [0, 1], as is what is returned
-/// @param sigma  pixels, >= 0: of the blur, as blurred() has it; by 0 nothing changes, to the bit
-/// Two steps of deconvolution: what more of them sharpen is mostly noise. Same input, same bytes, whatever the
-/// executor. O(pixels), whatever the sigma. Source: Richardson 1972, Bayesian-based iterative method of image
-/// restoration; Lucy 1974. Departure: what is bare is restored beside what is covered, and the two keep adding up to 1;
-/// else black would fade along its edges.
+/// @param cover  [width * height] in [0, 1]
+/// @param sigma  standard deviation in pixels of the blur by blurred(), >= 0; 0 returns an identical copy
+/// @returns      [width * height] in [0, 1]
+/// Takes two steps of deconvolution; further steps would sharpen mostly noise. Deterministic for any number of threads.
+/// O(pixels) for any sigma.
+/// Source: Richardson 1972, Bayesian-based iterative method of image restoration; Lucy 1974. Departure: the bare share
+/// of each pixel is restored in the same way as the covered share, and both are scaled to add up to 1. Otherwise black
+/// areas would fade along their edges.
 std::vector<float> sharpened(const std::vector<float>& cover, int width, int height, double sigma,
                              Executor& executor = inline_executor());
 

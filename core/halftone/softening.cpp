@@ -14,7 +14,7 @@ void soften(Raster& raster, Executor& executor) {
     const auto width = static_cast<std::size_t>(raster.width), height = static_cast<std::size_t>(raster.height);
     const std::vector<std::uint8_t> sharp = raster.coverage;
     for_ranges(executor, height, rows_of_task(raster.width), [&](std::size_t begin, std::size_t end) {
-        std::vector<unsigned> down(width);  // weighted sums of three rows
+        std::vector<unsigned> down(width);  // weighted vertical sums of three pixels
         for (std::size_t y = begin; y < end; ++y) {
             const std::uint8_t* const row = sharp.data() + y * width;
             const std::uint8_t* const above = y > 0 ? row - width : row;

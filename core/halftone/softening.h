@@ -6,13 +6,13 @@
 
 namespace ccdt {
 
-/// Softens rims: each pixel becomes the mean of the 3 x 3 pixels around it, weighted by (1, 2, 1) / 4 across and down.
-/// Beyond the border pixels are as at it. Total coverage stays but for rounding and the border.
+/// Softens the rims of dots with a 3 x 3 binomial filter, (1, 2, 1) / 4 along each axis. The pixels at the border are
+/// repeated outside. Total coverage stays the same, except for rounding and the border.
 ///
-/// Programs that scale pictures average encoded values rather than light, and so darken rims. Soft ones lose less: what
-/// is enlarged twice, a third of what it would.
+/// Programs that scale pictures average encoded values instead of light, which darkens the rims of dots. When a picture
+/// is enlarged to twice its width and height, soft rims darken only a third as much as hard rims.
 ///
-/// Same input, same bytes, on any executor. O(pixels).
+/// Deterministic for any number of threads. O(pixels).
 void soften(Raster& raster, Executor& executor = inline_executor());
 
 }  // namespace ccdt

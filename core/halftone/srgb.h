@@ -5,19 +5,19 @@
 
 namespace ccdt {
 
-/// Gives the light, 0 to 1, that a value of sRGB, 0 to 1, stands for (IEC 61966-2-1).
+/// Converts an sRGB value in [0, 1] to linear light in [0, 1] (IEC 61966-2-1).
 template <class Number>
 Number light_of_srgb(Number value) {
     return value <= Number(0.04045) ? value / Number(12.92)
                                     : std::pow((value + Number(0.055)) / Number(1.055), Number(2.4));
 }
 
-/// The inverse of light_of_srgb().
+/// Converts linear light to an sRGB value; the inverse of light_of_srgb().
 inline double srgb_of_light(double light) {
     return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
 }
 
-/// Relative luminance of a linear light with the primaries of sRGB.
+/// Returns the relative luminance of linear light with the primaries of sRGB.
 template <class Number>
 Number luminance_of(Number red, Number green, Number blue) {
     return Number(0.2126) * red + Number(0.7152) * green + Number(0.0722) * blue;

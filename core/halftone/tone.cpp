@@ -12,7 +12,7 @@ namespace ccdt {
 
 namespace {
 
-/// CIE 1976 lightness is linear where it is darkest.
+/// CIE 1976 lightness is linear below this luminance, with the slope kSlope.
 constexpr float kLinearBelow = 216.0f / 24389.0f;
 constexpr float kSlope = 24389.0f / 2700.0f;
 
@@ -52,7 +52,8 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 
 std::size_t default_sites(double ink, double fineness, std::size_t limit) {
     constexpr double kInkPerDot = 8;
-    constexpr double kMostLost = 0.02;  // such dots blur about as much as means over 2 x 2 pixels do
+    // Dots of 8 pixels blur about as much as averaging over 2 x 2 pixels, so they lose this share of the variance.
+    constexpr double kMostLost = 0.02;
     constexpr double kFewest = 4096;
     const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMostSites), ink);
     const double by_detail = std::min({ink / kInkPerDot * fineness / kMostLost, ink / kLeastInkPerDot, kMostSites});
@@ -62,8 +63,8 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit) {
 
 double radius_of_drawing(double pixels, double fineness) {
     constexpr double kRadius = 3, kPixels = 1e6, kLeastRadius = 1;
-    constexpr double kUsualFineness = 0.06, kMostTimes = 4;  // as many dots
-    const double times = std::clamp(fineness / kUsualFineness, 1.0, kMostTimes);
+    constexpr double kUsualFineness = 0.06, kMostTimes = 4;
+    const double times = std::clamp(fineness / kUsualFineness, 1.0, kMostTimes);  // factor on the number of dots
     return std::max(kRadius * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kLeastRadius);
 }
 
@@ -80,7 +81,7 @@ double default_scale(const std::vector<float>& coverage, std::size_t sites) {
 
 double default_scale(double ink, std::size_t pixels, std::size_t sites) {
     constexpr double kPi = std::numbers::pi;
-    constexpr double kRadius = 3;  // canvas pixels: a binary disc of this size looks round
+    constexpr double kRadius = 3;  // canvas pixels; a binary disc of this radius looks round
     const double radius = std::sqrt(ink / (kPi * static_cast<double>(sites)));
     const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));
     const double most = std::sqrt(kMostCanvasPixels / static_cast<double>(pixels));

@@ -9,60 +9,65 @@
 
 namespace ccdt {
 
-/// Scale of lightness that the dots reproduce.
+/// Quantity of the picture that the dots reproduce.
 enum class Tone {
-    Linear,      ///< relative luminance: what a densitometer or a far eye averages
-    Perceptual,  ///< CIE L*: lighter, as the picture's own pixel values read
-    Density,     ///< as Linear, but by the number of dots, whatever they cover: for measures of point density
+    Linear,      ///< relative luminance, as a densitometer or an eye at a distance averages it
+    Perceptual,  ///< CIE L*, which resembles the encoded pixel values; the halftone is lighter
+    Density,  ///< relative luminance, matched by the number of dots regardless of their coverage; for point densities
 };
 
-/// CIE 1976 lightness of a relative luminance in [0, 1], in [0, 1].
+/// Returns the CIE 1976 lightness of a relative luminance, both in [0, 1].
 float lightness(float luminance);
 
-/// Inverse of lightness().
+/// Returns the relative luminance of a lightness; the inverse of lightness().
 float luminance(float lightness);
 
-/// Clamps a value to [0, 1]; what is no number is 0.
+/// Clamps a value to [0, 1]; NaN becomes 0.
 float to_share(float value);
 
-/// Share of each pixel that the dots shall cover [width * height], in [0, 1], top row first.
-/// Dark pixels want dots; inverted, light ones do. Transparent pixels show the paper: no dots.
-/// Values of the picture beyond [0, 1] count as the nearer end, what is no number as 0.
+/// Returns the share of each pixel that the dots should cover [width * height], in [0, 1], top row first.
+///
+/// Dark pixels get dots; with `invert`, light ones do. Transparent pixels show the paper, without dots. Values outside
+/// [0, 1] are clamped, and NaN counts as 0. Deterministic for any number of threads.
 std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, Executor& executor = inline_executor());
 
-/// Dots that resolve a picture well: one for 8 pixels' worth of ink, and where such dots would lose more than 1/50 of
-/// what the picture's lightness varies, as many times more as that is more. There are 4,096 at least (as long as that
-/// is not more than one a pixel of ink) and 100,000 at most, for detail up to two a pixel of ink; never less than 1 nor
-/// more than `limit`. More ink or finer detail never means fewer dots.
+/// Returns a number of dots that resolves a picture well.
 ///
-/// @param ink       sum of the shares that dots cover
-/// @param fineness  of the picture, in [0, 1]
+/// The number is one dot per 8 pixels of ink. If the fineness is above 0.02, the number is multiplied by fineness /
+/// 0.02, up to two dots per pixel of ink. It is at least 4,096, or one dot per pixel of ink if that is less. It is at
+/// most 100,000, at most `limit`, and at least 1. The number never decreases with more ink or finer detail.
+///
+/// @param ink       sum of the shares that dots cover, in pixels of the picture
+/// @param fineness  fineness of the picture, in [0, 1]
 std::size_t default_sites(double ink, double fineness, std::size_t limit);
 
-/// Radius of dots that suit a drawing of a size, in its pixels. It is 3 where there are a million pixels, and grows
-/// with their fourth root, so that a larger drawing has both more and larger dots. Finer detail than photographs have
-/// halves it at most. It is 1 at least.
+/// Returns a radius of dots for a drawing, in pixels of the drawing. The radius is 3 for a million pixels. It grows
+/// with the fourth root of the number of pixels, so that a larger drawing has both more dots and larger dots. If the
+/// detail of the picture is finer than in photographs, the radius is smaller, but not below half. It is at least 1.
 ///
-/// @param pixels    of the drawing, > 0
-/// @param fineness  of the picture, in [0, 1]
+/// @param pixels    number of pixels of the drawing, > 0
+/// @param fineness  fineness of the picture, in [0, 1]
 double radius_of_drawing(double pixels, double fineness);
 
-/// Number of such dots that cover the ink of a picture. There are at most two for a pixel of ink, which is all that
-/// small pictures show, and 100,000; never less than 1 nor more than `limit`.
+/// Returns the number of dots of radius_of_drawing() that cover the ink of a picture. The number is at most two dots
+/// per pixel of ink, which suffices for small pictures, at most 100,000, at most `limit`, and at least 1.
 ///
 /// @param ink     sum of the shares that dots cover, in pixels of the picture
 /// @param scale   pixels of the drawing per pixel of the picture, > 0
+/// @param pixels  number of pixels of the drawing, > 0
 std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit);
 
-/// Limits of default_scale().
+/// Largest values of default_scale(), and of the number of canvas pixels at that scale.
 inline constexpr double kLargestScale = 16;
 inline constexpr double kMostCanvasPixels = 16e6;
 
-/// Canvas pixels per picture pixel, at most 16: the smallest whole number at which dots that keep the mean tone have a
-/// radius of 3 pixels or more and so look round; less where the canvas would pass 16 million pixels, but at least 0.1.
+/// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest whole number at
+/// which dots with the picture's mean tone have a radius of at least 3 pixels and thus look round. The number is
+/// limited to kLargestScale and to a canvas of kMostCanvasPixels, but is at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
-/// Default scale by the sum of the shares and the pixels of the picture.
+/// Returns the same, given the number of pixels of the picture.
+/// @param ink  sum of the shares that dots cover, in pixels of the picture
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 
 }  // namespace ccdt

@@ -7,15 +7,15 @@
 
 namespace ccdt {
 
-/// Smooths an image but keeps its edges: returns the u that minimises strength * TV(u) + 1/2 |u - values|^2, with TV
-/// the isotropic total variation, to the accuracy of `steps` steps.
+/// Smooths an image but keeps its edges. Computes the u that minimises strength * TV(u) + 1/2 |u - values|^2, where TV
+/// is the isotropic total variation. The result has the accuracy of `steps` iterations.
 ///
 /// A disc of radius r loses 2 * strength / r of its contrast; a long straight edge loses nothing.
 ///
 /// @param values    [width * height]
 /// @param strength  > 0, in units of the values times pixels
-/// @param steps     >= 1
-/// Same input, same bytes, on any executor. O(pixels * steps), 20 bytes a pixel.
+/// @param steps     number of iterations, >= 1
+/// Deterministic for any number of threads. O(pixels * steps); 20 bytes per pixel.
 /// Source: Rudin, Osher, Fatemi 1992; solved by the dual method of Beck and Teboulle 2009, Fast gradient-based
 /// algorithms for constrained total variation image denoising, algorithm FGP.
 std::vector<float> denoised(const std::vector<float>& values, int width, int height, float strength, int steps,

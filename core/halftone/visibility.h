@@ -9,27 +9,27 @@ namespace ccdt {
 
 /// Visibility of small changes in the channels of a colour.
 ///
-/// For one channel, the slope of CIE 1976 lightness. For three, the slope of the difference in CIELAB, with
-/// that of chroma and hue weighted as CIE 1994 does for chroma and by a half.
+/// With one channel, the visibility is the slope of CIE 1976 lightness. With three channels, it is the slope of the
+/// difference in CIELAB. Differences in a* and b* have half the weight that CIE 1994 gives to differences in chroma.
 class Visibility {
 public:
-    /// @param light  of 1 or 3 channels, linear, in [0, 1]
+    /// @param light  [1 or 3] linear light of each channel, in [0, 1]
     explicit Visibility(std::span<const float> light);
 
-    /// Computes the difference over the share, where a share of the area is flipped.
+    /// Returns the visible difference per share of the area that is flipped, in lightness from 0 to 1.
     ///
     /// @param flips  channels that are flipped, as bits
-    /// @param white  channels of which flipping takes the light, as bits; of others it brings it
-    /// @returns      difference in lightnesses from 0 to 1
+    /// @param white  channels that lose their light when flipped, as bits; the other channels gain it
     float of(unsigned flips, unsigned white) const;
 
-    /// Computes the difference over the share, where a share of the area changes its light.
-    /// @param change  of each channel, in full
+    /// Returns the visible difference per share of the area that changes, in lightness from 0 to 1.
+    /// @param change  change of each channel within the changed area
     float of(const std::array<float, 3>& change) const;
 
 private:
     std::size_t channels_;
-    std::array<std::array<float, 3>, 3> slopes_{};  ///< by channel: of lightness, and of both colour axes
+    /// [channels] derivatives of lightness and of the two weighted colour axes with respect to the channel's light.
+    std::array<std::array<float, 3>, 3> slopes_{};
 };
 
 }  // namespace ccdt

@@ -8,8 +8,9 @@
 
 namespace ccdt {
 
-/// Lists sites that are numbered along a space-filling curve in the best order of insertion: coarse to fine. Points far
-/// apart first keep the triangles round, and successive neighbours keep point-location walks short.
+/// Lists sites in the best order of insertion: coarse to fine. The sites are numbered along a space-filling curve.
+/// Points that are far apart come first, which keeps the triangles round. Within a step, successive points are
+/// neighbours, which keeps the walks of point location short.
 /// @param visit  called with the sites of each step, in ascending order; returns false to end
 /// @returns      false if `visit` ended the enumeration
 template <class Visit>

@@ -9,12 +9,13 @@
 
 namespace ccdt {
 
-/// Divides sites that are numbered along a space-filling curve into blocks of neighbours. Level by level, up to four
-/// blocks are joined into a larger one, until one is left. Operations that touch only the sites of one block can run in
-/// parallel with those of other blocks of the same level. The blocks depend on the number of sites alone.
+/// Divides sites that are numbered along a space-filling curve into blocks of neighbours. On each further level, up to
+/// four blocks are joined into a larger block, until a single block remains. Operations that touch only the sites of
+/// one block can run in parallel with those of other blocks of the same level. The blocks depend on the number of sites
+/// alone.
 class SiteBlocks {
 public:
-    static constexpr std::size_t kFewest = 2048;  ///< sites of a block, unless there are fewer in all
+    static constexpr std::size_t kFewest = 2048;  ///< least number of sites of a block, unless there is only one block
 
     /// A block of some level.
     struct Block {
@@ -35,12 +36,13 @@ public:
     int last_level() const { return levels() - 1; }
     std::size_t count(int level) const { return std::size_t{1} << std::max(0, bits_ - 2 * level); }
 
-    /// Number of the level-0 block of a vertex; a number that no block has if the vertex is not a site.
+    /// Number of the level-0 block of a vertex. A vertex that is not a site gets a number that no block has.
     std::uint32_t of(std::uint32_t vertex) const {
         return vertex < sites_ ? static_cast<std::uint32_t>(vertex * share_) : kOutside;
     }
 
-    /// Returns the smallest block that contains all given vertices; the block of the last level if not all are sites.
+    /// Returns the smallest block that contains all given vertices. If any vertex is not a site, returns the block of
+    /// the last level.
     Block around(std::initializer_list<std::uint32_t> vertices) const {
         const std::uint32_t first = of(*vertices.begin());
         std::uint32_t apart = first & kOutside;
@@ -55,7 +57,7 @@ public:
         return {level, level == last_level() ? 0 : number >> (2 * level)};
     }
 
-    /// Returns the first site of a level-0 block; the number of sites for the block after the last.
+    /// Returns the first site of a level-0 block. For the number after the last block, returns the number of sites.
     std::uint32_t begin(std::size_t number) const {
         auto site = static_cast<std::uint32_t>(static_cast<double>(number) / share_);
         site = std::min(site, static_cast<std::uint32_t>(sites_));

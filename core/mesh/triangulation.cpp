@@ -57,7 +57,7 @@ Triangulation::Triangulation(std::size_t sites, Point period)
     reserve_triangles(0);
 }
 
-/// Reserves memory for two triangles per site and for those of the border.
+/// Reserves memory for two triangles per site and for the triangles of the border.
 void Triangulation::reserve_triangles(std::size_t border) {
     Triangle unused;
     unused.flags = kOutside;
@@ -65,8 +65,8 @@ void Triangulation::reserve_triangles(std::size_t border) {
     triangles_.resize(2 * sites_, unused);
 }
 
-/// Marks triangles outside the domain: a flood fill from the triangles at the box, which are outside, changes sides at
-/// each segment.
+/// Marks triangles outside the domain, by a flood fill. It starts from the triangles at the box, which are outside, and
+/// changes sides at each segment.
 void Triangulation::mark_inside() {
     std::vector<bool> seen(triangle_count(), false);
     std::vector<std::uint32_t> stack;
@@ -90,8 +90,8 @@ void Triangulation::mark_inside() {
     }
 }
 
-/// Gives each fan of triangles its own vertex where several segments begin at one place: the input point at which the
-/// segment with the fan on its left begins.
+/// Gives each fan of triangles its own vertex, where several segments begin at the same place. The vertex is the input
+/// point at which a segment begins that has the fan on its left.
 void Triangulation::separate(std::span<const ConstrainedDelaunay::Branch> branches) {
     if (branches.empty()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex
@@ -144,9 +144,9 @@ std::uint32_t Triangulation::part_at(Point p) {
     return triangles_[at.triangle].is_inside() ? part_of_[triangles_[at.triangle].corners[0]] : kNone;
 }
 
-/// Walks towards a place across edges that have it on their right. The edge tried first varies from step to step, so
-/// that the walk cannot cycle where the triangulation is not Delaunay.
-/// @param at  start of the walk; set to its end
+/// Walks towards a place. Each step crosses an edge that has the place on its right. The edge tried first varies from
+/// step to step, so that the walk cannot cycle where the triangulation is not Delaunay.
+/// @param at  start of the walk on entry, its end on return
 /// @returns   false if the walk left the region
 bool Triangulation::locate(const Region& region, Location& at) const {
     const Point p = at.point - distance(at.shift);
@@ -170,7 +170,8 @@ bool Triangulation::locate(const Region& region, Location& at) const {
     }
 }
 
-/// Returns the start of a walk to a place: a triangle, and the periodic copy of the place nearest to it.
+/// Returns the start of a walk to a place: the given triangle, and the periodic copy of the place that is nearest to
+/// the triangle.
 Triangulation::Location Triangulation::way_from(std::uint32_t triangle, Point p) const {
     if (!is_torus()) return {triangle, p, {}};
     const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };
@@ -202,7 +203,7 @@ bool Triangulation::insert(std::uint32_t site, Point p, double margin) {
     return insert(whole_, site, p, margin, pending) == Insertion::Done;
 }
 
-/// Inserts a site if its place and all triangles to be changed lie within a region.
+/// Inserts a site if its place, and all triangles that the insertion changes, lie within a region.
 Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t site, Point p, double margin,
                                                Pending& pending) {
     if (is_torus()) p = snapped(p);
@@ -244,7 +245,7 @@ Triangulation::Insertion Triangulation::insert(Region& region, std::uint32_t sit
 /// @param at    the triangle, and the site relative to it
 /// @param u, v  unused triangles
 void Triangulation::divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v) {
-    // Triangle t becomes (c0, c1, p). If p lies on an edge, one of the three is flat. The circumcircle of that one is a
+    // Triangle t becomes (c0, c1, p). If p lies on an edge, one of the three triangles is flat. Its circumcircle is a
     // half-plane that contains the corner beyond the edge, so the edge is flipped.
     const std::uint32_t t = at.triangle;
     const Triangle split = triangles_[t];
@@ -270,7 +271,8 @@ void Triangulation::divide(std::uint32_t site, const Location& at, std::uint32_t
     join(edge(v, 1), edge(t, 2));
 }
 
-/// Processes all regions of a level in parallel, then those of the next level, which inherit the unfinished work.
+/// Processes all regions of a level in parallel. Then does the same with the regions of the next level, which inherit
+/// the unfinished work.
 /// @returns  the last region
 template <class Work>
 Triangulation::Region Triangulation::work_upwards(Regions regions, Work&& work) {
@@ -362,7 +364,8 @@ bool Triangulation::wants_flip(std::uint32_t edge) const {
     return in_circle(a, b, c, beyond + distance(lift(edge) + shift(next(twin))));
 }
 
-/// Whether two edges are certainly both Delaunay: the floating-point filter of in_circle(), for two edges at once.
+/// Whether two edges are certainly both Delaunay. Applies the floating-point filter of in_circle() to both edges at
+/// once.
 bool Triangulation::is_certain(std::uint32_t edge, std::uint32_t other) const {
     if (twin(edge) == kNone || twin(other) == kNone) return false;
     if (is_torus() && (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(other)) ||
@@ -429,7 +432,8 @@ void Triangulation::flip_shifts(std::uint32_t edge) {
     set(twin, bc, ca + ad, db);            // (b, c, d)
 }
 
-/// Flips edges of a region until all are Delaunay. Edges with a vertex in another region are left to a larger region.
+/// Flips edges of a region until all edges are Delaunay. Edges with a vertex in another region are left for a larger
+/// region.
 void Triangulation::legalise(Region& region) {
     while (!region.stack.empty()) {
         const std::uint32_t h = region.stack.back();
@@ -475,7 +479,8 @@ void Triangulation::wrap() {
     }
 }
 
-/// Lists the edges of triangles [begin, end) that need a flip; of each edge the half with the smaller number.
+/// Lists the edges of triangles [begin, end) that need a flip. Each edge is given by its half-edge with the smaller
+/// number.
 void Triangulation::find_flips(std::size_t begin, std::size_t end, std::vector<Flip>& found) const {
     // Branchless, since the outcome is unpredictable.
     std::vector<std::uint32_t> edges(3 * (end - begin) + 1);
@@ -527,7 +532,7 @@ std::vector<std::uint32_t> Triangulation::edges_around(std::uint32_t site) const
 }
 
 /// Flips edges away from a site until its degree is three.
-/// @returns  false if its degree stays higher because no other edge can be flipped
+/// @returns  false if the degree stays higher because no other edge can be flipped
 bool Triangulation::isolate(std::uint32_t site) {
     // An edge can be flipped if both new triangles are counter-clockwise.
     const auto can_turn = [&](std::uint32_t h) {
@@ -563,7 +568,7 @@ bool Triangulation::relocate(std::uint32_t site, std::uint32_t triangle, Point p
         join(previous(h), twin(next(edges[1])));
         points_[site] = p;
         if (std::ranges::find(touched, triangle) != touched.end()) {
-            // The merge has changed the triangles here, so the one that contains the place is looked up.
+            // The merge has changed the triangles here. So the triangle that contains the place is looked up again.
             triangle =
                 *std::ranges::find_if(touched, [&](std::uint32_t t) { return t != u && t != v && is_within(t, p); });
         }
@@ -609,7 +614,8 @@ void Triangulation::trim() {
     changed_.assign(points_.size(), 0);
 }
 
-/// Drops triangles outside the domain. These precede the first site, so only triangles of the border are renumbered.
+/// Drops triangles outside the domain. All triangles of sites lie inside, so only triangles of the border are
+/// renumbered.
 void Triangulation::drop_outside() {
     std::uint32_t next = border_triangle();
     for (std::uint32_t t = next; t < triangle_count(); ++t) {
@@ -642,7 +648,7 @@ void Triangulation::number_along_sites() {
     for_ranges(*executor_, points_.size(), kRange, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
             const std::uint32_t first = v == 0 ? 0 : ends[v - 1];
-            // The order up to here depends on the schedule of the tasks.
+            // Before this sort, the order of the vertex' triangles depends on the schedule of the tasks.
             std::sort(order.begin() + first, order.begin() + ends[v]);
             for (std::uint32_t i = first; i < ends[v]; ++i) number[order[i]] = i;
         }
@@ -666,7 +672,7 @@ void Triangulation::find_edges() {
     }
 }
 
-/// Makes an edge the one kept for its origin, if that is a site or if the edge lies on the border.
+/// Sets the stored edge of its origin to this edge. Changes a vertex of the border only if the edge lies on the border.
 void Triangulation::keep_edge(std::uint32_t edge) {
     const std::uint32_t vertex = origin(edge);
     if (is_site(vertex) || twin(edge) == kNone) edge_of_[vertex] = edge;

@@ -33,26 +33,29 @@ struct Shift {
 /// A triangulation of a domain in flat arrays, updated by insertions, moves and flips.
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of triangle h / 4, whose edges run counter-clockwise. Vertices [0, sites) are
-/// sites, the rest lie on the border. During construction, triangles outside the domain are part of the mesh. trim()
-/// drops them; afterwards an edge of the border has no twin.
+/// sites, the others lie on the border. During construction, triangles outside the domain are part of the mesh. trim()
+/// drops these triangles; afterwards an edge of the border has no twin.
 ///
-/// On a torus every edge stores by how many periods its target is shifted from the stored position of that vertex. So
-/// vertices may leave the box, and even a single vertex has a triangulation. All positions are multiples of 2^-50, so
-/// shifted positions are exact.
+/// On a torus every edge stores by how many periods its target is shifted from the stored position of the target
+/// vertex. So vertices may leave the box, and even a single vertex has a triangulation. All positions are multiples of
+/// 2^-50, so shifted positions are exact.
 class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// @param sites   number of sites to be inserted; they are numbered first, followed by the points of the border
+    /// @param sites   number of sites to be inserted; the sites come first in the numbering, then the points of the
+    ///                border
     /// @param border  triangulation of the border's vertices; its segments are the border itself, with the inside on
-    ///                their left. Of coincident vertices, each belongs to one fan of triangles inside.
+    ///                their left. At a place with several separate sectors of the inside, each sector has its own
+    ///                vertex.
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Starts the triangulation of a torus.
     /// @param period  sides of the torus, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
-    /// Sets the executor of lengthy operations on this triangulation, by itself and by others; it must outlive this.
+    /// Sets the executor that lengthy operations on this triangulation use, in this class and in others. The executor
+    /// must outlive this.
     void set_executor(Executor& executor) { executor_ = &executor; }
     Executor& executor() const { return *executor_; }
 
@@ -68,7 +71,7 @@ public:
     const std::vector<Point>& points() const { return points_; }
     bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
 
-    /// Number of sites that may move: the first ones. All sites, unless the last ones are fixed.
+    /// Number of sites that may move: the first ones. All sites may move unless fix_last() was called.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
     void fix_last(std::size_t count);
@@ -113,8 +116,8 @@ public:
         return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
     }
 
-    /// A half-edge that leaves the vertex. On the border it is the one with the domain on its left and the border on
-    /// its right, so that turning counter-clockwise visits all others. Valid after trim().
+    /// A half-edge that leaves the vertex. For a vertex of the border, it is the half-edge along the border with the
+    /// domain on its left, so that turning counter-clockwise visits all others. Valid after trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {
@@ -128,20 +131,19 @@ public:
         return cross(b - a, c - a);
     }
 
-    /// Inserts a site and restores the constrained Delaunay property around it. Fastest near the previously inserted
-    /// site.
+    /// Inserts a site and restores the constrained Delaunay property around the site. Fastest near the previously
+    /// inserted site.
     /// @param margin  least distance from the edges of the border
     /// @param p       on a torus, rounded to a multiple of 2^-50
-    /// @returns       false, without any change, if `p` is not strictly inside the domain, too close to its border, or
-    ///                coincides with a vertex
+    /// @returns       false, without any change, if `p` is not strictly inside the domain, is too close to its border,
+    ///                or coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
 
     /// Returns the position to try for a site at a given attempt. Called from several threads.
     using Draw = std::function<Point(std::uint32_t site, int attempt)>;
 
     /// Inserts sites, each at the first of several positions that insert() accepts.
-    /// @param sites     in ascending order; the sites numbered in between, evenly spread, have been or will be inserted
-    ///                  separately
+    /// @param sites     in ascending order and evenly spread; other calls insert the sites numbered in between
     /// @param attempts  positions to try for each site
     /// @param stop      polled regularly; after a stop the triangulation must not be used
     /// @returns         the sites for which no position was accepted; they must be inserted before trim()
@@ -150,7 +152,8 @@ public:
 
     /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part in which a vertex lies; kNone for a vertex outside. Before trim(), the four corners of the box lie outside.
+    /// Part in which a vertex lies; kNone for a vertex outside the domain. Before trim(), the four corners of the box
+    /// are vertices outside.
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
     /// Part in which a position lies; kNone outside the domain. Not for a torus, nor after trim().
     std::uint32_t part_at(Point p);
@@ -165,16 +168,17 @@ public:
     /// Wraps sites of a torus that have left the box by a quarter of a period or more back into it.
     void wrap();
 
-    /// Flips edges until all but those on the border are locally Delaunay, by exact predicates. Every triangle must be
-    /// counter-clockwise.
+    /// Flips edges until all edges that are not on the border are locally Delaunay, by exact predicates. Every triangle
+    /// must be counter-clockwise.
     /// @param stop  polled regularly; a stop leaves a valid triangulation that is not Delaunay everywhere
     /// @returns     the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
-    /// Removes a site and inserts it in another triangle. Restores the Delaunay property around both positions, where
-    /// it held before. Not on a torus; only after trim().
+    /// Removes a site and inserts it in another triangle. Wherever the mesh was Delaunay around both positions, it is
+    /// Delaunay afterwards. Not for a torus; only after trim().
     /// @param p  strictly inside the triangle
-    /// @returns  false, and the site stays, if its neighbours are placed such that no edge can be flipped away from it
+    /// @returns  false, without moving the site, if no edge can be flipped away from the site because of its
+    ///           neighbours' positions
     bool relocate(std::uint32_t site, std::uint32_t triangle, Point p);
 
     /// Whether the last restore_delaunay() changed a triangle around the vertex.
@@ -219,12 +223,12 @@ private:
 
     /// The part of the mesh that one task may change: the triangles with all vertices in one block.
     struct Region {
-        std::uint32_t first = 0;           ///< first vertex of the block
-        std::uint32_t size = kNone;        ///< number of vertices; kNone for the last level's block, which has all
-        std::uint32_t last = kNone;        ///< a triangle of the region, near the last insertion
+        std::uint32_t first = 0;     ///< first vertex of the block
+        std::uint32_t size = kNone;  ///< number of vertices; kNone for the last level's block, which has all vertices
+        std::uint32_t last = kNone;  ///< a triangle of the region, near the last insertion
         std::vector<std::uint32_t> stack;  ///< edges that may need a flip
-        std::vector<std::uint32_t> edges;  ///< edges left to a larger region
-        std::vector<Pending> sites;        ///< sites to insert; afterwards those left to a larger region
+        std::vector<std::uint32_t> edges;  ///< edges left for a larger region
+        std::vector<Pending> sites;        ///< sites to insert; afterwards the sites left for a larger region
         std::size_t flips = 0;
 
         bool has(std::uint32_t vertex) const { return vertex - first < size; }
@@ -245,7 +249,7 @@ private:
     struct Batch;
 
     void reserve_triangles(std::size_t border);
-    /// First triangle of the border, after those of the sites.
+    /// First triangle of the border. The triangles of the sites come before it.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
     void insert_first(std::uint32_t site, Point p);
     void divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v);
@@ -281,11 +285,11 @@ private:
     std::size_t free_ = sites_;
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
-    std::vector<Triangle> triangles_;     ///< two for each site, close to it in the plane, then those of the border
+    std::vector<Triangle> triangles_;     ///< two for each site, near it in the plane; then the triangles of the border
     std::vector<std::uint32_t> part_of_;  ///< [vertices]; empty after trim() if there is only one part
     std::size_t part_count_ = 0;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices] a half-edge that leaves the vertex
-    /// [vertices] whether the last restore_delaunay() changed a triangle around it.
+    /// [vertices] whether the last restore_delaunay() changed a triangle around the vertex.
     std::vector<std::uint8_t> changed_;
     SiteBlocks blocks_;  ///< blocks of the free sites
     Region whole_;

@@ -27,28 +27,31 @@ constexpr std::size_t kStopStride = 1'024;  ///< points between polls of the sto
 // Benchmarks ProgressivePattern and ProgressiveTone show the quality that these constants reach, and test
 // ProgressiveOrder requires it. A shorter reach increases the distance of neighbours and leaves more power in low
 // frequencies. A longer reach does the opposite and takes longer.
-constexpr double kReach = 1.7;  ///< relative to the distance of neighbours in a hexagonal grid
-constexpr double kStep = 0.7;   ///< share of the points that is left when reaches grow
+constexpr double kReach = 1.7;  ///< relative to the neighbour distance in a hexagonal grid
+constexpr double kStep = 0.7;   ///< share of the points that remain at the end of a step; reaches grow between steps
 
-/// Least distance of points that stay, relative to that of neighbours in a hexagonal grid. A third of a hexagonal grid,
-/// the largest subset without neighbours, is followed by points at 0.577. A larger value forces the choice of half the
-/// points when about a third are left, and leaves more power.
+/// Least distance of remaining points, relative to the neighbour distance in a hexagonal grid. A hexagonal grid
+/// contains a subset of a third of its points without any two neighbours. Any further point is at 0.577 from the
+/// nearest point of that subset, in the units of this constant. A larger value forces the choice of half the points
+/// when about a third remain, and leaves more power.
 constexpr double kLeastDistance = 0.58;
 
 /// Weight of the surplus around a point relative to its crowding. A larger weight leaves less power in long waves, and
-/// more in those of two or three spacings.
+/// more power in waves of two or three spacings.
 constexpr float kSurplusWeight = 0.5F;
 
-/// Distance of the nodes that smooth the surplus, relative to that of neighbours in a hexagonal grid.
+/// Distance of the nodes that smooth the surplus, relative to the neighbour distance in a hexagonal grid.
 constexpr double kNodeDistance = 3;
 
-/// Largest ratio of the reference points to the points left; above it, the points left become the reference.
+/// Largest ratio of reference points to remaining points. Above it, the remaining points become the reference.
 constexpr std::size_t kManyTimes = 8;
 
-/// Least number of points left in a region. Fewer leave too little choice, and more noise; more take longer.
+/// Least number of remaining points in a region. A smaller region leaves too little choice and more noise; a larger one
+/// takes longer.
 constexpr std::size_t kLeastCrowd = 256;
 
-/// Number of neighbours whose distance measures the local density: enough for a stable measure, few enough to be near.
+/// Number of neighbours whose distance measures the local density. It is large enough for a stable measure, and small
+/// enough for the neighbours to be near.
 constexpr std::size_t kNeighbours = 12;
 
 double squared_length(Point p) {
@@ -59,8 +62,9 @@ double squared_length(Point p) {
 /// share^2)^5 times a polynomial in 1 - share^2, to within 7 % from a third to nine tenths of the reach.
 constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
-/// Limit on the reach of a pair of points relative to the shorter of their two reaches. The pair's reach is the
-/// geometric mean, so that neither the denser nor the sparser side loses more than its share where two densities meet.
+/// Limit on the reach of a pair of points relative to the shorter of the two points' reaches. The pair's reach is the
+/// geometric mean of both. So where two densities meet, neither the denser nor the sparser side loses more than its
+/// share.
 constexpr double kMostReach = 1.3;
 constexpr float kMostSquare = static_cast<float>(1 / (kMostReach * kMostReach));
 
@@ -76,7 +80,7 @@ public:
 
     double operator()(std::uint32_t point) {
         const std::size_t wanted = std::min(kNeighbours, places_.size() - 1);
-        double reach = 2.2 * usual_;  // slightly beyond the usual distance of so many neighbours
+        double reach = 2.2 * usual_;  // slightly beyond the usual distance of this number of neighbours
         while (!find(point, reach, wanted) && reach < widest_) reach *= 2;
         if (squares_.size() < wanted || wanted == 0) return usual_;
         const auto last = squares_.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
@@ -104,7 +108,7 @@ private:
     std::vector<double> squares_;
 };
 
-/// Regions with nearly equal numbers of points, by recursive halving, which lose points in turn.
+/// Regions with nearly equal numbers of points, made by recursive halving. Regions lose points in turn.
 class Regions {
 public:
     /// Sorts points by region.
@@ -116,21 +120,21 @@ public:
         left_ = sizes_;
     }
 
-    /// Returns the depth at which regions have enough points to choose from.
+    /// Returns the depth of regions that have enough remaining points to choose from.
     int depth(std::size_t left) const {
         int depth = 0;
         while (depth < depth_ && (left >> (depth + 1)) >= kLeastCrowd) ++depth;
         return depth;
     }
 
-    /// Returns the number of points left in each region of a depth.
+    /// Returns the number of remaining points in each region of a depth.
     std::span<const std::uint32_t> left(int depth) const {
         const std::size_t count = std::size_t{1} << depth;
         return std::span(left_).subspan(count, count);
     }
 
-    /// Returns the region of a depth that loses the next point: at each level the half with the larger share of its
-    /// points left.
+    /// Returns the region of a depth that loses the next point. At each level, chooses the half with the larger share
+    /// of remaining points.
     std::size_t turn(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
@@ -142,13 +146,14 @@ public:
         return region - (std::size_t{1} << depth);
     }
 
-    /// Counts a point taken from a region of a depth, whether or not it was that region's turn.
+    /// Counts the removal of a point from a region of a depth, whether or not the region was the next in turn.
     void take(int depth, std::size_t region) {
         for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
     }
 
 private:
-    /// Chooses pseudo-randomly between two equal halves, so that the first halves do not lose points systematically.
+    /// Chooses pseudo-randomly between two halves with equal shares. So the first halves do not lose points
+    /// systematically.
     bool is_first(std::size_t region) const {
         std::uint64_t bits = (region << 32 | left_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
@@ -174,8 +179,9 @@ private:
     std::vector<std::uint32_t> left_;
 };
 
-/// Measures the surplus of points around a point: the actual number minus the wanted number, smoothed by quadratic
-/// B-splines on the nodes of a square grid. It suppresses long waves, which neighbours do not reveal.
+/// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic
+/// B-splines on the nodes of a square grid. The surplus suppresses long waves, which the distances of neighbours do not
+/// reveal.
 class Surplus {
 public:
     /// @param reference  points with the wanted density, up to a common factor
@@ -197,7 +203,7 @@ public:
         join(there_);
     }
 
-    /// Returns the wanted smoothed number of points around a point, for one point in all.
+    /// Returns the wanted smoothed number of points around a point, per point in all.
     float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
 
     /// Returns the actual smoothed number of points around a point.
@@ -216,8 +222,8 @@ public:
 private:
     using Weights = std::array<float, 3>;
 
-    /// Nodes along one side, at the centres of its cells and of one cell beyond either end. Nodes a period apart are
-    /// identical.
+    /// Nodes along one side, at the centres of the cells and of one further cell beyond either end. On a torus, nodes a
+    /// period apart are identical.
     struct Axis {
         Axis(double length, double distance, bool torus)
             : cells(std::max(1.0, std::floor(length / distance))),
@@ -226,7 +232,7 @@ private:
               period(torus ? nodes - 2 : nodes) {}
 
         /// Returns the cell of a position.
-        /// @param place  position as a length; replaced by its offset in the cell, in cells
+        /// @param place  position as a length on entry; on return the offset in the cell, in units of cells
         std::size_t cell(double& place) const {
             place = std::clamp(place * cells_per_length, 0.0, cells);
             const double cell = std::min(std::floor(place), cells - 1);
@@ -239,8 +245,8 @@ private:
         std::size_t nodes, period;
     };
 
-    /// The nine nodes around a position, given by the lowest one, and the position's offset in the cell of the middle
-    /// one, in [0, 1].
+    /// The nine nodes around a position: the lowest one, and the offset of the position in the cell of the middle node,
+    /// in [0, 1].
     struct Around {
         std::uint32_t column, row;
         float x, y;
@@ -275,7 +281,7 @@ private:
         }
     }
 
-    /// Reduces a node and all nodes identical to it.
+    /// Subtracts from a node and from all nodes identical to it.
     void lower(std::size_t column, std::size_t row, float weight) {
         for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
             for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) there_[y * x_.nodes + x] -= weight;
@@ -297,7 +303,7 @@ private:
     }
 
     Axis x_, y_;
-    std::vector<float> wanted_;   ///< [nodes] for one point in all
+    std::vector<float> wanted_;   ///< [nodes] wanted smoothed number of points, per point in all
     std::vector<float> there_;    ///< [nodes] actual smoothed number of points
     std::vector<Around> around_;  ///< nodes around each point
 };
@@ -316,7 +322,7 @@ CCDT_INLINE inline void load(const Number& first, Wide& numbers) {
     std::memcpy(&numbers, &first, sizeof numbers);
 }
 
-/// Crowding of points. Points are listed by cell, so that neighbours are close in memory and are processed eight at a
+/// Crowding of points. Points are listed by cell, so neighbours are close in memory. They are processed eight at a
 /// time.
 class Crowd {
 public:
@@ -339,7 +345,7 @@ public:
           y_(places.size() + kLanes),
           nearness_(places.size() + kLanes),
           crowding_(places.size() + kLanes) {
-        // Integer coordinates wrap around as a torus does, so their difference is that to the nearest copy.
+        // Integer coordinates wrap around like a torus, so their difference is the way to the nearest copy.
         const double range = domain.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
         const Point sides = domain.unit_bounds().max;
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
@@ -364,8 +370,8 @@ public:
         std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.square, pair.i, pair.j); });
     }
 
-    /// Pairs that become too near during a step, in ascending order of distance; of many coincident points only some
-    /// pairs.
+    /// Pairs that become too near during a step, in ascending order of distance. Of many coincident points, only some
+    /// pairs are listed.
     std::span<const Pair> pairs() const { return pairs_; }
 
     float operator()(std::uint32_t point) const { return crowding_[slots_[point]]; }
@@ -386,8 +392,8 @@ private:
         cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
     }
 
-    /// Computes the squared ratios of the distances from point k to the reach; 1 for entries beyond the end and for k
-    /// itself.
+    /// Computes the squared ratios of the distances from point k to the reach. Entries beyond the end, and k itself,
+    /// get 1.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
         Places columns, rows;
         Floats other;
@@ -412,7 +418,7 @@ private:
     }
 
     /// Sums the crowding of a point.
-    /// @returns  the squared ratio of the nearest point
+    /// @returns  the squared ratio of distance to reach for the nearest point
     CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
         Floats sum{}, nearest = Floats{} + 1;
         for (const auto [begin, end] : runs) {
@@ -477,13 +483,13 @@ private:
     std::vector<CellList::Run> runs_;  ///< neighbours of the point being removed
     float x_unit_, y_unit_;            ///< units of coordinates, relative to the first point's reach
 
-    // In list order, with eight more at the end.
+    // The following vectors are in list order, with eight additional entries at the end.
     std::vector<std::uint32_t> x_, y_;
-    std::vector<float> nearness_;  ///< ratio of the first point's reach to the own reach
+    std::vector<float> nearness_;  ///< ratio of the first point's reach to each point's own reach
     std::vector<float> crowding_;
 };
 
-/// Removes points in steps; during a step all reaches stay the same.
+/// Removes points in steps. During a step, all reaches stay the same.
 class Elimination {
 public:
     /// @param even  whether all spacings are equal
@@ -550,7 +556,7 @@ private:
         });
     }
 
-    /// Returns the distance of nodes, such that there are at most about as many nodes as points whatever the domain's
+    /// Returns the distance of nodes. With it, there are at most about as many nodes as points, whatever the domain's
     /// shape.
     double node_distance() const {
         const Box box = domain_.unit_bounds();
@@ -559,8 +565,8 @@ private:
                          std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
     }
 
-    /// Returns the point to remove next: one of two that would be too near each other among `stay` points, if there are
-    /// such; else the point with the largest excess in the region whose turn it is.
+    /// Returns the point to remove next. If two points would be too near each other among `stay` remaining points, it
+    /// is one of these two. Otherwise it is the point with the largest excess in the region that is next in turn.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
         const double least = kLeastDistance / kReach * std::sqrt(grown);
@@ -577,8 +583,8 @@ private:
     float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->there(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
-    /// Returns the point with the largest excess. The parts of the excess stored in bounds_ only decrease during a
-    /// step, so that old values are upper bounds.
+    /// Returns the point with the largest excess. bounds_ stores excesses without their wanted part. During a step such
+    /// values only decrease, so old values are upper bounds.
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
         Ints found;
         is_wide_ ? find_largest_wide(begin, end, left, found) : find_largest_narrow(begin, end, left, found);
@@ -598,7 +604,7 @@ private:
         return most;
     }
 
-    /// Finds the largest bound in each lane, i.e. of every eighth point.
+    /// Finds the largest bound in each lane, that is, among every eighth point.
     CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);
@@ -641,15 +647,15 @@ private:
     const bool is_wide_ = has_two_lanes();
     std::vector<Point> places_;     ///< [n] in the unit frame
     std::vector<double> spacings_;  ///< [n] local spacings
-    double widest_;                 ///< limit on the reach of a pair relative to the own reach
+    double widest_;                 ///< limit on the reach of a pair relative to a point's own reach
     Regions regions_;
     std::vector<std::uint32_t> left_;
     std::span<const Point> reference_;  ///< points that represent the wanted density
     std::vector<Point> sparse_;         ///< storage for the reference once it is no longer places_
     Executor& executor_;
 
-    // State of the current step, for the points left at its beginning.
-    std::size_t target_ = 0;             ///< number of points left at its end
+    // State of the current step. It covers the points that remained at the beginning of the step.
+    std::size_t target_ = 0;             ///< number of points that remain at the end of the step
     int depth_ = 0;                      ///< depth of the regions
     std::vector<std::uint32_t> begins_;  ///< start of each region
     std::vector<Point> near_places_;
@@ -657,7 +663,7 @@ private:
     std::optional<Crowd> crowd_;
     std::vector<std::uint8_t> is_there_;
     std::optional<Surplus> surplus_;
-    std::vector<float> wanted_;  ///< wanted part of the weighted surplus, per point left
+    std::vector<float> wanted_;  ///< wanted part of the weighted surplus, per remaining point
     std::vector<float> bounds_;  ///< upper bounds of the excess without its wanted part
     std::size_t next_pair_ = 0;
 };
@@ -678,16 +684,16 @@ std::vector<double> spacings_of(const Domain& domain, std::span<const Point> pla
     return spacings;
 }
 
-/// Clamps a coordinate, so that points opposite the chart's centre do not lie at infinity.
+/// Clamps a coordinate, so that points opposite the chart's centre are not at infinity.
 double clamped(double coordinate) {
     constexpr double kFarthest = 1'000;  // a circle of 13 km around the opposite point
     return std::clamp(coordinate, -kFarthest, kFarthest);
 }
 
-/// Gives the mean direction a value even if points all over the globe sum to 0.
+/// Added to the sum of directions, so that the sum has a direction even if points all over the globe cancel out.
 constexpr double kTilt = 1e-6;
 
-constexpr double kLeastSide = 1e-9;  ///< of a chart's square, in case all points coincide
+constexpr double kLeastSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide
 
 /// Orders points of the unit frame.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,

@@ -11,7 +11,7 @@ namespace ccdt {
 
 namespace {
 
-/// @param points  the first order.size() points are reordered, the others stay
+/// @param points  the first order.size() points are reordered; further points do not move
 void permute(std::vector<Point>& points, std::span<const std::uint32_t> order) {
     const std::vector<Point> given(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(order.size()));
     std::ranges::transform(order, points.begin(), [&](std::uint32_t i) { return given[i]; });

@@ -20,7 +20,7 @@ namespace {
 // Test ThresholdMask requires the quality that these constants reach. A narrower Gaussian leaves more power in low
 // frequencies, a wider one clusters.
 constexpr double kSigma = 1.5;  ///< in pixels
-constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; beyond it is below 4e-4
+constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values beyond this are below 4e-4
 constexpr int kMostSweeps = 32;
 
 /// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
@@ -55,7 +55,7 @@ public:
         }
     }
 
-    /// Moves set pixels to less crowded neighbours until none can move, or for a limited number of sweeps.
+    /// Moves set pixels to less crowded neighbouring pixels until no pixel can move, or for a limited number of sweeps.
     void relax(const std::stop_token& stop) {
         std::size_t moves = 1;
         for (int sweep = 0; sweep < kMostSweeps && moves > 0; ++sweep) {
@@ -67,7 +67,7 @@ public:
         }
     }
 
-    /// Unsets pixels, each time the most crowded one.
+    /// Unsets pixels. Each time, unsets the most crowded pixel.
     /// @returns  the pixels in order of removal
     std::vector<std::uint32_t> thin(std::size_t count, const std::stop_token& stop) {
         using Entry = std::pair<double, std::uint32_t>;
@@ -80,7 +80,7 @@ public:
         while (gone.size() < count && !(gone.size() % kStopStride == 0 && stop.stop_requested())) {
             const auto [crowding, i] = queue.top();
             queue.pop();
-            // Removals nearby have reduced the crowding since the entry was queued.
+            // Since the entry was queued, removals nearby have reduced the crowding.
             if (crowding != crowding_[i]) {
                 queue.emplace(crowding_[i], i);
                 continue;
@@ -101,7 +101,7 @@ private:
                static_cast<std::size_t>(wrapped(x, width_));
     }
 
-    /// Moves a set pixel to its least crowded neighbour.
+    /// Moves a set pixel to the least crowded neighbouring pixel.
     bool move(int x, int y) {
         constexpr double kLeastGain = 1e-9;
         const std::size_t from = pixel(x, y);
@@ -138,7 +138,7 @@ PixelPattern half_of(int width, int height, std::uint64_t seed, const std::stop_
     return half;
 }
 
-/// Orders the set pixels so that the first k of them are spread evenly for any k.
+/// Orders the set pixels. For any k, the first k pixels are spread evenly.
 std::vector<std::uint32_t> order(PixelPattern pattern, const Domain& torus, const std::stop_token& stop) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < pattern.size(); ++i) count += pattern.is_set(i) ? 1 : 0;

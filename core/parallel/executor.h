@@ -7,17 +7,17 @@
 
 namespace ccdt {
 
-/// Runs the tasks of one computation. How work is divided into tasks depends on the input alone, never on the number of
-/// threads, so that results do not depend on it.
+/// Runs the tasks of one computation. The division of work into tasks depends on the input alone, never on the number
+/// of threads. So the results do not depend on the number of threads either.
 class Executor {
 public:
     virtual ~Executor() = default;
 
-    /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel, and returns after all have
-    /// ended. A task must not touch what another task writes, nor call run().
+    /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel. Returns after all tasks have
+    /// ended. A task must not touch what another task writes, and must not call run().
     ///
-    /// Rethrows what a task throws; of several exceptions the one of the lowest task number. Other tasks may then not
-    /// be called.
+    /// Rethrows an exception thrown by a task; if several tasks throw, that of the lowest task number. After an
+    /// exception, the remaining tasks may not be called.
     virtual void run(std::size_t count, const std::function<void(std::size_t)>& task) = 0;
 };
 

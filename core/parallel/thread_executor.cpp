@@ -17,7 +17,7 @@ public:
     }
 };
 
-/// Spins for a short time, since the condition mostly comes true soon and waking a thread takes tens of microseconds.
+/// Spins for a short time: mostly the condition soon becomes true, and waking a thread takes tens of microseconds.
 template <class Predicate>
 void wait_awake(Predicate&& has_come) {
     constexpr auto kSoon = std::chrono::microseconds(50);

@@ -15,8 +15,8 @@
 
 namespace ccdt {
 
-/// Runs tasks on several threads: the caller's, and others that are started when first needed and end with this object.
-/// One caller at a time.
+/// Runs tasks on several threads: the caller's thread, and others that are started when first needed and end with this
+/// object. Only one thread may call run() at a time.
 class ThreadExecutor : public Executor {
 public:
     /// @param size  called before each run, on the caller's thread: returns the number of threads to use, the caller's
@@ -27,7 +27,7 @@ public:
     ThreadExecutor& operator=(const ThreadExecutor&) = delete;
     ~ThreadExecutor() override;
 
-    /// Falls back to the available threads if no more can be started.
+    /// Uses the threads that exist if no more can be started.
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override;
 
 private:
@@ -48,7 +48,7 @@ private:
     std::function<std::size_t()> size_;
     std::mutex mutex_;
     std::condition_variable_any wanted_;  ///< signals work
-    std::condition_variable left_;        ///< signals that a helper has finished
+    std::condition_variable left_;        ///< signals that a helper is no longer busy
     Work* work_ = nullptr;
     std::atomic<std::size_t> round_ = 0;  ///< number of the current work
     std::size_t open_slots_ = 0;          ///< helpers that may still join

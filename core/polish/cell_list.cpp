@@ -10,8 +10,8 @@ namespace {
 /// Number of points above which a cell gets a nested grid.
 constexpr std::uint32_t kCrowd = 32;
 
-/// Limit on the depth of nested grids; rounding can leave cells without width even before. Points closer than the
-/// deepest cells nearly coincide.
+/// Limit on the depth of nested grids. Points closer than the size of the deepest cells nearly coincide. Rounding can
+/// reduce the width of cells to zero even at smaller depths.
 constexpr int kDeepest = 16;
 
 }  // namespace

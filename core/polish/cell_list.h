@@ -13,16 +13,16 @@
 
 namespace ccdt {
 
-/// Finds the points near a place. The grid has about one point per cell; crowded cells have a nested grid of their own.
+/// Finds the points near a place, by a grid with about one point per cell. Each crowded cell has a nested grid.
 class CellList {
 public:
     /// @param places  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
     ///
-    /// O(points), times the depth of nested grids.
+    /// O(points), multiplied by the depth of nested grids.
     CellList(const Domain& domain, std::span<const Point> places);
 
-    /// Calls function(point, number) for each point that may be within `reach` of p; on a torus with the copy nearest
-    /// to p. Points farther away can be included.
+    /// Calls function(point, number) for each point that may be within `reach` of p. On a torus, `point` is the copy
+    /// nearest to p. Some points farther away may be included.
     /// @param reach  > 0
     template <class Function>
     void for_near(Point p, double reach, Function&& function) const {
@@ -46,7 +46,7 @@ public:
     /// @param runs  out; cleared first
     void find_near(Point p, double reach, std::vector<Run>& runs) const;
 
-    /// Numbers of the points in sorted order; runs index this list.
+    /// Numbers of the points in sorted order. Runs are ranges of this list.
     std::vector<std::uint32_t> numbers() const;
 
 private:
@@ -61,7 +61,7 @@ private:
 
     struct Grid {
         Axis x, y;
-        std::size_t first;  ///< its first cell in cells_
+        std::size_t first;  ///< index of the grid's first cell in cells_
 
         std::size_t cell(int column, int row) const {
             return first + static_cast<std::size_t>(row) * static_cast<std::size_t>(x.cells) +
@@ -71,8 +71,8 @@ private:
     };
 
     struct Cell {
-        std::uint32_t begin;     ///< its first point in sorted_; the next cell's `begin` is its end
-        std::uint32_t grid = 0;  ///< its nested grid; 0 if none
+        std::uint32_t begin;     ///< index of the cell's first point in sorted_; the next cell's `begin` is the end
+        std::uint32_t grid = 0;  ///< number of the cell's nested grid; 0 if none
     };
 
     struct Listed {
@@ -86,7 +86,8 @@ private:
 
     static int wrapped(int i, int cells) { return i < 0 ? i + cells : i >= cells ? i - cells : i; }
 
-    /// Range of cells of the first grid. On a torus it may extend beyond the ends, but contains no cell twice.
+    /// Range of cells of the first grid. On a torus the range may extend beyond the grid's ends, but contains no cell
+    /// twice.
     Range around(double v, double reach, const Axis& axis) const {
         if (!torus_) return {axis.cell(v - reach), axis.cell(v + reach)};
         const auto cell = [&](double place) {
@@ -120,7 +121,7 @@ private:
     bool torus_;
     Point sides_;
     std::vector<Grid> grids_;     ///< the first one covers the domain
-    std::vector<Cell> cells_;     ///< cells of each grid, followed by one that marks the end
+    std::vector<Cell> cells_;     ///< cells of each grid, each followed by a cell that marks the end
     std::vector<Listed> sorted_;  ///< sorted by cell
 };
 

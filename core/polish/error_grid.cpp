@@ -10,9 +10,10 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kTaps = 4;
-constexpr double kMostCells = 64;  ///< limit on cells per site, since a domain may fill very little of its bounding box
+constexpr double kMostCells =
+    64;  ///< limit on cells per site; needed because a domain may fill very little of its bounding box
 
-/// Returns the values of the cubic B-spline at the four grid points around.
+/// Returns the values of the cubic B-spline at the four grid points around a place.
 inline std::array<double, kTaps> weights_at(double f) {
     const double g = 1 - f;
     return {g * g * g / 6, 2.0 / 3 - f * f * (1 - f / 2), 2.0 / 3 - g * g * (1 - g / 2), f * f * f / 6};
@@ -33,7 +34,7 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     : cell_(cell_side(sides, cell, sites)),
       columns_(cells(sides.x, cell_) + kTaps - 1),
       rows_(cells(sides.y, cell_) + kTaps - 1) {
-    constexpr std::size_t kPieces = 2;  // areas are spread in pieces of half a cell, each at its centre
+    constexpr std::size_t kPieces = 2;  // areas are spread in pieces of half a cell, each piece at its centre
     const std::size_t columns = kPieces * cells(sides.x, cell_), rows = kPieces * cells(sides.y, cell_);
     auto masses = crossed_coverage(border, sides, static_cast<int>(columns), static_cast<int>(rows));
     if (!density.is_uniform()) {
@@ -56,10 +57,10 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     want(masses, side);
 }
 
-/// Determines which points of the grid to store: those that a spread within the pieces can reach.
+/// Determines which points of the grid to store: all points that spreading within the pieces can reach.
 /// @param side  size of the pieces
 void ErrorGrid::store(const CrossedCells& pieces, Point side) {
-    constexpr double kMargin = 0.5;  // in pieces; rounding can move a point on a side beyond it
+    constexpr double kMargin = 0.5;  // in pieces; rounding can move a point beyond the side of a piece
     struct Range {
         std::size_t first, end;
     };
@@ -85,7 +86,7 @@ void ErrorGrid::store(const CrossedCells& pieces, Point side) {
     values_.assign(count, 0);
 }
 
-/// Spreads the pieces of areas: along each row, then across.
+/// Spreads the pieces of areas, first along each row, then across the rows.
 /// @param side  size of the pieces
 void ErrorGrid::want(const CrossedCells& masses, Point side) {
     std::vector<double> line(columns_, 0);

@@ -11,30 +11,30 @@
 
 namespace ccdt {
 
-/// Measures the smoothed difference between the actual and the wanted density of sites. Sites and areas, the latter
-/// weighted by the sites they want, are spread on a grid by cubic B-splines. Each cell distributes its excess over the
-/// sites spread on it, so no error is lost. Waves of two cells and shorter, i.e. the pattern itself, are smoothed away.
-/// In each row, only grid points near the area are stored.
+/// Measures the smoothed difference between the actual and the wanted density of sites. Sites are spread on a grid by
+/// cubic B-splines, and so are areas, weighted by the number of sites that they want. Each cell distributes its excess
+/// over the sites that were spread on it, so no error is lost. Waves of two cells and shorter, which are the pattern
+/// itself, are smoothed away. In each row, only grid points near the areas are stored.
 class ErrorGrid {
 public:
-    /// @param sides    size of the box that contains areas and sites, with its corner at the origin
+    /// @param sides    size of the box that contains areas and sites; the box's lower left corner is the origin
     /// @param cell     side of the grid's cells; enlarged if there would be too many for the number of sites
-    /// @param border   border of the areas; together they want `sites` sites
-    /// @param density  stretched over the box
+    /// @param border   border of the areas, which together want `sites` sites
+    /// @param density  density of the wanted sites, stretched over the box
     ///
-    /// O(rows + cells between borders + density's cells).
+    /// O(rows + cells between borders + the density's cells).
     ErrorGrid(Point sides, double cell, std::size_t sites, std::span<const BorderEdge> border, const Density& density);
 
     /// Measures the error of sites, all of which lie in the areas. O(cells + sites).
     void measure(std::span<const Point> sites);
 
-    /// Returns the share of the error, in sites, assigned to one of the measured sites: > 0 where there are too many
-    /// sites. All shares add up to 0, except for areas without a site nearby.
+    /// Returns the share of the error, in sites, that is assigned to one of the measured sites. The share is > 0 where
+    /// there are too many sites. All shares add up to 0, unless an area has no site nearby.
     double at(Point site) const;
 
 private:
-    /// The grid point at the lower left of the 4 x 4 around a place, and the place's offset from the second row and
-    /// column.
+    /// The 4 x 4 grid points around a place: the one at the lower left, and the offset of the place from the point in
+    /// the second row and column.
     struct Place {
         std::size_t column, row;
         Point fraction;
@@ -51,7 +51,7 @@ private:
 
     double cell_;
     std::size_t columns_, rows_;
-    /// [rows] index that the point in column 0 would have if stored; may wrap around.
+    /// [rows] index that the point in column 0 would have if it were stored; may wrap around.
     std::vector<std::size_t> numbers_;
     std::vector<double> wanted_;  ///< [points] wanted sites
     /// [points] actual sites; after measure(), their excess as a share of the actual sites.

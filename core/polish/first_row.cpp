@@ -8,12 +8,12 @@ namespace ccdt {
 
 namespace {
 
-/// Removes from a move the part that would bring a site nearer than `least`.
+/// Removes the part of a move that would bring a site nearer than `least` to an obstacle.
 /// @param away      any vector pointing away from the obstacle
 /// @param squared   squared length of `away`
 /// @param distance  distance from the obstacle times the length of `away`
 void keep_off(Point away, double squared, double distance, double least, Point& move) {
-    // Avoids the square root if the site is far enough whatever the direction of the move.
+    // Returns early, without a square root, if the site is far enough whatever the direction of the move.
     if (distance * distance > 2 * (least * least + dot(move, move)) * squared) return;
     const double scale = 1 / std::sqrt(squared);
     const double before = scale * distance, after = before + scale * dot(move, away), kept = std::min(before, least);

@@ -10,7 +10,7 @@
 
 namespace ccdt {
 
-/// Depth of the sites next to the border, in spacings. Half a row of the hexagonal grid has 0.47.
+/// Depth of the first row below the border, in spacings. Half a row of the hexagonal grid is 0.47 spacings.
 inline constexpr double kFirstRow = 0.45;
 
 /// The first row: the sites that share an edge with a vertex of the border.
@@ -21,13 +21,13 @@ public:
     void find(const Triangulation& mesh);
 
     /// Removes the part of each move that would bring a site nearer than `depth` to the border edge opposite to it. A
-    /// site that is already nearer does not come nearer still, but may slide along the edge.
+    /// site that is already nearer may slide along the edge, but does not come still nearer.
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param depth     in spacings
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// Does the same for vertices of the border, which hold sites in narrow tongues and needles.
+    /// Does the same for vertices of the border instead of edges. They hold back sites in narrow tongues and needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 
@@ -39,7 +39,7 @@ private:
         std::uint32_t site, vertex;
     };
     std::vector<std::uint32_t> sites_;
-    std::vector<Neighbours> ends_;         ///< edges from sites to vertices of the border
+    std::vector<Neighbours> ends_;         ///< edges from sites of the first row to vertices of the border
     std::vector<std::uint32_t> segments_;  ///< half-edges on the border opposite to a site
 };
 

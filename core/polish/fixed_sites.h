@@ -7,11 +7,11 @@
 
 namespace ccdt {
 
-/// Existing points of a domain, in the unit frame. They do not move, and sites keep a distance from them.
+/// Existing points of a domain, in the unit frame. No step moves them, and free sites keep a distance from them.
 struct FixedSites {
     double sites = 0;             ///< size of the domain, in units of the area that each free site gets
     std::vector<Point> places;    ///< points that are the last sites of the mesh
-    std::vector<double> weights;  ///< [places] area that each takes, in the same units
+    std::vector<double> weights;  ///< [places] area that each point takes, in the same units
     /// Points without a vertex: outside the domain, or too close to the border or to a point with a vertex.
     std::vector<Point> others;
 };

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges form chains, not only parallel
-/// connections: a potential that falls evenly over two or three fine edges in series, the width of an aggregate, falls
-/// over a single coarse edge.
+/// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges connect two aggregates not only
+/// in parallel, but also in chains. Along such a chain, a potential falls evenly over two or three fine edges, the
+/// width of an aggregate. In the coarse graph it falls over a single edge.
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block
-/// Vertices per task; a task interleaves its blocks, since each step in a block waits for the one before.
+/// Vertices per task. A task interleaves its blocks, since each step within a block waits for the previous step.
 constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
@@ -60,7 +60,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     level.first.reserve(vertices + 1);
     level.first.push_back(0);
     level.all.reserve(links.size());
-    std::vector<std::uint32_t> last(vertices, kNone);  // last link created to each vertex
+    std::vector<std::uint32_t> last(vertices, kNone);  // [vertices] the link most recently created to each vertex
     for (std::uint32_t v = 0; v < vertices; ++v) {
         const std::size_t begin = level.all.size();
         double sum = 0;
@@ -90,8 +90,8 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     return level;
 }
 
-/// Aggregates vertices. A vertex with no neighbour in an aggregate yet forms one with all its neighbours. Each
-/// remaining vertex joins the aggregate of the neighbour with the largest conductance.
+/// Aggregates vertices. A vertex of whose neighbours none is in an aggregate yet forms one with all its neighbours.
+/// Each remaining vertex joins the aggregate of the neighbour with the largest conductance.
 /// @returns  number of aggregates
 std::size_t GraphSolver::aggregate(Level& level) {
     std::vector<std::uint32_t> seeds(level.size(), kNone);
@@ -148,11 +148,11 @@ double GraphSolver::sum_over_blocks(Function&& function) {
     return std::accumulate(sums_.begin(), sums_.end(), 0.0);
 }
 
-/// Approximates the potentials for a level's inflow: a relaxation sweep, a correction by the next level, and a sweep in
-/// reverse order, which makes the operator symmetric.
+/// Approximates the potentials for a level's inflow by three steps: a relaxation sweep, a correction by the next level,
+/// and a sweep in reverse order. The reverse order makes the operator symmetric.
 void GraphSolver::cycle(std::size_t number) {
     Level& level = levels_[number];
-    if (level.coarse.empty()) {  // no links are left
+    if (level.coarse.empty()) {  // the level has no links
         std::ranges::fill(level.potential, 0.0);
         return;
     }
@@ -162,8 +162,8 @@ void GraphSolver::cycle(std::size_t number) {
         return sum;
     };
     const auto relax = [&](std::uint32_t v, double all) { level.potential[v] = all * level.inverse[v]; };
-    // Starts from zero potentials, so later vertices contribute nothing yet; their contribution at the end is the
-    // residual.
+    // All potentials start at zero, so links to later vertices contribute nothing yet. What they would contribute at
+    // the end of the sweep is the residual.
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
         const std::uint32_t most = std::min(kBlock, end - begin);
         for (std::uint32_t i = 0; i < most; ++i) {
@@ -199,7 +199,7 @@ void GraphSolver::cycle(std::size_t number) {
 }
 
 void GraphSolver::solve(std::span<double> inflow, std::span<double> potential, int steps) {
-    constexpr double kNegligible = 1e-24;  // below this, the residual is rounding
+    constexpr double kNegligible = 1e-24;  // a residual below this consists of rounding errors
     Level& finest = levels_.front();
     std::ranges::fill(potential, 0.0);
     std::ranges::fill(direction_, 0.0);

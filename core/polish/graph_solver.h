@@ -11,9 +11,9 @@
 namespace ccdt {
 
 /// Solves Laplace's equation on a graph whose edges have conductances: finds the potentials that drive given inflows
-/// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph stands
-/// for an aggregate of a vertex and its neighbours. The graph need not be connected. Relaxation processes blocks of
-/// successive vertices in parallel, each with the other blocks' previous potentials.
+/// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph replaces
+/// an aggregate, that is, a vertex and its neighbours. The graph need not be connected. Relaxation processes blocks of
+/// successive vertices in parallel. Each block uses the previous potentials of the other blocks.
 ///
 /// Source: Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 56 (1996), for the choice of
 /// aggregates. Departure: prolongation is not smoothed; instead, corrections are scaled up.
@@ -28,7 +28,7 @@ public:
         float conductance;
     };
 
-    /// @param edges     parallel edges add up; neighbours should have nearby numbers
+    /// @param edges     parallel edges add up; neighbouring vertices should have close numbers
     /// @param executor  runs the tasks; must outlive this
     ///
     /// O(vertices + edges).
@@ -49,16 +49,17 @@ public:
 
 private:
     struct Level {
-        /// [vertices + 1] start of each vertex' links: first those within its block in order, then the others.
+        /// [vertices + 1] start of each vertex' links: first the links within its block, in order, then the others.
         std::vector<std::uint32_t> first;
-        /// [vertices] first of these links that leads to a vertex with a larger number.
+        /// [vertices] the first of the vertex' links that leads to a vertex with a larger number.
         std::vector<std::uint32_t> later;
-        std::vector<std::uint32_t> beyond;  ///< [vertices] first of these links that leaves the block
+        std::vector<std::uint32_t> beyond;  ///< [vertices] the first of the vertex' links that leaves the block
         std::vector<Link> all;              ///< links of all vertices
         std::vector<double> sum;            ///< [vertices] sum of the links' conductances
         std::vector<double> inverse;        ///< [vertices] 1 / sum, or 0
         std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level; empty on the last level
-        /// Members of each vertex of the next level; [vertices of the next level + 1].
+        /// [vertices of the next level + 1] The vertices that form each vertex of the next level, and where its list
+        /// starts.
         std::vector<std::uint32_t> members, first_member;
         std::vector<double> inflow, potential, left;
 
@@ -82,7 +83,7 @@ private:
     Executor& executor_;
     std::vector<double> sums_;  ///< [blocks] partial sums
     std::vector<Level> levels_;
-    std::vector<double> direction_, image_;  ///< [vertices] search direction, and its outflows
+    std::vector<double> direction_, image_;  ///< [vertices] search direction, and the outflows that it causes
 };
 
 }  // namespace ccdt

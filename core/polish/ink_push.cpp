@@ -13,14 +13,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Returns the direction in which a site moves if it coincides with another one, different for each site.
+/// Returns the direction in which a site moves if it coincides with another site. The direction differs from site to
+/// site.
 Point own_way(std::uint32_t site) {
     constexpr double kGolden = 0.6180339887498949;
     const double angle = 2 * kPi * kGolden * site;
     return {std::cos(angle), std::sin(angle)};
 }
 
-/// Returns the share of the separation that the first of two sites makes.
+/// Returns the share of the separation of two sites that the first one moves.
 double share_of(const InkSite& site, const InkSite& other) {
     const double area = site.own_spacing * site.own_spacing;
     return area / (area + other.own_spacing * other.own_spacing);

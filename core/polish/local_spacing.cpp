@@ -41,7 +41,7 @@ double LocalSpacing::at(Point p) const {
     const std::size_t column = index(p.x / cell_.x, density_.width()), row = index(p.y / cell_.y, density_.height());
     std::size_t level = 0;
     while (level < levels_.size() && sites_of(level, column >> level, row >> level) < 1) ++level;
-    // Blocks at the far sides may be cut off.
+    // Blocks at the far sides of the grid may be incomplete.
     const auto extent = [level](std::size_t place, int cells) {
         const std::size_t begin = place >> level << level;
         return static_cast<double>(std::min(static_cast<std::size_t>(cells), begin + (std::size_t{1} << level)) -

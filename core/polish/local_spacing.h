@@ -9,15 +9,16 @@
 
 namespace ccdt {
 
-/// Spacing of sites around a place, even where sites are far denser than elsewhere. It follows from the mean density of
-/// the smallest block of cells (1, 2 x 2, 4 x 4, ...) that contains the place and wants at least one site.
+/// Spacing of sites around a place, even if sites are far denser there than elsewhere. The spacing follows from the
+/// mean density of a block of cells (1, 2 x 2, 4 x 4, ...): the smallest block that contains the place and wants at
+/// least one site.
 class LocalSpacing {
 public:
     /// @param sides    size of the box over which the density is stretched
     /// @param density  not uniform; must outlive this
-    /// @param sites    total number
+    /// @param sites    total number of sites
     ///
-    /// O(density's cells).
+    /// O(the density's cells).
     LocalSpacing(Point sides, const Density& density, double sites);
 
     /// Returns 1 / sqrt(density of sites).

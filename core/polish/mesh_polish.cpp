@@ -14,13 +14,13 @@ namespace ccdt {
 
 namespace {
 
-/// Longest push, in spacings. Two neighbours, 1.07 spacings apart in a hexagonal grid, keep more than half of their
-/// distance.
+/// Longest push, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep more than half of
+/// their distance.
 constexpr double kLongestPush = 0.2;
-/// Distance from the border that a push keeps, in spacings. Without it sites get stuck together in needles; a larger
-/// value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. Pushes that reach beyond the nearest
-/// neighbours would press sites against the border, where nothing pushes back. They keep the first row at its depth
-/// instead.
+/// Distance from the border that a push keeps, in spacings. Without it, sites get stuck together in needles. A larger
+/// value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. Pushes with a reach beyond the
+/// nearest neighbours would press sites against the border, where nothing pushes back. Such pushes keep the first row
+/// at its depth instead.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
 // Sites or triangles per task.
@@ -46,7 +46,8 @@ double MeshPolish::spacing(Point p) const {
     return std::sqrt(domain_.unit_area() / fixed_.sites);
 }
 
-/// Returns the nearest place in the domain's bounding box; on a torus the same place, snapped to multiples of 2^-50.
+/// Returns the nearest place in the domain's bounding box. On a torus, returns the same place, snapped to multiples of
+/// 2^-50.
 Point MeshPolish::inside(Point p) const {
     constexpr double kInside = 1e-9;
     const Point sides = domain_.unit_bounds().max;
@@ -55,12 +56,12 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Returns the nearest place to p where a site may stand: in the domain's bounding box, and with density if there is
-/// any nearby.
+/// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0,
+/// unless all of the density is far away.
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
-    constexpr double kReach = 2;  // in spacings; two longer sides cover the whole box
+    constexpr double kReach = 2;  // in spacings; twice the longer side covers the whole box
     p = inside(p);
     if (density_.is_uniform()) return p;
     Point corner;
@@ -75,8 +76,8 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
 }
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
-    // Fewer rounds leave a larger error of tone: benchmark PictureTone. Free rounds let sites stand where there is no
-    // density. Without them, or without their momentum, too few sites cross white gaps: Polish.EvensOutSmallSpots.
+    // Fewer rounds leave a larger error of tone: benchmark PictureTone. In free rounds, sites may stand where there is
+    // no density. Without free rounds, or without momentum, too few sites cross white gaps: Polish.EvensOutSmallSpots.
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
@@ -110,7 +111,7 @@ void MeshPolish::release_memory() {
 
 bool MeshPolish::clear_gaps(std::span<Point> sites) const {
     if (density_.is_uniform()) return false;
-    constexpr double kAnywhere = 1;  // a "spacing" that makes the reach cover the box
+    constexpr double kAnywhere = 1;  // used as spacing, so that the reach covers the box
     bool moved = false;
     for (Point& site : sites) {
         const Point to = allowed(site, [] { return kAnywhere; });
@@ -145,7 +146,8 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of a range of triangles, which `block` selects: separately those within the block and the others.
+/// Lists the edges of a range of triangles, which `block` selects. Edges within the block and other edges are listed
+/// separately.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -202,7 +204,7 @@ std::vector<std::array<std::uint32_t, 2>> MeshPolish::near_pairs(const Triangula
     return taken;
 }
 
-/// Lists near pairs of sites that an edge joins, the smaller number first.
+/// Lists the pairs of near sites that are joined by an edge, the smaller number first.
 std::vector<std::array<std::uint32_t, 2>> MeshPolish::joined_within(const Triangulation& mesh,
                                                                     double half_reach) const {
     std::vector<std::array<std::uint32_t, 2>> joined;
@@ -222,7 +224,7 @@ bool MeshPolish::is_nearer(const Triangulation& mesh, std::uint32_t a, std::uint
     return dot(apart, apart) < reach * reach;
 }
 
-/// Lists near pairs of sites that no edge joins. Only sites of the first row can form such pairs.
+/// Lists the pairs of near sites that no edge joins. Only sites of the first row can form such pairs.
 void MeshPolish::find_facing(const Triangulation& mesh, double half_reach) {
     facing_.clear();
     const auto sites = row_.sites();
@@ -269,7 +271,7 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
-    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites held by others are nearer
+    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites held in place are nearer
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
@@ -278,12 +280,12 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double least = half_reach * (spacing_of(a) + spacing_of(b));
         const double squared = dot(along, along);
         if (squared >= least * least) return;
-        // Two sites that face each other across a narrow tongue would be pressed against its shores, so they turn as
-        // well.
+        // Two sites that face each other across a narrow tongue would be pressed against its shores. So they also turn
+        // around each other.
         const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
         const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;
         const Point by = push * (least / std::sqrt(squared) - 1) * way;
-        // If one of the two is fixed, the other one moves the whole way.
+        // If one of the two sites is fixed, the other site moves the whole way.
         moves_[a] = moves_[a] - (mesh.is_free(b) ? 1 : 2) * by;
         moves_[b] = moves_[b] + (mesh.is_free(a) ? 1 : 2) * by;
     };
@@ -364,9 +366,10 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
-/// Shortens or reverts moves at triangles that would be inverted or lose most of their area, until there are none.
+/// Shortens or reverts moves around triangles that would be inverted or lose most of their area, until no such triangle
+/// remains.
 void MeshPolish::revert_moves(Triangulation& mesh) {
-    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space
+    constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space to move
     const std::size_t triangles = mesh.triangle_count();
     std::vector<std::vector<std::uint32_t>> lists((triangles + kTriangles - 1) / kTriangles);
     std::vector<double> largest(lists.size());
@@ -387,7 +390,7 @@ void MeshPolish::revert_moves(Triangulation& mesh) {
         found = false;
         for (const auto& list : lists) {
             for (const std::uint32_t t : list) {
-                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // a neighbour has been moved back meanwhile
+                if (is_sound(mesh, t, mesh.doubled_area(t))) continue;  // meanwhile a neighbouring site was moved back
                 for (const std::uint32_t v : mesh.corners(t)) {
                     if (!mesh.is_site(v) || mesh.point(v) == moves_[v]) continue;
                     mesh.points()[v] = moves_[v] + kept * (mesh.point(v) - moves_[v]);

@@ -23,13 +23,14 @@
 
 namespace ccdt {
 
-/// Steps of a polish of the sites of one triangulation. Near neighbours are pushed apart. Transport removes the long
-/// waves of density error that iterations leave, mostly along the border and where the density is steep.
+/// The steps of a polish of the sites of one triangulation. Pushes move near neighbours apart. Transport removes the
+/// long waves of density error that the iterations leave, mostly along the border and where the density is steep.
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
     /// @param domain, density  must outlive this
-    /// @param capacity         of the domain, in units of one cell of density 1; unused if the density is uniform
+    /// @param capacity         capacity of the domain, in units of one cell of density 1; unused if the density is
+    ///                         uniform
     /// @param sites            number of free sites
     /// @param fixed            existing points; `fixed.places` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
@@ -42,14 +43,15 @@ public:
     /// Returns 1 / sqrt(wanted density of sites) around a point.
     double spacing(Point p) const;
 
-    /// Evens out the initial sites, before they are triangulated, so that they can cross gaps in the density. Does
-    /// nothing for a uniform density.
+    /// Evens out the initial sites. Called before they are triangulated, so that sites can cross gaps in the density.
+    /// Does nothing for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
     /// Releases most of the memory until the next step.
     void release_memory();
 
-    /// Lists the edges between sites. Must be called before the steps below, and again after edges change.
+    /// Lists the edges between sites. Must be called before the steps below, and again after the edges of the mesh
+    /// change.
     void begin(const Triangulation& mesh);
 
     /// Moves neighbours that are too near apart, and adds the given moves. This step and the following ones keep all
@@ -61,19 +63,19 @@ public:
                     const std::stop_token& stop);
 
     /// Whether any two sites are nearer than `least`, relative to the neighbour distance in a hexagonal grid. In
-    /// polygons no edge may join such sites: they can face each other across water or around a vertex of the border.
-    /// The next pushes move these pairs apart, too.
+    /// polygons, two near sites need not be joined by an edge: they can face each other across water or around a vertex
+    /// of the border. Such pairs are found as well, and the next pushes move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of near sites that find_nearer() has found, each site at most once as first of a pair. Drops
-    /// cached data of the mesh, since either site of a pair may be relocated.
+    /// Returns the pairs of near sites that find_nearer() has found. Each site is the first of at most one pair. Drops
+    /// cached data of the mesh, since the caller may relocate either site of a pair.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
     /// Removes long waves of density error. Does nothing in polygons if the density is not smooth.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// Removes the power of low frequencies on a torus of uniform density that is wide enough and has no fixed sites.
-    /// Does nothing once they are silent.
+    /// Does nothing once the power of all low frequencies is negligible (Stealth::kSilence).
     void silence(Triangulation& mesh, const std::stop_token& stop);
 
     /// Moves the sites. @param moves  [sites]
@@ -103,16 +105,16 @@ private:
     const Domain& domain_;
     const Density& density_;
     FixedSites fixed_;
-    std::optional<CellList> others_;  ///< fixed sites without a vertex
+    std::optional<CellList> others_;  ///< fixed points without a vertex
     std::optional<Transport> transport_;
     std::optional<MeshTransport> mesh_transport_;  ///< for polygons, created when first needed
     std::optional<Stealth> stealth_;               ///< created when first needed
-    std::optional<LocalSpacing> local_;            ///< for a varying density without transport_
+    std::optional<LocalSpacing> local_;            ///< present if the density varies and there is no transport_
     Support support_;
     FirstRow row_;  ///< for polygons
-    /// Half-edges between sites: for each block, those within it but not within a smaller block [levels][blocks].
+    /// Half-edges between sites [levels][blocks]. Each half-edge is listed for the smallest block that contains it.
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
-    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< near sites that no edge joins
+    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
     /// [sites] moves; after they are applied, the previous positions.
     std::vector<Point> moves_;
     std::vector<double> spacings_;  ///< [sites]; empty if all are equal

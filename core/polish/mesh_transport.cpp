@@ -13,21 +13,22 @@ namespace ccdt {
 namespace {
 
 constexpr std::uint32_t kNone = Triangulation::kNone;
-// Sites or triangles per task.
+// Number of sites or triangles per task.
 constexpr std::size_t kSites = 4096, kTriangles = 8192;
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
 }
 
-/// Returns the site that each vertex is merged with [vertices]: a site with itself, a border vertex with the nearest
-/// site joined to it by an edge, or else with the site of an adjacent border vertex. kNone in a part without sites.
+/// Returns the site with which each vertex is merged [vertices]. A site is merged with itself. A border vertex is
+/// merged with the nearest site that an edge joins to it, or else with the site of an adjacent border vertex. In a part
+/// without sites, the entry is kNone.
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     struct Half {
         std::uint32_t from, to;
         double squared;
     };
-    std::vector<Half> edges;  // all that end on the border
+    std::vector<Half> edges;  // all half-edges that end on the border
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
         const auto corners = mesh.corners(t);
         for (std::uint32_t i = 0; i < 3; ++i) {
@@ -59,10 +60,10 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
 /// Lists the edges of the mesh accepted by `passes`, with the conductances of linear finite elements. Border vertices
 /// are merged with their sites.
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
-    // Bounds on conductances, for needles. Two triangles at an edge of the border can give a negative value, which is
-    // no conductance.
+    // Bounds on conductances, which needles can exceed. At an edge of the border, two triangles can give a negative
+    // value, which counts as no conductance.
     constexpr double kLeast = 1e-3, kMost = 2;
-    // Doubled area relative to squared sides; angles of thinner triangles are rounding errors.
+    // Doubled area relative to squared sides. In thinner triangles, angles consist of rounding errors.
     constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
     // Cotangents of the angles opposite to the edges.
@@ -98,7 +99,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
     return edges;
 }
 
-/// Numbers the connected components and returns that of each vertex [vertices].
+/// Numbers the connected components and returns the number of each vertex' component [vertices].
 std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
     std::vector<std::uint32_t> part_of(graph.size(), kNone), reached;
     std::uint32_t parts = 0;
@@ -120,7 +121,7 @@ std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
     return part_of;
 }
 
-/// Returns the borders of the parts that have sites, weighted such that each part wants as many sites as it has.
+/// Returns the borders of the parts that have sites. The weights are such that each part wants as many sites as it has.
 std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, const Triangulation& mesh) {
     const Point sides = domain.unit_bounds().max;
     const auto index = [](double share, int cells) {
@@ -149,7 +150,7 @@ std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, 
     return border;
 }
 
-/// Returns the cell size of the error grid: the spacing where sites are sparsest, but at most twice the mean.
+/// Returns the cell size of the error grid: the spacing where sites are sparsest, but at most twice the mean spacing.
 double cell_of(const Domain& domain, const Density& density, std::size_t sites) {
     constexpr double kMost = 2;
     const double mean = std::sqrt(domain.unit_area() / static_cast<double>(sites));
@@ -189,11 +190,11 @@ MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const P
       sums_(part_of_.empty() ? 0 : *std::ranges::max_element(part_of_) + 1),
       counts_(sums_.size()) {}
 
-/// Computes the errors of the sites. Subtracts the mean error of each component, which the measure's smoothing across
-/// gaps in the domain can cause.
+/// Computes the errors of the sites. Subtracts the mean error of each component: the measure smooths across gaps in the
+/// domain, so this mean can differ from zero.
 void MeshTransport::find_errors(const Triangulation& mesh) {
-    // In narrow tongues one missing site is most of the density, which is no first-order error. Countries in
-    // core/README.md: a third of this limit leaves 5 dB more of waves of four spacings in Canada.
+    // In a narrow tongue, one missing site is most of the density, so the error is not small to first order. Countries
+    // in core/README.md: a third of this limit leaves 5 dB more of waves of four spacings in Canada.
     constexpr double kMost = 0.3;
     measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), error_);
     std::ranges::fill(sums_, 0.0);
@@ -209,7 +210,7 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
 
 /// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
-    constexpr double kLongestMove = 0.35;  // in spacings; countries in core/README.md: .25 loses 1 dB among fjords
+    constexpr double kLongestMove = 0.35;  // in spacings; countries in core/README.md: .25 leaves 1 dB more in fjords
     for_ranges(executor_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             Point move;
@@ -232,7 +233,7 @@ bool MeshTransport::displacements(const Triangulation& mesh, std::span<const dou
 
 bool MeshTransport::displacements(const Triangulation& mesh, const FirstRow& row, std::span<const double> spacings,
                                   std::span<Point> moves, const std::stop_token& stop) {
-    constexpr int kSteps = 2;  // benchmark CountryPattern: twice as many gain a decibel where there are fjords
+    constexpr int kSteps = 2;  // benchmark CountryPattern: twice as many steps gain a decibel where there are fjords
     if (stop.stop_requested()) return false;
     find_errors(mesh);
     if (stop.stop_requested()) return false;

@@ -17,40 +17,40 @@
 
 namespace ccdt {
 
-/// Removes long waves of density error in domains of any shape, as Transport does in boxes and on tori. It computes the
-/// smoothed difference between actual and wanted density, and small moves of all sites that cancel it.
+/// Removes long waves of density error in domains of any shape, as Transport does in boxes and on tori. Computes the
+/// smoothed difference between actual and wanted density, and small moves of all sites that cancel this difference.
 ///
-/// The excess of sites is measured on a grid. It flows along the edges of the triangulation, with the conductances of
-/// linear finite elements. So nothing flows across the border or between parts of the domain: each part wants as many
-/// sites as it has. The density must vary little between neighbouring sites.
+/// The excess of sites is measured on a grid. The excess flows along the edges of the triangulation, which have the
+/// conductances of linear finite elements. So nothing flows across the border or between parts of the domain: each part
+/// wants as many sites as it has. The density must vary little between neighbouring sites.
 ///
-/// Source: as Transport, but Laplace's equation is solved on the mesh; core/README.md has the derivation.
+/// Source: as for Transport, but Laplace's equation is solved on the mesh; core/README.md has the derivation.
 class MeshTransport {
 public:
     /// @param mesh     trimmed, not of a torus
     /// @param density  wanted density of sites
     ///
-    /// O(sites + vertices of the border + the grid's cells), with at most 64 cells per site.
+    /// O(sites + vertices of the border + cells of the grid). The grid has at most 64 cells per site.
     MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh);
 
     /// Computes the share of the error, in sites, assigned to each site, as ErrorGrid::at() does.
     using Measure = std::function<void(std::span<const Point> sites, std::span<double> errors)>;
 
-    /// Whether excess may flow along the edge between two sites.
+    /// Whether the excess may flow along the edge between two sites.
     using Passes = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-    /// Uses another measure of the error, and lets only some edges carry a flow.
+    /// Uses another measure of the error. Only the edges that `passes` accepts carry a flow.
     /// O(sites + vertices of the border).
     MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
 
-    /// Computes the moves of one round. Sites do not come nearer to the border than half a row, unless they already
-    /// are.
+    /// Computes the moves of one round. Sites come no nearer to the border than half a row; sites that are nearer
+    /// already come no nearer still.
     /// @param mesh      the mesh given at construction, possibly with flipped edges and sites moved by less than a
     ///                  spacing or two
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param moves     out [sites], each at most 0.35 of the local spacing
     /// @param stop      polled regularly
-    /// @returns         false after a stop, when the moves must not be used
+    /// @returns         false after a stop; the moves must not be used then
     ///
     /// O(sites + vertices of the border).
     bool displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
@@ -68,7 +68,7 @@ private:
     GraphSolver solver_;
     Measure measure_;
     std::vector<double> error_, potential_;  ///< [sites] error and potential of each site
-    /// [sites] connected component with respect to the edges that carry a flow.
+    /// [sites] number of the connected component, with respect to the edges that carry a flow.
     std::vector<std::uint32_t> part_of_;
     std::vector<double> sums_;    ///< [components] sum of the error
     std::vector<double> counts_;  ///< [components] number of sites

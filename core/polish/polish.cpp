@@ -121,8 +121,8 @@ bool Polish::is_any_nearer(double least) {
                             layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
 }
 
-/// Repeats a push on new triangulations while any two sites are too near. Two sites that pushes cannot separate are
-/// enclosed by others or by the two shores of a neck; one of them is relocated.
+/// Repeats a push on new triangulations while any two sites are too near. If pushes cannot separate two sites, other
+/// sites or the two shores of a narrow neck enclose them. Then one of the two sites is relocated.
 void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
                         const std::stop_token& stop) {
     for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);
@@ -160,7 +160,7 @@ void Polish::even_out_each(const std::stop_token& stop) {
     for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.steps->even_out(*layer.mesh, stop); });
 }
 
-/// Evens out the sites of all inks as if they were of one ink. Does nothing outside boxes and tori.
+/// Evens out the sites of all inks as if they were the sites of one ink. Does nothing outside boxes and tori.
 void Polish::even_out_together(const std::stop_token& stop) {
     if (!transport_) return;
     gather();

@@ -21,8 +21,8 @@
 namespace ccdt {
 
 /// Polishes the sites of one or several inks. Rounds that push near sites apart alternate with rounds that remove long
-/// waves of density error. Sites of different inks are pushed apart as well. Long waves are removed from each ink and
-/// from all inks together.
+/// waves of density error. Sites of different inks are pushed apart as well. Long waves are removed both from each ink
+/// and from all inks taken together.
 class Polish {
 public:
     /// The sites of one ink.
@@ -31,8 +31,8 @@ public:
         Triangulation* mesh = nullptr;
         /// Makes the mesh Delaunay and its triangles more equal; may be empty if the settings never need it.
         std::function<void(int passes)> equalise;
-        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty, in
-        /// which case nothing is relocated.
+        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty; then no
+        /// site is relocated.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 

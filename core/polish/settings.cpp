@@ -7,22 +7,23 @@ namespace ccdt {
 
 namespace {
 
-/// Settings of the two qualities that polish.
+/// Settings of the two qualities Standard and Best.
 struct Row {
     PolishSettings standard, best;
 };
 
-// Benchmark TorusPattern. More rounds or a longer reach increase the least distance and raise the spectrum's peak.
-// Fewer even rounds, or a longer reach of near pushes, leave long waves. Without near rounds some pairs stay close.
+// Benchmark TorusPattern. More rounds or a longer reach increase the least distance, but raise the peak of the
+// spectrum. Fewer even rounds, or a longer reach of near pushes, leave long waves. Without near rounds, some pairs stay
+// close.
 constexpr Row kSmooth{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
-// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, improve both distances and
-// equality of capacities; more rounds are better. Removing waves before the relaxation costs no equality: doing so half
-// as often leaves a decibel more of waves where there are fjords. Removing waves at the end costs some equality where
-// borders are ragged: with one more round, standard would be less equal than draft. A longer reach of near pushes
-// trades equality for distance.
+// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, improve both the distances and
+// the equality of capacities; more rounds improve them further. Removing waves before the relaxation costs no equality;
+// if it is done half as often, waves among fjords are a decibel stronger. Removing waves at the end costs some equality
+// where borders are ragged: with one more such round, standard would be less equal than draft. A longer reach of near
+// pushes increases distances and reduces equality.
 constexpr Row kPolygon{
     {.reach = 1.1,
      .push = 1,
@@ -47,8 +48,8 @@ constexpr Row kPolygon{
      .max_retries = 8,
      .relocate_after = 3},
 };
-// In dot maps, where dots may not cross a border, evening out pushes dots onto it. With fewer or weaker near pushes at
-// the end, one dot in a hundred has a neighbour nearer than .75: test_dot_maps.py, Counties.
+// In dot maps no dot may cross a border, so even rounds push dots onto borders. With fewer or weaker near pushes at the
+// end, one dot in a hundred has a neighbour nearer than .75: test_dot_maps.py, Counties.
 constexpr Row kMap{
     {.early = 2, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.82, .least = 0.72},
     {.rounds = 10,
@@ -62,15 +63,15 @@ constexpr Row kMap{
      .nearest = 0.82},
 };
 // Benchmark PictureTone. Without even rounds, or with a longer reach of near pushes, the error of tone is larger. Twice
-// as many rounds of the first kind gain almost nothing.
+// as many of the first rounds (`rounds`) gain almost nothing.
 constexpr Row kVarying{
     {.rounds = 4, .reach = 0.93, .push = 0.4, .even_rounds = 3, .near_rounds = 2, .nearest = 0.72},
     {.rounds = 20, .reach = 0.93, .push = 0.4, .even_rounds = 10, .near_rounds = 2, .nearest = 0.72},
 };
-// Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. Never finding
-// neighbours again costs a fiftieth of it where the density varies; doing so in each round gains no more. The last
-// round costs distance as well, but without it the tone of each ink is lost: DistributeInks.KeepsTheToneOfEachInk. More
-// retouch rounds gain little: test_colour.py, Likeness.
+// Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. If neighbours
+// are never found again, this distance is a fiftieth smaller where the density varies; finding them in each round gains
+// no more. The last round reduces the distance as well, but without it the tone of each ink is lost:
+// DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,
@@ -98,7 +99,7 @@ constexpr Row kInks{
      .retouch_rounds = 6},
 };
 
-/// The first round leaves a power of about 1e-7, the second 1e-11, the third only rounding.
+/// The first round leaves a power of about 1e-7, the second 1e-11, and the third only rounding errors.
 constexpr int kStealthRounds = 4;
 
 }  // namespace

@@ -7,41 +7,43 @@ namespace ccdt {
 
 /// Amount of work spent on the pattern after the triangles' capacities are equal.
 enum class Quality {
-    Draft,     ///< none: triangles of equal capacity, as in the paper
+    Draft,     ///< no polish: triangles of equal capacity, as in the paper
     Standard,  ///< pushes near neighbours apart and removes long waves
-    Best,      ///< does the same for longer: a few times the time
+    Best,      ///< does the same for longer: takes a few times as long
     /// Does the same as Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of
     /// uniform density that is wide enough, with one ink and no fixed points.
     Stealthy,
 };
 
-/// Schedule of a polish, in order of execution, and the strength of its steps. Reaches are relative to the neighbour
-/// distance in a hexagonal grid: of an ink's own sites, or of all inks' sites together.
+/// Schedule of a polish, in order of execution, and the strength of its steps. Every reach is relative to the neighbour
+/// distance in a hexagonal grid: of an ink's own sites for pushes within an ink, and of all inks' sites for pushes
+/// between inks.
 struct PolishSettings {
-    /// Number of last iterations that begin with a round of pushes and removal of waves; in dot maps only.
+    /// Number of iterations, the last ones, that begin with a push and the removal of waves; in dot maps only.
     int early = 0;
     int rounds = 0;        ///< rounds that push near sites apart and remove long waves
-    int even_every = 1;    ///< only every even_every-th of these rounds removes waves; also in the relax rounds
-    int mesh_every = 0;    ///< number of these rounds after which neighbours are found again; 0: never
+    int even_every = 1;    ///< waves are removed in every even_every-th round only, in relax rounds as well
+    int mesh_every = 0;    ///< number of these rounds between new searches for neighbours; 0: no searches
     double reach = 0;      ///< distance below which neighbours of one ink are pushed
     double push = 0;       ///< share of the missing distance by which each of the two sites moves
     double ink_reach = 0;  ///< distance below which sites of different inks are pushed
-    int relax_rounds = 0;  ///< next: rounds that also make triangles equal again
+    int relax_rounds = 0;  ///< next step: rounds that also make triangles equal again
     int relax_passes = 0;  ///< passes of relaxation in each relax round
-    int relax_evens = 1;   ///< number of times that such a round removes waves, if it does
-    int even_rounds = 0;   ///< next: even rounds, which remove waves
+    int relax_evens = 1;   ///< number of times that a relax round removes waves, if it removes waves at all
+    int even_rounds = 0;   ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
-    int near_rounds = 0;                 ///< next: near pushes alone, of too few sites to create waves
+    int near_rounds = 0;                 ///< next step: near pushes alone, of too few sites to create waves
     double nearest = 0;                  ///< reach of a near push within an ink
     double ink_nearest = 0;              ///< reach of a near push between inks
-    /// Near pushes are repeated, with neighbours found again, while any two are closer than this.
+    /// Near pushes are repeated on new triangulations while any two sites are closer than this.
     double least = 0;
     int max_retries = 0;  ///< limit on these repetitions
-    /// Number of repetitions after which each one first relocates one site of every such pair; in polygons only.
+    /// Number of repetitions without relocation. Each further one begins by relocating one site of every pair that is
+    /// too close; in polygons only.
     int relocate_after = 0;
-    int last_rounds = 0;     ///< next: even rounds that remove the waves which these pushes create
-    int retouch_rounds = 0;  ///< last: rounds of moves that the caller computes from all inks together
-    int stealth_rounds = 0;  ///< at most: rounds that remove the power of low frequencies
+    int last_rounds = 0;     ///< next step: even rounds that remove the waves which these pushes create
+    int retouch_rounds = 0;  ///< last step: rounds of moves that the caller computes from all inks together
+    int stealth_rounds = 0;  ///< largest number of rounds that remove the power of low frequencies
 
     int all_rounds() const {
         return rounds + relax_rounds + even_rounds + near_rounds + last_rounds + retouch_rounds + stealth_rounds;

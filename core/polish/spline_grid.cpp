@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t kTaps = 6;
 constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
-/// Values at the six grid points around, for each number of a vector.
+/// Values at the six grid points around a position, for each number of a vector.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
 
-/// Returns the values of the quintic B-spline at the six grid points around.
+/// Returns the values of the quintic B-spline at the six grid points around a position.
 template <class Pairs>
 CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
     const auto outer = [](Pairs d) CCDT_INLINE {  // at distance 2 + d
@@ -40,7 +40,7 @@ CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
     return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
 }
 
-/// Returns the derivatives of the six weights.
+/// Returns the slopes of the quintic B-spline at the six grid points around a position.
 template <class Pairs>
 CCDT_INLINE inline Taps<Pairs> slopes_at(Pairs f) {
     const auto outer = [](Pairs d) CCDT_INLINE {
@@ -56,7 +56,7 @@ CCDT_INLINE inline Taps<Pairs> slopes_at(Pairs f) {
     return {outer(f), inner(f), middle(f), -middle(g), -inner(g), -outer(g)};
 }
 
-/// The six successive values of a row that the taps of a point cover.
+/// The six successive values that the taps of a point cover in a row.
 template <class Lanes>
 struct Row {
     typename Lanes::Pairs low{};
@@ -92,7 +92,7 @@ struct Row {
     }
 };
 
-/// Returns the x components of taps, two successive ones of each point per vector.
+/// Returns the x components of taps. Each vector holds two successive components of each point.
 template <class Lanes>
 CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
     return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};
@@ -137,14 +137,14 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Position along one side, in cells from the first grid point. Grid points are at the corners of cells on a torus, as
-/// in the Fourier transform, and at their centres in a box.
+/// Position along one side, in cells from the first grid point. On a torus, grid points are at the corners of cells, as
+/// in the Fourier transform. In a box, they are at the centres.
 inline double SplineGrid::along(double coordinate, double side, int cells) const {
     const double share = coordinate / side;
     return (torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0) - 0.5 / cells) * cells;
 }
 
-/// Returns the last grid point at or before a position along one side; -1 before the first one.
+/// Returns the last grid point at or before a position along one side; -1 for a position before the first grid point.
 inline double SplineGrid::point_before(double place, int cells) {
     return std::min(whole(place), cells - 1.0);  // rounding can put a position on a torus at its far end
 }
@@ -246,7 +246,7 @@ CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     using Pairs = typename Lanes::Pairs;
     const auto [first, fractions] = places<Lanes>(points);
     const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
-    // Column sums; for each point two successive columns.
+    // Sums over columns; each vector holds two successive columns of each point.
     std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         Row<Lanes> along_y, slope_y;
@@ -293,10 +293,10 @@ void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradi
 }
 
 /// Calls add(numbers) with groups of the points for which counts(number) is true. The rows of the grid are divided into
-/// bands. Every other band is processed in parallel, since taps reach no further than the next band.
+/// bands. First the even bands are processed in parallel, then the odd bands: taps reach no further than the next band.
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
-    // Below this many points, sorting costs more than it gains; also the size of a task.
+    // With fewer points, sorting costs more than it gains. Also the size of a task.
     constexpr std::size_t kFew = 8192;
     std::vector<std::uint32_t> order;
     if (points.size() <= kFew) {
@@ -308,7 +308,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
     const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
-    // [parts][bands] place in the order for a part's next point of each band.
+    // [parts][bands] position in the order for the next point of each band in a part.
     std::vector<std::uint32_t> next(parts * bands, 0);
     for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
         std::uint32_t* const count = &next[begin / kFew * bands];
@@ -375,7 +375,7 @@ void SplineGrid::transform_back() {
     }
 }
 
-/// Sums the spread values on the grid; the margins are folded back into it.
+/// Sums the spread values on the grid. Values in the margins are added to the cells that the margins repeat.
 void SplineGrid::fold() {
     const std::span<double> cells = grid();
     const auto rows = static_cast<std::size_t>(rows_);
@@ -456,7 +456,7 @@ std::size_t SplineGrid::folded(std::size_t padded, int cells) const {
     return static_cast<std::size_t>(k < cells ? k : period - 1 - k);
 }
 
-/// Calls visit(index in a padded row, index of the cell that it repeats) for all margin cells of a row.
+/// Calls visit(index in a padded row, index of the cell repeated there) for all margin cells of a row.
 template <class Visit>
 void SplineGrid::for_margins(Visit&& visit) const {
     for (std::size_t i = 0; i < kMargin; ++i) {
@@ -466,7 +466,7 @@ void SplineGrid::for_margins(Visit&& visit) const {
     }
 }
 
-/// Calls visit(row, row that it repeats) for all margin rows.
+/// Calls visit(margin row, row repeated there) for all margin rows.
 template <class Visit>
 void SplineGrid::for_margin_rows(Visit&& visit) {
     for (std::size_t i = 0; i < kMargin; ++i) {

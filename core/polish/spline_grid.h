@@ -15,10 +15,11 @@
 
 namespace ccdt {
 
-/// A grid over a box or torus, onto which points are spread and from which values are read with quintic B-splines, and
-/// its transform: Fourier on a torus, cosine in a box, as if mirrored at the sides. Together they form a non-uniform
-/// transform once the spectrum of the splines, window(), is divided out. For frequencies up to a fifth of a cycle per
-/// cell, the error is below 3e-4 of the content at higher frequencies.
+/// A grid over a box or torus, and its transform: Fourier on a torus; cosine in a box, as if the grid were mirrored at
+/// the sides. Points are spread onto the grid, and values are read from it, with quintic B-splines. Spreading and
+/// transform together form a non-uniform transform, once the spectrum of the splines, window(), is divided out. For
+/// frequencies up to a fifth of a cycle per cell, the error is below 3e-4 of the content at higher frequencies.
+///
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
 public:
@@ -31,15 +32,15 @@ public:
     int rows() const { return rows_; }
     Point cell() const { return {sides_.x / columns_, sides_.y / rows_}; }
 
-    /// Releases the memory. The next call must be clear(), which allocates it again.
+    /// Releases the memory. The next call must be clear(), which allocates the memory again.
     void release_memory();
     /// Sets all values to 0. Must be called before the first spread().
     void clear();
     /// Adds a point with a value.
     /// @param p  inside the box; on a torus any copy
     void spread(Point p, double value);
-    /// Adds the first-order change of the spread of a point with value 1 when it moves by `move`: the transpose of
-    /// gradient(), apart from the factor window().
+    /// Adds the change, to first order, of the spread of a point with value 1 when the point moves by `move`. This is
+    /// the transpose of gradient(), apart from the factor window().
     void spread_move(Point p, Point move);
     /// Adds many points, as spread() does for each point with a value other than 0.
     /// @param values  [points]; empty: 1 each
@@ -51,10 +52,10 @@ public:
 
     /// Computes from coefficients the values that gradient() reads.
     void transform_back();
-    /// Returns the gradient of the function with the given coefficients, provided they were divided by window(), per
-    /// unit of length.
+    /// Returns the gradient, per unit of length, of the function with the given coefficients. The coefficients must
+    /// have been divided by window().
     Point gradient(Point p) const;
-    /// Computes the gradients at many points, faster than one by one.
+    /// Computes the gradients at many points. Faster than separate calls.
     /// @param gradients  out [points]; may be the memory of `points`
     void gradients(std::span<const Point> points, std::span<Point> gradients) const;
 
@@ -76,8 +77,8 @@ public:
         }
     }
 
-    /// Calls visit(number of the coefficient, column, row) for all frequencies, some in parallel; rows may be negative.
-    /// Skips aliased frequencies.
+    /// Calls visit(number of the coefficient, column, row) for all frequencies, some calls in parallel. Rows may be
+    /// negative. Skips aliased frequencies.
     template <class Visit>
     void for_frequencies(Visit&& visit) const {
         for_ranges(executor_, static_cast<std::size_t>(rows_), kRows, [&](std::size_t begin, std::size_t end) {
@@ -91,7 +92,7 @@ public:
         });
     }
 
-    /// Row number as for_frequencies() passes it.
+    /// Row as for_frequencies() passes it: negative for the upper half of the rows on a torus.
     int signed_row(int row) const { return torus_ && 2 * row > rows_ ? row - rows_ : row; }
 
     std::size_t coefficient_count() const { return static_cast<std::size_t>(kept_) * static_cast<std::size_t>(rows_); }
@@ -116,8 +117,8 @@ public:
     double copies() const { return torus_ ? 1 : 4; }
 
 private:
-    /// For each point, the padded grid point three columns and rows before it, and the point's offset from the third
-    /// one.
+    /// For each point, the point of the padded grid at which its taps begin, three columns and rows before the point,
+    /// and the offset of the point from the third of these rows and columns.
     template <class Lanes>
     struct Places {
         std::array<std::size_t, Lanes::kCount> first;
@@ -163,7 +164,8 @@ private:
     std::size_t stride_;
     std::vector<double> column_windows_, row_windows_;
     std::variant<RealTransform, CosineTransform> transform_;
-    /// The grid with its margin for taps. On a torus it uses the spectrum's memory, in a box the grid's own.
+    /// The grid with its margin for taps. On a torus it lies in the spectrum's memory, in a box in the grid's own
+    /// memory.
     std::span<double> padded_;
 };
 

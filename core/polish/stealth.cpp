@@ -13,11 +13,11 @@ namespace {
 constexpr double kTau = 2 * std::numbers::pi;
 constexpr double kCells = 5;       ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
 constexpr double kFewestRows = 4;  ///< least width of a torus, in spacings
-constexpr double kLeft = 0.01;     ///< share of F that one round's steps may leave; the next round squares it
+constexpr double kLeft = 0.01;  ///< share of F that the steps of one round may leave; the next round squares this share
 constexpr int kMostSteps = 40;
 constexpr std::size_t kSites = 8192;  ///< sites per task
 
-/// Returns the lowest frequency that is not silenced, in cycles per unit.
+/// Returns the lowest frequency whose power is not removed, in cycles per unit.
 double end_of(const Domain& torus, std::size_t sites) {
     return Stealth::kLimit * std::sqrt(static_cast<double>(sites) / torus.unit_area());
 }
@@ -143,7 +143,7 @@ void Stealth::change_of(std::span<const Point> sites, std::span<const Point> mov
     });
 }
 
-/// Inner product over all waves, k and -k.
+/// Inner product over all waves, both k and -k.
 double Stealth::product(const Coefficients& a, const Coefficients& b) const {
     double sum = 0;
     for (std::size_t k = 0; k < waves_.size(); ++k) sum += 2 * (a[k].real() * b[k].real() + a[k].imag() * b[k].imag());

@@ -15,25 +15,27 @@
 
 namespace ccdt {
 
-/// Removes all power from the low frequencies of sites on a torus of uniform density, by the smallest moves that do so.
+/// Removes all power from the low frequencies of sites on a torus of uniform density, by the smallest moves that
+/// achieve this.
 ///
-/// With F(k) = sum over sites j of e^(-2 pi i k.x_j), moves u change F by J u, to first order. Among all moves with F +
-/// J u = 0, the one of least squares is the gradient of a potential with these frequencies only: u = J* p, J J* p = -F.
-/// Below kLimit there are 0.79 equations and two unknowns per site, so J J* is well-conditioned: conjugate gradients,
-/// preconditioned by the diagonal, take about five steps. This is Newton's method: each round squares the relative
-/// error.
+/// Let F(k) = sum over sites j of e^(-2 pi i k.x_j). Moves u change F by J u, to first order. Of all moves with F + J u
+/// = 0, those with the least sum of squares are the gradient of a potential that has low frequencies only: u = J* p, J
+/// J* p = -F. Below kLimit there are 0.79 equations and two unknowns per site, so J J* is well-conditioned. Conjugate
+/// gradients, preconditioned by the diagonal, take about five steps. The rounds together are Newton's method: each
+/// round squares the relative error.
 ///
-/// Point sets without low frequencies are called stealthy. Source: Batten, Stillinger, Torquato 2008, who minimise sum
-/// |F|^2 by steepest descent from random sites. Here the start is so close that a few rounds suffice.
+/// Point sets without low frequencies are called stealthy. Source: Batten, Stillinger, Torquato 2008. They minimise sum
+/// |F|^2 by steepest descent from random sites. Here the initial sites are so close to a solution that a few rounds
+/// suffice.
 class Stealth {
 public:
-    /// Limit of the removed frequencies, in units of sqrt(sites / area).
+    /// Upper limit of the removed frequencies, in units of sqrt(sites / area).
     static constexpr double kLimit = 0.5;
-    /// Power below which a frequency is silent; random sites have power 1. Rounding leaves about 1e-18.
+    /// Power below which a frequency counts as removed. Random sites have power 1. Rounding leaves about 1e-18.
     static constexpr double kSilence = 1e-12;
 
-    /// Returns the least number of sites for which a torus is wide enough: four spacings, sqrt(area / sites), in each
-    /// direction.
+    /// Returns the least number of sites for which a torus is wide enough: at least four spacings in each direction,
+    /// where the spacing is sqrt(area / sites).
     static double fewest_sites(Point sides);
 
     /// Whether a torus is wide enough for a number of sites. Tolerates the rounding of its sides.
@@ -49,12 +51,13 @@ public:
     /// @param sites  [sites] in the unit frame; any copy
     /// @param moves  out [sites]
     /// @param stop   polled regularly
-    /// @returns      false after a stop, or if all low frequencies are silent; the moves must not be used then
+    /// @returns      false after a stop, or if no low frequency has power above kSilence; the moves must not be used
+    ///               then
     ///
     /// Deterministic. O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
 
-    /// The largest power among the low frequencies, of the sites before the last moves.
+    /// The largest power among the low frequencies, measured before the last moves.
     double largest_power() const { return largest_power_; }
 
 private:
@@ -74,9 +77,9 @@ private:
     Executor& executor_;
     Point sides_;
     double sites_;
-    std::vector<Wave> waves_;  ///< one of each pair k, -k
+    std::vector<Wave> waves_;  ///< one wave of each pair k, -k
     NonuniformTransform transform_;
-    std::vector<WeightedPoint> positions_;  ///< [sites] sites relative to the torus' sides
+    std::vector<WeightedPoint> positions_;  ///< [sites] positions relative to the torus' sides
     SplineGrid grid_;
     double largest_power_ = 0;
     Coefficients sums_;  ///< F

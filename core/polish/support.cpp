@@ -20,7 +20,7 @@ std::optional<Point> Support::here(Point p) const {
     const int column = std::clamp(static_cast<int>(g.x), 0, columns_ - 1);
     const int row = std::clamp(static_cast<int>(g.y), 0, rows_ - 1);
     if (!has_density(column, row)) return std::nullopt;
-    // On the side of a cell, rounding would decide in which cell the point lies.
+    // For a point on the side of a cell, rounding would decide to which cell it belongs.
     constexpr double kSide = 1e-6;
     const Point q{std::clamp(g.x, column + kSide, column + 1 - kSide), std::clamp(g.y, row + kSide, row + 1 - kSide)};
     return q == g ? p : Point{q.x / to_grid_.x, q.y / to_grid_.y};
@@ -39,7 +39,7 @@ Point Support::nearest(Point p, double reach) const {
     }
 }
 
-/// Returns the nearest point with density within `around` columns and rows; g and the result are in cells.
+/// Returns the nearest point with density within `around` columns and rows. g and the result are in units of cells.
 std::optional<Point> Support::nearest_within(Point g, int column, int row, int around) const {
     constexpr double kInset = 0.05;  // of a cell, from its sides
     double least = std::numeric_limits<double>::infinity();

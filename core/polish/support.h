@@ -19,11 +19,11 @@ public:
     /// O(density's cells).
     Support(const Domain& domain, const Density& density);
 
-    /// Returns the nearest point with density, within a factor of sqrt(2) of the least distance. Returns p itself if it
-    /// has density, or if no such point is within reach. O(cells within reach).
+    /// Returns the nearest point with density; its distance is within a factor of sqrt(2) of the least distance.
+    /// Returns p if p has density, or if no point with density is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
-    /// Returns p, moved off the sides of its cell, if the cell has density; else none.
+    /// Returns p, moved away from the sides of its cell, if the cell has density; else none.
     std::optional<Point> here(Point p) const;
 
 private:
@@ -36,7 +36,7 @@ private:
     int columns_;
     int rows_;
     Point to_grid_;
-    std::vector<bool> has_density_;  ///< [rows * columns]; as bits they stay in the cache, unlike the density
+    std::vector<bool> has_density_;  ///< [rows * columns]; stored as bits, which stay in the cache, unlike the density
 };
 
 }  // namespace ccdt

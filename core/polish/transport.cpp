@@ -14,7 +14,7 @@ namespace ccdt {
 
 namespace {
 
-// Sites, cells or rows per task.
+// Number of sites, cells or rows per task.
 constexpr std::size_t kSites = 8192, kCells = 16384, kRows = 16;
 constexpr double kPi = std::numbers::pi;
 
@@ -22,25 +22,26 @@ constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one c
 /// Highest frequency considered, in cycles per spacing. share_undone() at this limit is below 1e-16 for uniform
 /// densities and 5e-4 for others.
 constexpr double kShortest = 0.95;
-/// Longest move, in spacings. Two neighbours, 1.07 spacings apart in a hexagonal grid, keep half of their distance.
+/// Longest move, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep half of their
+/// distance.
 constexpr double kLongestMove = 0.25;
-/// Limit on octaves: spacings of 1 to 32, densities of 1 to 1,000. In linear light, 8 bits give densities of 1 to 113,
-/// which with kCaution are 4.1 octaves.
+/// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
+/// light, 8 bits give densities of 1 to 113, which with kCaution are 4.1 octaves.
 constexpr std::size_t kMostOctaves = 6;
-/// Largest ratio of the finest spacing's density to the mean density. With 4 cells per squared spacing, this makes 16
-/// cells per site.
+/// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
+/// spacing, hence at most 16 cells per site.
 constexpr double kMostContrast = 4;
 
-// Larger and smaller values both increase the error of tone (benchmark PictureTone), except that more smoothing of
-// levels would reduce it.
-constexpr double kSmoothing = 1;  ///< of the density that gives spacings, in finest spacings
-/// Smoothing of the density that gives octaves: near dark regions, light ones count as fine.
+// Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
+// is kLevelSmoothing, of which a larger value would reduce the error.
+constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
+/// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
 constexpr double kLevelSmoothing = 2;
 constexpr double kCaution = 0.7;  ///< octaves by which a site's limit exceeds its spacing
 
-/// Returns the share of a wave's error that a round undoes, for its frequency in cycles per spacing. The octaves of a
-/// varying density overlap and need a softer end. Lower or higher ends leave more error: benchmarks TorusPattern and
-/// PictureTone.
+/// Returns the share of a wave's error that a round removes, for its frequency in cycles per spacing. If the density
+/// varies, the octaves overlap and need a softer end. Lower or higher ends leave more error: benchmarks TorusPattern
+/// and PictureTone.
 double share_undone(double frequency, bool uniform) {
     constexpr double kUniformEnd = 0.52, kVaryingEnd = 0.57;
     const double ratio = frequency / (uniform ? kUniformEnd : kVaryingEnd), squared = ratio * ratio;
@@ -50,7 +51,7 @@ double share_undone(double frequency, bool uniform) {
 constexpr double kLevels = 8192;  ///< steps per octave
 
 constexpr auto kFirst = std::bit_cast<std::uint32_t>(0x1p-8f);
-constexpr unsigned kDropped = 11;  ///< dropped bits of the fraction
+constexpr unsigned kDropped = 11;  ///< number of bits of the fraction that are dropped
 
 /// Encodes a number in 16 bits with a relative error of at most 1/8192. Numbers outside [1/256, 256) are clamped.
 std::uint16_t shortened(double number) {
@@ -109,7 +110,7 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     const double denser = std::min(contrast, kMostContrast);
     finest_ = std::sqrt(area / (sites_ * denser));
     if (contrast > kMostContrast) denser_.emplace(domain.unit_bounds().max, density, sites_);
-    // In a box thinner than the spacing, sites stand in a line.
+    // In a box thinner than the spacing, sites form a single line.
     in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
     octaves_.reserve(kMostOctaves);
     add_octave();
@@ -147,15 +148,16 @@ void Transport::add_octave() {
     });
 }
 
-/// Returns the coefficient of the potential of a wave with coefficient 1, divided by octave 0's window; not for the
-/// constant wave. The unit of length is octave 0's spacing, which keeps values in the range of a float.
+/// Returns the coefficient of the potential that belongs to a wave with coefficient 1, divided by octave 0's window.
+/// Must not be called for the constant wave. The unit of length is octave 0's spacing, which keeps values in the range
+/// of a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
     return -1 / (4 * kPi * kPi * dot(f, f) * finest.window(column, row));
 }
 
-/// Sites wanted by each cell of octave 0.
+/// Returns the number of sites that each cell of octave 0 wants.
 std::vector<double> Transport::masses(const Density& density, const CellBlock& block) const {
     const SplineGrid& grid = octaves_[0].grid;
     const auto columns = static_cast<std::size_t>(grid.columns()), rows = static_cast<std::size_t>(grid.rows());
@@ -170,7 +172,8 @@ std::vector<double> Transport::masses(const Density& density, const CellBlock& b
     return mass;
 }
 
-/// Evaluates a function of a grid's frequencies along x for its columns, and along y for its rows.
+/// Evaluates a function of frequency along each axis of a grid: once for every column (frequency along x) and once for
+/// every row (frequency along y).
 template <class Function>
 std::array<std::vector<double>, 2> along_axes(const SplineGrid& grid, Function&& function) {
     std::array<std::vector<double>, 2> values;
@@ -229,7 +232,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the potential of the wanted density, as if sites were spread by it.
+/// Computes the potential of the wanted density, as if the density were spread like sites.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();
@@ -260,8 +263,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// Computes the same for a density with more detail than the finest grid resolves: spreads it like sites, in pieces no
-/// larger than the grid's cells.
+/// Computes the same for a density with more detail than the finest grid resolves. Spreads the density like sites, in
+/// pieces no larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -310,7 +313,7 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Returns the share of an octave in sites at a level.
+/// Returns the share in which sites of a level belong to an octave.
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);
@@ -361,7 +364,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     std::vector<double> values;
     if (levels_.empty()) {
         for (std::size_t i = 0; !weights.empty() && i < sites.size(); ++i) values.push_back(weight(i));
-        octaves_[0].grid.spread(sites, values);  // octave 0 covers the whole box here
+        octaves_[0].grid.spread(sites, values);  // here octave 0 covers the whole box
         return transform(stop);
     }
     std::vector<Point> moved;  // positions relative to the box, if its corner differs from that of the unit frame
@@ -385,9 +388,9 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
     return transform(stop);
 }
 
-/// Solves Laplace phi = error: sums the long waves of all octaves, each up to its own limit, and subtracts those of the
-/// wanted density, once known.
-/// @param total  coefficients of octave 0; in: of the sites, out: of the potential
+/// Solves Laplace phi = error. Sums the long waves of all octaves, each octave up to its own limit. Once the potential
+/// of the wanted density is known, subtracts it.
+/// @param total  coefficients of octave 0; on entry those of the sites, on return those of the potential
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;

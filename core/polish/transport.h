@@ -19,31 +19,31 @@
 
 namespace ccdt {
 
-/// Removes long waves of density error: computes the smoothed difference between actual and wanted density of sites,
-/// and small displacements of all sites that cancel it.
+/// Removes long waves of density error. Computes the smoothed difference between actual and wanted density of sites,
+/// and small moves of all sites that cancel this difference.
 ///
-/// Displacements u change the density of sites by -div(density u). Of all displacements that cancel an error E = sites
-/// - density, the one is chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier transform
-/// solves this on a torus, and a cosine transform in a box, which no site leaves. Waves shorter than about two spacings
-/// are the pattern itself and are not changed. If the density varies, sites and density are both split among octaves of
-/// spacing, each with its own limit. To first order one round cancels E. What remains is of second order, or due to
-/// ridges too thin for the gradient to follow. In a box, only the bounding box of nonzero density is used, so empty
-/// margins do not matter.
+/// Moves u change the density of sites by -div(density u), to first order. Let E = sites - density be the error. Of all
+/// moves that cancel E, those are chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier
+/// transform solves this equation on a torus, and a cosine transform in a box, which no site leaves. Waves shorter than
+/// about two spacings are the pattern itself and are not changed. If the density varies, sites and density are both
+/// split among octaves of spacing, each with its own limit. One round cancels E to first order. The remaining error is
+/// of second order, or due to ridges of the density that are too thin for the gradient to follow. In a box, the grid
+/// covers only the bounding box of nonzero density, so empty margins do not matter.
 ///
-/// Departure from a plain blur: the errors to be removed end sharply, so that no wave below the limit remains and none
-/// above it is affected.
+/// Departure from a plain blur: the filter ends sharply, so that no wave below the limit remains and no wave above it
+/// is affected.
 /// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
 /// waves; core/README.md has the derivation.
 class Transport {
 public:
-    /// @param domain    a box or a torus; the documented ranges of its sides and of the density's values keep contrast,
-    ///                  spacings and grid sizes finite and nonzero
+    /// @param domain    a box or a torus; the documented ranges of its sides, and of the density's values, keep
+    ///                  contrast, spacings and grid sizes finite and nonzero
     /// @param density   must outlive this
     /// @param sites     >= 1
     /// @param stop      polled regularly; after a stop the object must not be used
     /// @param executor  runs the tasks; must outlive this
     ///
-    /// O(density's cells + sites log sites).
+    /// O(the density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
               Executor& executor = inline_executor());
 
@@ -52,24 +52,24 @@ public:
     /// @param moves    out [sites], each at most a quarter of the local spacing
     /// @param stop     polled regularly
     /// @param weights  weights of the last sites; all others have weight 1
-    /// @returns        false after a stop, when the moves must not be used
+    /// @returns        false after a stop; the moves must not be used then
     ///
     /// O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {},
                        std::span<const double> weights = {});
 
     /// Returns 1 / sqrt(density of sites) around a point in the unit frame, with the density smoothed over a spacing.
-    /// If sites are denser than the octaves resolve, uses the smallest block of cells that wants one site.
+    /// Uses the smallest block of cells that wants one site if sites are denser than the octaves resolve.
     double spacing(Point p) const;
 
     /// Releases most of the memory until the next call of displacements().
     void release_memory();
 
 private:
-    /// Sites whose spacing is about 2^octave times the finest.
+    /// Sites whose spacing is about 2^octave times as large as the finest spacing.
     struct Octave {
         SplineGrid grid;
-        /// Factors from coefficients to their share of the potential; see factor().
+        /// Factor of each coefficient for its share of the potential; see factor().
         std::vector<float> factors;
 
         /// Factor for the coefficients (column, row) and (column, -row), which are equal.
@@ -105,12 +105,12 @@ private:
     /// The spacing if all sites stood on a line along the longer side; a lower bound of the grids' resolution.
     double in_line_ = 0;
     std::vector<Octave> octaves_;
-    /// [coefficients of octave 0] of the potential of the wanted density alone; empty if that is uniform
+    /// [coefficients of octave 0] potential of the wanted density alone; empty if the wanted density is uniform
     std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
-    /// [cells of octave 0] octave of the sites in the cell, in units of 1 / kLevels.
+    /// [cells of octave 0] octave of the sites in the cell, multiplied by kLevels.
     std::vector<std::uint16_t> levels_;
     std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] spacing relative to octave 0, encoded by shortened()
-    std::optional<LocalSpacing> denser_;   ///< present if sites are denser somewhere than octave 0 resolves
+    std::optional<LocalSpacing> denser_;   ///< present if sites are denser anywhere than octave 0 resolves
 };
 
 }  // namespace ccdt

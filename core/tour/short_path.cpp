@@ -18,10 +18,10 @@ namespace {
 using Stop = std::uint32_t;  ///< a point, numbered along Hilbert's curve
 
 constexpr std::size_t kMostNeighbours = 8;
-constexpr std::uint32_t kLongestChange = 25'000;  ///< stops that one improvement may move in memory
-constexpr std::uint32_t kLongestRun = 3;          ///< stops that are relocated together
-constexpr double kLeastGain = 1e-12;              ///< relative to the points' extent; smaller gains may be rounding
-constexpr std::size_t kStopStride = 256;          ///< stops between polls of the stop token
+constexpr std::uint32_t kLongestChange = 25'000;  ///< number of stops that one improvement may move in memory
+constexpr std::uint32_t kLongestRun = 3;          ///< largest number of stops that are relocated together
+constexpr double kLeastGain = 1e-12;      ///< relative to the points' extent; smaller gains may be rounding errors
+constexpr std::size_t kStopStride = 256;  ///< stops between polls of the stop token
 
 /// Returns the position of a point of the unit square along Hilbert's curve, with 24 bits per coordinate.
 std::uint64_t hilbert_key(Point p) {
@@ -68,7 +68,7 @@ double distance(Point a, Point b) {
     return std::sqrt(dot(a - b, a - b));
 }
 
-/// The nearest of each point's neighbours in the Delaunay triangulation, nearest first.
+/// For each point, the nearest of its neighbours in the Delaunay triangulation, sorted by distance.
 class Neighbours {
 public:
     Neighbours(std::span<const Point> points, const std::stop_token& stop) : begins_(points.size() + 1) {
@@ -128,7 +128,7 @@ public:
     /// Reverses the path from one stop forward to another, unless that moves too many stops.
     bool reverse(Stop first, Stop last) {
         std::uint32_t inner = steps(first, last) + 1;
-        if (2 * inner > size()) {  // reversing the rest makes the same tour
+        if (2 * inner > size()) {  // reversing the other stops instead makes the same tour
             const Stop after = next(last);
             last = previous(first);
             first = after;
@@ -179,8 +179,8 @@ private:
         places_[stop] = place;
     }
 
-    std::vector<Stop> stops_;            ///< by position
-    std::vector<std::uint32_t> places_;  ///< by stop
+    std::vector<Stop> stops_;            ///< stop at each position
+    std::vector<std::uint32_t> places_;  ///< position of each stop
 };
 
 /// A queue of stops whose surroundings have changed, without duplicates.
@@ -249,8 +249,8 @@ private:
         }
     }
 
-    /// 2-opt: replaces the edge from a to its next (or previous) stop b and the edge from a nearby stop c to its next
-    /// (or previous) stop d by the edges a-c and b-d.
+    /// 2-opt: takes the edge from a to its next (or previous) stop b, and the edge from a nearby stop c to its next (or
+    /// previous) stop d. Replaces both by the edges a-c and b-d.
     bool exchange(Stop a) {
         for (const bool forward : {true, false}) {
             const auto beside = [&](Stop stop) { return forward ? tour_.next(stop) : tour_.previous(stop); };
@@ -269,7 +269,8 @@ private:
         return false;
     }
 
-    /// Or-opt: moves a run of stops that begins or ends at a between a nearby stop and a neighbour of that stop.
+    /// Or-opt: moves a run of stops that begins or ends at a. The new place is between a nearby stop and a neighbour of
+    /// that stop on the tour.
     bool relocate(Stop a) {
         Stop forward = a;
         Stop backward = a;
@@ -318,7 +319,7 @@ std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::
     if (points.empty()) return {};
     const std::vector<Point> unit = normalised(points);
     const std::vector<std::uint32_t> start = along_hilbert(unit);
-    // Points near in the plane are then near in memory.
+    // In this order, points near in the plane are near in memory.
     std::vector<Point> sorted(unit.size());
     std::transform(start.begin(), start.end(), sorted.begin(), [&](std::uint32_t i) { return unit[i]; });
     if (stop.stop_requested()) return start;

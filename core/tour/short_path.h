@@ -18,8 +18,8 @@ namespace ccdt {
 ///
 /// Deterministic. About O(n log n); for random points 8% longer than the shortest path.
 /// Source: Bentley 1992, "Fast algorithms for geometric traveling salesman problems": 2-opt and Or-opt with neighbour
-/// lists, and a queue instead of don't-look bits. Departures: the start is Hilbert's curve, neighbours are those of the
-/// Delaunay triangulation, very long reversals are skipped.
+/// lists, and a queue instead of don't-look bits. Departures: the initial path is Hilbert's curve, neighbours are those
+/// of the Delaunay triangulation, and very long reversals are skipped.
 std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop = {});
 
 /// Returns the length of the path through all points in order.
