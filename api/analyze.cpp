@@ -18,9 +18,9 @@ namespace {
 using Set = std::vector<Point>;
 
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
-constexpr double kPixelsPerUnit = 2;  // resolution of a rendered plot
+constexpr double kPixelsPerUnit = 2;  // resolution of a plot as PNG, pixels per user unit
 
-/// A request while it is being parsed: each option is read, but their combination is not checked yet.
+/// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
 struct Draft {
     AnalyzeRequest request;
     std::optional<Set> points;
@@ -75,7 +75,7 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
     return check_count(request, limits);
 }
 
-/// Returns the JSON Pointer, in the request, to the input that analyse() calls `field`.
+/// Converts the field of an error of analyse() to a JSON Pointer in the request.
 std::string locate(const AnalyzeRequest& request, std::string_view field) {
     if (!field.empty() && field.front() != '/') return pointer_below("", field);
     if (!request.single) return "/sets" + std::string(field);

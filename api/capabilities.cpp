@@ -49,7 +49,8 @@ Json describe_all(std::span<const Row* const> formats) {
     return list;
 }
 
-/// Formats of maps that `/sample` reads; shapefiles are read for it by the decoder.
+/// Formats of maps that `/sample` reads. The decoder process converts shapefiles to GeoJSON before `/sample` reads
+/// them.
 constexpr std::array<FileFormat, 3> kMaps = {{
     {"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
     {"topojson", "TopoJSON", "topojson", "application/json", ""},
@@ -62,7 +63,7 @@ Json describe_maps() {
     return list;
 }
 
-/// Seconds that a site takes in a density that is not uniform, by quality; of a method without qualities by the first.
+/// Returns, for each quality, the estimated seconds per site with a density that is not uniform.
 Json seconds_of(const Method& method) {
     Json seconds = Json::object();
     for (const auto& [word, quality] : qualities()) {

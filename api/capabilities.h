@@ -7,7 +7,8 @@
 
 namespace ccdt::api {
 
-/// Access to the server's own pictures, as sources of halftones: none, by any URL, or by signed URLs only.
+/// Access to the pictures that the server itself offers as sources of halftones: no pictures, unsigned URLs, or signed
+/// URLs only.
 enum class OfferedPictures { None, Unsigned, Signed };
 
 /// Describes in JSON what this server offers: the formats and options of each route, the methods with their limits and

@@ -11,16 +11,17 @@
 
 namespace ccdt::api {
 
-/// Estimates the cost of computing an answer, before computing begins.
+/// Estimates the cost of computing an answer, before the computation begins.
 ///
-/// Returns an estimate for any parsed request, even if its domain or picture will be rejected. The model is fitted to
-/// peaks of resident memory and to times of the whole program; tests/api/cost_test.cpp compares it with them. It
-/// depends on the numbers of sites, pixels, inks and corners, and on the method, its iterations and passes. If a
-/// halftone leaves sites or scale to the picture, the estimate is the largest for any picture of its size.
+/// Returns an estimate for any parsed request, even if its domain or picture will be rejected. The estimate depends on
+/// the numbers of sites, pixels, inks and corners, and on the method, its iterations and passes. The model is fitted to
+/// measured peaks of resident memory and to measured times of the whole program; tests/api/cost_test.cpp compares
+/// estimates with measurements. If a halftone request gives no sites or no scale, the estimate is the highest one for
+/// all pictures of the same size.
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 
-/// Chooses the number of sites if a request leaves it to the picture: default_sites(), or sites_of_drawing() for
-/// screens. If more than 4,096, it is at most the number that can be placed in two seconds.
+/// Returns the default number of sites: sites_of_drawing() for drawings on screens, default_sites() for others. A
+/// number above 4,096 is reduced if placing so many sites takes more than two seconds.
 ///
 /// @param part           size of the drawn part of the picture
 /// @param ink, fineness  as for default_sites()
@@ -33,7 +34,7 @@ Cost cost_of(const AnalyzeRequest& request);
 /// Estimates the cost of reading a JSON body, as parse_sample() does.
 Cost cost_of_parsing(std::string_view body);
 
-/// Counts the bytes that a request holds, without the body from which it was read.
+/// Returns the size of a parsed request in bytes, without the body from which it was read.
 std::size_t size_of(const HalftoneRequest& request);
 std::size_t size_of(const SampleRequest& request);
 std::size_t size_of(const AnalyzeRequest& request);

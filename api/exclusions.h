@@ -14,33 +14,34 @@
 
 namespace ccdt::api {
 
-/// Areas, in the coordinates of a request, in which no point may lie, whatever its domain is.
+/// Areas, in the coordinates of a request, that are subtracted from its domain: no point may lie in them.
 struct Exclusions {
-    std::vector<Area> avoided;    ///< on the globe, longitudes are in any turn
+    std::vector<Area>
+        avoided;  ///< on the globe, longitudes may differ from those of the domain by multiples of 360 degrees
     std::vector<Area> masked;     ///< the dark area of the mask
-    std::vector<Repair> repairs;  ///< of the avoided areas; fields are JSON Pointers
+    std::vector<Repair> repairs;  ///< repairs of the avoided areas; fields are JSON Pointers
 };
 
 /// Computes the areas that a request avoids and those that its mask marks.
 /// @param box     bounding box of the domain, over which the mask is stretched
 /// @param decode  decodes the mask
-/// @param stop    polled now and then
-/// Errors: Unusable for avoided areas, as for a domain; LimitExceeded for a mask whose outline has more than
-/// kMostMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
+/// @param stop    polled from time to time
+/// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a mask whose outline has
+/// more than kMostMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 
-/// Subtracts exclusions from a domain or a part of it. The bounding box stays the same.
-/// Errors: Unusable if nothing is left; Stopped. Fields are JSON Pointers.
+/// Subtracts exclusions from a domain, or from the area of a feature. The bounding box stays the same.
+/// Errors: Unusable if the remaining domain is empty; Stopped. Fields are JSON Pointers.
 Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const SampleRequest& request,
                        const std::stop_token& stop);
 
 /// Erodes a domain in the plane by the buffer of a request. The bounding box stays the same.
-/// Errors: Unusable if nothing is left; Stopped. Fields are those of the request.
+/// Errors: Unusable if the remaining domain is empty; Stopped. The field is that of the option `buffer`.
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop);
 
-/// Subtracts all exclusions of a request from its domain, and in the plane also its buffer.
-/// @param area  the repairs of avoided areas are added to its own
+/// Subtracts all exclusions of a request from its domain. In the plane, also erodes the domain by the buffer.
+/// @param area  the domain; the repairs of avoided areas are added to its repairs
 /// Errors: those of the functions above.
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
                                           const Decode& decode, const std::stop_token& stop);

@@ -17,7 +17,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Areas of the features that have one.
+/// Areas of the features; features without area are omitted.
 struct FeatureAreas {
     std::vector<Domain> areas;
     std::vector<std::uint32_t> numbers;  ///< [areas] index of the feature
@@ -44,7 +44,7 @@ Result<std::vector<std::uint32_t>> find_features(const SampleRequest& request, c
                                                  const std::stop_token& stop) {
     auto made = make_areas(request, stop);
     if (!made) return tl::unexpected(made.error());
-    // Each feature may be too thin to have an area although their union has one.
+    // Possibly the union of all features has an area although each single feature is too thin to have one.
     if (made->areas.empty()) return std::vector<std::uint32_t>(points.size(), 0);
     std::vector<const Domain*> areas;
     for (const Domain& area : made->areas) areas.push_back(&area);

@@ -12,16 +12,16 @@
 
 namespace ccdt::api {
 
-/// Returns the parts of a feature of a request, unrolled if they are on the globe.
+/// Returns the parts of a feature of a request. On the globe, the parts are made continuous by unrolled().
 /// Errors: those of unrolled().
 Result<std::vector<PolygonPart>> parts_of(const SampleRequest& request, std::size_t feature);
 
-/// Groups points by the features in which they lie, sorted by feature. Within a feature they keep their order.
+/// Sorts points by the features in which they lie. Points of the same feature keep their order.
 ///
-/// @param request  has features, whose parts are those of its polygon
+/// @param request  must have features
 /// @param points   without a mesh, and without ranks
-/// A point in several features belongs to the first of them. Errors: LimitExceeded if the properties that points carry
-/// take too many bytes; Stopped.
+/// A point that lies in several features belongs to the first of these features. Errors: LimitExceeded if the
+/// properties that points carry take too many bytes; Stopped.
 Result<ClassDots> by_features(const SampleRequest& request, Distribution points, const std::stop_token& stop);
 
 }  // namespace ccdt::api

@@ -11,10 +11,11 @@
 
 namespace ccdt::api {
 
-/// Draws and encodes, or lists, the dots in the format that the request wants.
+/// Writes the dots in the requested format: as a drawing, or as a list of points.
 ///
-/// @param elapsed  milliseconds, for JSON
-/// Errors: Stopped, unless a part is asked for; Internal if memory runs out.
+/// @param elapsed  computing time in milliseconds, for JSON
+/// Errors: those of the format's writer; Stopped, unless the request accepts a partial result; Internal if memory runs
+/// out.
 Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
                             double elapsed, const Control& control, Body& body);
 

@@ -14,11 +14,13 @@
 
 namespace ccdt::api {
 
-/// Writes points that are grouped by features in the requested format: the dots of a dot map, or the points of an area.
+/// Writes points in the requested format, grouped by feature: the dots of a dot map, or the points of a domain whose
+/// request gives features.
 ///
 /// @param whole  union of all features
-/// @param page   page of the drawing
-/// @param dots   of each class, or of all points; their features are those of the request, which must have them
+/// @param page   page, for drawings
+/// @param dots   [classes] of a dot map; otherwise one element with all points. Their features are those of the
+///               request.
 /// Errors: those of the format's writer; Stopped.
 Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
                        std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);

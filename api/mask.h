@@ -14,14 +14,14 @@ namespace ccdt::api {
 
 struct SampleRequest;
 
-/// Format of a threshold mask: a tile of grey values, all of which are equally frequent. The pixels below any value are
-/// spread evenly.
+/// Format of a threshold mask: a tile of grey values in which all values are equally frequent. For any threshold, the
+/// pixels below it are spread evenly.
 struct MaskFormat {
     FileFormat file;
-    int bits;  ///< of a grey value
+    int bits;  ///< bits of each grey value
 };
 
-/// Returns the formats of masks that /sample makes, by the option `format`.
+/// Returns the formats of masks that /sample offers as values of the option `format`.
 std::span<const MaskFormat* const> mask_formats();
 
 /// Limits on the side of a mask, in pixels.

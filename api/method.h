@@ -13,7 +13,7 @@
 
 namespace ccdt::api {
 
-/// A set of those options that not every method supports.
+/// A subset of the options that not every method supports.
 struct MethodOptions {
     bool iterations;
     bool passes;
@@ -22,14 +22,14 @@ struct MethodOptions {
     bool fixed;
 };
 
-/// Method of distributing points: a row of the table in method.cpp. Functions are references, so that a row without one
-/// does not compile.
+/// Method of distributing points: a row of the table in method.cpp. The functions are references, so that a row without
+/// a function does not compile.
 struct Method {
     std::string_view name;   ///< in requests and answers
     std::string_view title;  ///< for people
-    std::size_t max_sites;   ///< about as many as it distributes in a third of the default timeout, on one core
-    int iterations;          ///< unless a request gives their number
-    MethodOptions options;   ///< that it supports
+    std::size_t max_sites;   ///< about the number that takes a third of the default time-out on one core
+    int iterations;          ///< default number of iterations
+    MethodOptions options;   ///< options that the method supports
     Estimate (&cost)(const Options& options, bool is_uniform);
     decltype(distribute)& run;
 };
@@ -37,15 +37,15 @@ struct Method {
 /// Returns all methods; the first is the default.
 std::span<const Method> methods();
 
-/// Returns the names of those of the MethodOptions that a method supports.
+/// Returns the names of the MethodOptions that a method supports.
 std::vector<std::string_view> option_names(const Method& method);
 
 /// Reads a method by its name. Errors: Malformed.
 Result<const Method*> read_method(const Input& input);
 
-/// Adapts options to a method: sets the number of iterations to the method's own if it was not given.
-/// Errors: Malformed for a given option that the method does not support; LimitExceeded for more sites than its limit.
-/// The field is a JSON Pointer.
+/// Adapts options to a method: if the number of iterations was not given, it is set to the method's default.
+/// Errors: Malformed for a given option that the method does not support; LimitExceeded for more sites than
+/// method.max_sites. Error::field is a JSON Pointer.
 Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options);
 
 }  // namespace ccdt::api

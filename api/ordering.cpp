@@ -19,7 +19,8 @@
 namespace ccdt::api {
 namespace {
 
-/// Returns the order that points must be put into here; the path of a drawing of shapes is left to its writer.
+/// Returns the order to establish before writing. A path in a drawing of shapes is not included, because the writers of
+/// shapes find paths themselves.
 PointOrder order_of(const SampleRequest& request) {
     const PointOrder order = request.order.value_or(PointOrder::None);
     const bool is_vector = std::holds_alternative<VectorWriter>(request.format->writer);
@@ -37,7 +38,7 @@ std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domai
     return progressive_order(domain, points, is_even(request, domain), control.stop, *control.executor);
 }
 
-/// Checks that no stop interrupted the ordering.
+/// Checks that the ordering was not stopped, unless partial results are accepted.
 Result<void> check_order(const SampleRequest& request, Distribution& points, const std::stop_token& stop) {
     points.stopped = points.stopped || stop.stop_requested();
     return check_whole(points, request.on_deadline);

@@ -8,14 +8,15 @@
 
 namespace ccdt::api {
 
-/// Puts points into the order that a request asks for; a progressive order also gives them ranks. The path of a drawing
-/// of shapes is left to its writer.
-/// Errors: Stopped, unless the request accepts partial results. After a stop the order has no meaning.
+/// Puts points into the order that a request asks for. A progressive order also gives them ranks. Does nothing for a
+/// path in SVG, PDF and other drawings of shapes, whose writers find the path themselves.
+/// Errors: Stopped, unless the request accepts partial results. After a stop, the order is arbitrary.
 Result<void> order_points(const SampleRequest& request, const Domain& domain, Distribution& points,
                           const Control& control);
 
-/// Does the same for the dots of a class of a dot map. They stay grouped by feature, and the order applies within each
-/// feature. Ranks are among all dots of the class.
+/// Orders the dots of one class of a dot map like order_points(). The dots stay grouped by feature. A path is found for
+/// each feature separately. A progressive order is computed for the whole class: ranks count all dots of the class, and
+/// the dots of each feature are sorted by rank.
 /// @param whole  union of all features
 Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control);
 

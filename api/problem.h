@@ -12,9 +12,9 @@ namespace ccdt::api {
 ///
 /// @param status    HTTP status, repeated in the body
 /// @param title     reason phrase of the status
-/// @param instance  identifies this occurrence: urn:request:ID
-/// The detail joins the messages of the error and its `others`. `errors: [{pointer, detail}]` lists those that name a
-/// field. Bytes that are not UTF-8 are replaced.
+/// @param instance  identifies the request: urn:request:ID
+/// The detail joins the messages of the error and its `others`. The member `errors: [{pointer, detail}]` lists the
+/// errors that name a field. Bytes that are not UTF-8 are replaced.
 std::string problem_json(int status, std::string_view title, const Error& error, std::string_view instance);
 
 }  // namespace ccdt::api

@@ -26,14 +26,15 @@
 
 namespace ccdt::api {
 
-/// Density grid stretched over the bounding box; the first row is at the smallest y.
+/// Grid of densities, stretched over the bounding box of the domain. The first row is at the smallest y.
 struct DensityGrid {
     int width = 0;
     int height = 0;
     std::vector<double> values;  ///< [width * height], finite, >= 0
 };
 
-/// Picture stretched over the bounding box; the first row is at the largest y, and dark is dense.
+/// Picture of densities, stretched over the bounding box of the domain. The first row is at the largest y. Dark pixels
+/// are dense.
 struct DensityImage {
     ImageFile file;
 };
@@ -44,33 +45,34 @@ inline constexpr std::size_t kMostMaskCorners = 100'000;
 /// Kind of coordinates.
 enum class Coordinates {
     Plane,   ///< x and y
-    LonLat,  ///< longitude and latitude on WGS 84, degrees; points are spread evenly on the ground
+    LonLat,  ///< longitude and latitude on WGS 84, degrees; points are spread evenly on the earth's surface
 };
 
-/// Treatment of invalid polygons.
+/// Ways to treat invalid polygons.
 enum class OnInvalid { Repair, Reject };
 
 /// Request to /sample, with its options.
 struct SampleRequest {
     std::variant<PolygonInput, Rectangle> domain;
-    PolygonInput avoid{{}, {}};     ///< subtracted from the domain, which is no torus; no parts: nothing
-    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark area is subtracted, too
-    double buffer = 0;              ///< least distance from the border, in units of the domain or metres on the ground
+    PolygonInput avoid{
+        {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
+    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark area is subtracted
+    double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;                     ///< LonLat only with polygons
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();
     const PointFormat* format = nullptr;      ///< never null in a parsed request
-    const MaskFormat* mask_format = nullptr;  ///< not null: the request is for a mask, not for points
+    const MaskFormat* mask_format = nullptr;  ///< if not null, the request is for a mask, not for points
     DrawingOptions drawing;
-    std::optional<int> width;         ///< of a drawing, in pixels; none: follows from the number of sites
+    std::optional<int> width;         ///< width of a drawing in pixels; none: follows from the number of sites
     std::optional<double> dot;        ///< radius in units of the domain, > 0; none: a quarter of the pitch
-    std::optional<PointOrder> order;  ///< none: path in drawings of shapes, otherwise the order of placement
+    std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, otherwise the order of placement
     OnStop on_deadline = OnStop::Error;
-    std::optional<FeatureList> features;  ///< that points are grouped by; their parts are those of the polygon
-    std::optional<FeatureCounts> counts;  ///< of a dot map, which has features
-    bool is_document = false;             ///< the body is GeoJSON or TopoJSON, and the options came as text
+    std::optional<FeatureList> features;  ///< features by which points are grouped; their parts are those of `domain`
+    std::optional<FeatureCounts> counts;  ///< counts of a dot map, which also has features
+    bool is_document = false;             ///< whether the body is GeoJSON or TopoJSON; options are then given as text
 
     /// Returns whether parts of the domain are excluded.
     bool has_exclusions() const { return !avoid.parts.empty() || mask || buffer > 0; }
@@ -79,36 +81,37 @@ struct SampleRequest {
     std::string field_of(std::string_view option) const;
 };
 
-/// Size in pixels of a drawing without a given width: pitch of evenly spread dots, and limits of the longer side.
+/// Pixel size of a drawing if the request gives no width: the spacing of evenly spread dots, and the limits of the
+/// longer side.
 inline constexpr double kPixelPitch = 8;
 inline constexpr double kLeastSide = 512;
 inline constexpr double kMostSide = 16'384;
 
-/// Returns the names of the members of a request.
+/// Returns the names of the options.
 std::vector<std::string_view> sample_options();
 
-/// Reads a request: a JSON object, or a GeoJSON or TopoJSON document with options beside it as text.
+/// Reads a request: a JSON object, or a GeoJSON or TopoJSON document whose options are given as text.
 ///
-/// @param options  in the order in which they came, each at most once; empty with a JSON object, which holds its
-///                 options
+/// @param options  in the order of the request, without repetition; empty if the body is a JSON object, whose members
+///                 are the options
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
-/// Errors: Malformed for invalid JSON, an unknown or repeated member, a value of the wrong type or out of range, or
-/// unless exactly one domain is given; Unsupported for a density image in a format that the server does not read;
-/// LimitExceeded for too many sites, corners or density cells; NotAcceptable. The field is a JSON Pointer or an
-/// option's name.
-/// Does no expensive work: run_sample() validates polygons and decodes images.
+/// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
+/// range, and unless exactly one domain is given; Unsupported for a density image in a format that the server does not
+/// read; LimitExceeded for too many sites, corners or density cells; NotAcceptable. Error::field is a JSON Pointer or
+/// an option's name.
+/// Does no expensive work: polygons are validated and images decoded by run_sample().
 Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
                                    std::string_view accept, const Limits& limits);
 
 /// Builds the domain and the density, distributes points, and writes them in the requested format.
 ///
 /// @param decode   reads a density image or a mask
-/// @param control  a stop ends the run within a pass, without a result unless the request accepts a partial one
-/// @param timings  filled as far as the run gets
-/// Errors: Unusable for a domain without area, also after exclusions and buffer are subtracted, for an invalid polygon
-/// if the request rejects these, and for a density of zero; those of `decode`; LimitExceeded if a drawing would have
-/// more than limits.max_pixels; Stopped. The field is a JSON Pointer. Same request, same bytes, except for `elapsed_ms`
-/// in JSON.
+/// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
+/// @param timings  receives the times of the completed stages
+/// Errors: Unusable if the domain has no area, or none after exclusions and buffer; for an invalid polygon if the
+/// request rejects invalid polygons; and for a density that is zero everywhere. Those of `decode`; LimitExceeded if a
+/// drawing would have more than limits.max_pixels; Stopped. Error::field is a JSON Pointer. Same request, same bytes,
+/// except for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings, BodyTaker* taker = nullptr);
 

@@ -19,21 +19,23 @@ namespace ccdt::api {
 Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
                              const Control& control);
 
-/// Plans the page of a drawing. A requested width is kept, even if it exceeds the limit; a chosen one is reduced to it.
-/// Errors: LimitExceeded.
+/// Plans the page of a drawing. If the request gives no width, the page has at most limits.max_pixels. Errors:
+/// LimitExceeded for a requested width that makes more pixels.
 Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits);
 
-/// Shifts points, whose longitudes are within half a turn, into the turn of the globe that is drawn.
+/// Shifts the longitudes of points, which are from -180 to 180 degrees, by multiples of 360 degrees, so that the points
+/// lie in the box that is drawn.
 void bring_into(const Box& box, std::vector<Point>& points);
 
-/// Returns the radius of the dots, in units of the domain. It is at most twice the longer side of the bounding box,
-/// since such a dot covers the box from anywhere inside.
+/// Returns the radius of the dots, in units of the domain. The radius is at most twice the longer side of the bounding
+/// box; a dot of that size covers the box wherever its centre lies in the box.
 double radius_of(const SampleRequest& request, const Domain& domain);
 
-/// Converts an error about options to one about the request, in which they are members of the body or parameters.
+/// Converts an error about options of core to an error about the request, where these options are members of the body
+/// or query parameters.
 Error error_of_options(const SampleRequest& request, Error error);
 
-/// Reports repairs and warnings in `answer`, for formats whose body does not contain them.
+/// Stores repairs and warnings in `answer`, for formats whose body cannot list them.
 void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer);
 
 }  // namespace ccdt::api

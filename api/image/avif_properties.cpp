@@ -9,7 +9,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kVersion = 4;  ///< bytes of version and flags, with which some boxes begin
+constexpr std::size_t kVersion = 4;  ///< size of the version and flags at the beginning of some boxes
 
 std::optional<Chunk> find_box(std::string_view bytes, std::string_view name) {
     auto box = media_box(bytes, 0);
@@ -17,7 +17,7 @@ std::optional<Chunk> find_box(std::string_view bytes, std::string_view name) {
     return box;
 }
 
-/// Returns the number of the item that is shown.
+/// Returns the id of the primary item, which is the picture that viewers show.
 std::optional<std::uint32_t> primary_item(std::string_view meta) {
     const auto box = find_box(meta, "pitm");
     if (!box) return std::nullopt;
@@ -67,7 +67,7 @@ bool is_avif(std::string_view bytes) {
     if (!box || box->name != "ftyp") return false;
     for (std::size_t at = 0; at + kName <= box->data.size(); at += kName) {
         const std::string_view brand = box->data.substr(at, kName);
-        const bool is_brand = at != kName;  // the second one is a version number
+        const bool is_brand = at != kName;  // the second field is a version number, not a brand
         if (is_brand && (brand == "avif" || brand == "avis")) return true;
     }
     return false;

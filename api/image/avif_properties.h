@@ -9,15 +9,15 @@
 
 namespace ccdt::api {
 
-/// Returns whether the first box of a file declares it to be an AVIF, still or animated.
+/// Returns whether the first box of a file declares an AVIF, still or animated.
 bool is_avif(std::string_view bytes);
 
-/// Finds the properties of the picture that an AVIF file shows, its primary item: boxes such as its size (ispe), its
-/// bits (pixi) and its colours (colr). Empty if the file is broken or ends before them. O(bytes). Source: HEIF (ISO/IEC
-/// 23008-12), 6 and 9.3.
+/// Finds the properties of the primary item of an AVIF file, which is the picture that it shows: boxes such as ispe
+/// (size), pixi (bits) and colr (colours). Empty if the file is broken or ends too early. O(bytes). Source: HEIF
+/// (ISO/IEC 23008-12), 6 and 9.3.
 std::vector<Chunk> avif_properties(std::string_view bytes);
 
-/// Returns the number of frames in the first track of an AVIF; 0 if it has none.
+/// Returns the number of frames in the first track of an AVIF file; 0 if the file has no track.
 /// Source: ISO/IEC 14496-12, 8.7.3.
 std::uint64_t avif_frames(std::string_view bytes);
 

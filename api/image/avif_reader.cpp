@@ -16,7 +16,8 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Creates a decoder of the primary item only, whose header was read. Frames of an animation may have another size.
+/// Creates a decoder of the primary item only, because `header` describes that item. Frames of an animation may have
+/// another size.
 Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
     decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;
@@ -44,7 +45,7 @@ int orientation_of(const avifImage& image) {
     return kOrientations[quarters][mirror];
 }
 
-/// Interleaved pixels of the picture: red, green and blue, and alpha if it has any.
+/// Interleaved pixels of the picture: red, green and blue, and alpha if the picture has alpha.
 class Pixels {
 public:
     Pixels() = default;

@@ -24,13 +24,13 @@ struct Layout {
     static constexpr std::size_t kFileHeader = 14;
     static constexpr std::uint32_t kCore = 12, kInfo = 40, kWithAlphaMask = 56;  ///< sizes of headers
 
-    std::uint32_t header = 0;  ///< its size
+    std::uint32_t header = 0;  ///< size of the picture's header
     std::size_t width = 0;
     std::size_t height = 0;
     bool from_top = false;
     std::uint32_t bits = 0;  ///< per pixel
     std::uint32_t compression = kNone;
-    std::uint32_t colours = 0;  ///< number in the palette; 0: as many as the bits can index
+    std::uint32_t colours = 0;  ///< number of colours in the palette; 0: 2^bits
     std::size_t begin = 0;      ///< offset of the pixels
 
     std::size_t row_size() const { return (width * bits + 31) / 32 * 4; }
@@ -81,7 +81,7 @@ bool is_known(const Layout& layout) {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// Reads the palette. Colours that the file lacks are black.
+/// Reads the palette. Colours that are missing from the file are black.
 std::array<Colour, 256> read_palette(std::string_view bytes, const Layout& layout) {
     std::array<Colour, 256> palette{};
     const std::size_t size = layout.header == Layout::kCore ? 3 : 4;
@@ -158,7 +158,7 @@ public:
 private:
     std::optional<std::uint32_t> next() { return reader_.read(at_++, 1); }
 
-    /// Returns the index of pixel i of a run. Of four-bit indices, a byte has two.
+    /// Returns the index of pixel i of a run. A byte contains two four-bit indices.
     std::uint8_t index_in(std::uint32_t byte, std::uint32_t i) const {
         if (layout_.bits == 8) return static_cast<std::uint8_t>(byte);
         return static_cast<std::uint8_t>(i % 2 == 0 ? byte >> 4 : byte & 15);
@@ -269,7 +269,8 @@ private:
     Layout layout_;
     std::array<Colour, 256> palette_;
     std::array<Field, 4> fields_;
-    std::vector<std::uint8_t> indices_;  ///< of a run-length encoded file
+    std::vector<std::uint8_t>
+        indices_;  ///< decoded palette indices of a run-length encoded file; empty for other files
     bool has_alpha_ = false;
 };
 

@@ -8,12 +8,12 @@
 
 namespace ccdt::api {
 
-/// Opens a BMP file: with or without a palette, run-length encoded or not, with colour fields of any width. Alpha
-/// counts only if the file defines its field, and if it is not 0 everywhere.
+/// Opens a BMP file: with or without a palette, run-length encoded or not, with colour fields of any width. Alpha is
+/// used only if the file defines a field for it, and if not all pixels have alpha 0.
 ///
-/// Needs a byte per pixel if the file is run-length encoded.
+/// A run-length encoded file needs a byte of memory per pixel.
 /// @param bytes  must outlive the row source
-/// Errors: Unusable for a broken or truncated file, and for one that contains a JPEG or PNG.
+/// Errors: Unusable for a broken or truncated file, and for a file that contains a JPEG or PNG.
 /// Source: Microsoft, Windows GDI, "Bitmap Storage" and BITMAPV5HEADER.
 Result<RowSource> open_bmp(std::string_view bytes);
 

@@ -18,7 +18,7 @@ using Space = ColourConversion::Space;
 using Context = std::shared_ptr<std::remove_pointer_t<cmsContext>>;
 using Curve = std::unique_ptr<cmsToneCurve, decltype(&cmsFreeToneCurve)>;
 
-/// A profile or a transform, which is destroyed before its context.
+/// A profile or a transform. Must be destroyed before the library's context.
 using Handle = std::shared_ptr<void>;
 
 Context make_context() {
@@ -47,7 +47,7 @@ constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1
 constexpr cmsCIExyYTRIPLE kDisplayP3{{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};
 constexpr cmsCIExyYTRIPLE kBt2020{{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};
 
-/// Creates the curve of sRGB or, with other parameters, of BT.709: a power function with a linear part at its foot.
+/// Creates the curve of sRGB or, with other parameters, of BT.709: a power function with a linear part near 0.
 Curve make_curve(const Context& context, double power, double offset, double slope, double foot) {
     constexpr int kPowerWithFoot = 4;
     const std::array<double, 5> values = {power, 1 / (1 + offset), offset / (1 + offset), 1 / slope, foot};
@@ -66,12 +66,12 @@ float srgb_light(float share) {
     return share <= 0.04045F ? share / 12.92F : std::pow((share + 0.055F) / 1.055F, 2.4F);
 }
 
-/// Corrects the values that a broken profile may give.
+/// Clamps light to [0, 1], since a broken profile may give any value.
 float clamp_light(float light) {
     return light > 0 ? std::min(light, 1.0F) : 0;  // NaN: 0
 }
 
-/// Tolerance for profiles of sRGB, which have rounded numbers and sampled curves.
+/// Tolerance for recognising profiles of sRGB, whose numbers are rounded and whose curves may be sampled.
 constexpr float kRounding = 0.002F;
 
 bool is_srgb(const ToneCurve& curve) {
@@ -93,7 +93,7 @@ bool is_identity(const LightMatrix& matrix) {
     return true;
 }
 
-/// Returns the colours of a profile's red, green and blue in its connection space, as columns.
+/// Returns the primaries of a profile in the connection space, as the columns of a matrix: red, green and blue.
 std::optional<cmsMAT3> primaries_of(cmsHPROFILE profile) {
     cmsMAT3 matrix;
     constexpr std::array kTags = {cmsSigRedColorantTag, cmsSigGreenColorantTag, cmsSigBlueColorantTag};
@@ -118,7 +118,7 @@ std::optional<LightMatrix> light_matrix(const Context& context, cmsHPROFILE prof
     for (std::size_t i = 0; i < 3; ++i) {
         const auto& row = product.v[i].n;
         const double sum = row[0] + row[1] + row[2];
-        if (!(sum > 0.5 && sum < 2)) return std::nullopt;  // its white is not white
+        if (!(sum > 0.5 && sum < 2)) return std::nullopt;  // the profile's white is not white
         for (std::size_t j = 0; j < 3; ++j) matrix[i][j] = static_cast<float>(row[j] / sum);
         matrix[i][i] = 1 - matrix[i][(i + 1) % 3] - matrix[i][(i + 2) % 3];
     }
@@ -131,7 +131,7 @@ ToneCurve read_curve(const Handle& profile, cmsTagSignature tag) {
     return [profile, curve](float share) { return clamp_light(cmsEvalToneCurveFloat(curve, share)); };
 }
 
-/// Drops a matrix that is that of sRGB. Returns none if the curves are those of sRGB, too.
+/// Removes the matrix if it is the identity. Returns none if the curves, too, are those of sRGB.
 std::optional<ColourConversion> simplify(ColourConversion conversion) {
     if (conversion.matrix && is_identity(*conversion.matrix)) conversion.matrix.reset();
     if (!conversion.matrix && std::ranges::all_of(conversion.curves, is_srgb)) return std::nullopt;
@@ -150,7 +150,7 @@ std::optional<ColourConversion> read_matrix_profile(const Context& context, cons
     return simplify(std::move(conversion));
 }
 
-/// Reads a grey profile. Only its curve counts, in whatever form the profile gives it.
+/// Reads a grey profile. Only its curve is used, whether it is parametric or sampled.
 std::optional<ColourConversion> read_grey_profile(const Context& context, const Handle& profile) {
     const Handle light = own_profile(context, cmsCreateXYZProfileTHR(context.get()));
     if (!light) return std::nullopt;
@@ -166,8 +166,8 @@ std::optional<ColourConversion> read_grey_profile(const Context& context, const 
     return simplify({Space::Grey, {}, {curve}, {}});
 }
 
-/// Reads a profile with tables. They convert to a space that holds all printed or displayed colours, so that those
-/// outside sRGB are not clipped too early.
+/// Reads a profile with tables. The conversion goes first to BT.2020, which contains almost all printed and displayed
+/// colours, so that colours outside sRGB are not clipped too early.
 std::optional<ColourConversion> read_table_profile(const Context& context, const Handle& profile, Space space) {
     const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
     const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
@@ -200,7 +200,8 @@ std::optional<ColourConversion> read_profile(const Context& context, const Handl
     }
 }
 
-/// Creates the profile of code points with standard dynamic range; null for others.
+/// Creates the profile that code points describe. Returns null for unsupported code points, such as those with high
+/// dynamic range.
 Handle make_profile(const Context& context, const ColourTags::CodePoints& code) {
     const auto curve = [&]() -> Curve {
         switch (code.transfer) {
@@ -231,7 +232,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     }
 }
 
-/// Reads primaries; the curve remains that of the file format.
+/// Reads the primaries of a file without a profile. The curve is that of the file format.
 std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
     const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
     const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));

@@ -17,24 +17,24 @@ using ToneCurve = std::function<float(float share)>;
 /// Converts linear red, green and blue to the primaries of sRGB: [row][column]. Rows add up to 1, so white stays white.
 using LightMatrix = std::array<std::array<float, 3>, 3>;
 
-/// Steps that convert samples to linear light with the primaries of sRGB: a transform, if there is one, then curves,
-/// then a matrix.
+/// Steps that convert samples to linear light with the primaries of sRGB: first the transform, then the curves, then
+/// the matrix. Each step is optional.
 struct ColourConversion {
     enum class Space { Grey, Rgb, Inks };
 
-    Space space = Space::Rgb;           ///< of the samples
-    WordTransform transform;            ///< for transform_rows(); none: the samples stay the same
-    std::vector<ToneCurve> curves;      ///< of grey, or of red, green, blue; none: that of the file format
+    Space space = Space::Rgb;  ///< colour space of the samples
+    WordTransform transform;   ///< for transform_rows(); none: the samples are used as stored
+    std::vector<ToneCurve>
+        curves;  ///< one for grey, or three for red, green and blue; none: the curve of the file format
     std::optional<LightMatrix> matrix;  ///< none: the primaries are those of sRGB
 };
 
-/// Derives the conversion from the colour tags of a file. A profile is used if it is complete, is of a scanner,
+/// Derives the conversion from the colour tags of a file. A profile is used if it is complete, describes a scanner,
 /// display, printer or colour space, and is for grey, RGB or CMYK. Colours are relative to the white point of the
-/// profile; its tables are used with black point compensation.
+/// profile. Conversion tables of the profile are used with black point compensation.
 ///
-/// @returns  none if there is nothing to convert: there are no tags, none that can be used, or they describe sRGB, up
-///           to rounding
-/// Source: ICC.1:2022; Little CMS 2.14.
+/// @returns  none if there is nothing to convert: there are no usable tags, or the tags describe sRGB, up to rounding
+///           Source: ICC.1:2022; Little CMS 2.14.
 std::optional<ColourConversion> convert_colours(const ColourTags& tags);
 
 }  // namespace ccdt::api

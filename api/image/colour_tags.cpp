@@ -22,7 +22,7 @@ std::string inflate_profile(std::string_view data) {
     const std::size_t name = data.find('\0');
     if (name == std::string_view::npos || name + 2 > data.size() || data[name + 1] != 0) return {};
     data.remove_prefix(name + 2);
-    // A profile begins with its own size, but that cannot be trusted.
+    // A profile begins with its own size, but this cannot be trusted. Deflate compresses by a factor of at most 1032.
     std::string profile(std::min(kLongestProfile, data.size() * 1040 + 1024), '\0');
     auto size = static_cast<uLongf>(profile.size());
     const int end = uncompress(reinterpret_cast<Bytef*>(profile.data()), &size,
@@ -33,7 +33,8 @@ std::string inflate_profile(std::string_view data) {
 }
 
 std::optional<ColourTags::CodePoints> read_code_points(std::string_view data) {
-    if (data.size() != 4 || data[2] != 0 || data[3] != 1) return std::nullopt;  // only RGB of the full range is used
+    if (data.size() != 4 || data[2] != 0 || data[3] != 1)
+        return std::nullopt;  // code points for YCbCr or for a limited range are ignored
     return ColourTags::CodePoints{static_cast<std::uint8_t>(data[0]), static_cast<std::uint8_t>(data[1])};
 }
 
@@ -64,7 +65,7 @@ ColourTags read_png(std::string_view bytes) {
     return tags;
 }
 
-/// Joins the segments of a JPEG's profile. Each has its number, from 1 on, and the number of segments.
+/// Joins the segments of a JPEG's profile. Each segment contains its number, from 1 on, and the number of all segments.
 std::string read_jpeg(std::string_view bytes) {
     constexpr std::uint32_t kApp2 = 0xE2, kScan = 0xDA;
     std::vector<std::string_view> parts;
@@ -126,14 +127,15 @@ std::string without_chunks(std::string_view bytes, std::string_view name) {
     return kept;
 }
 
-/// Overwrites a mark wherever it occurs, since the reader may find segments where there should be none.
+/// Overwrites a mark wherever it occurs, since OpenImageIO may find segments that read_jpeg() does not find.
 std::string without_marks(std::string_view bytes, std::string_view mark) {
     std::string kept(bytes);
     for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';
     return kept;
 }
 
-/// Removes the entries of a tag. Entries behind them move up, and so does the offset of the next directory.
+/// Removes the entries of a tag from a TIFF directory. The entries after them move up, and so does the offset of the
+/// next directory.
 std::string without_entries(std::string_view bytes, std::uint32_t tag) {
     constexpr std::size_t kSize = TiffDirectory::kEntrySize;
     const TiffDirectory directory(bytes);
@@ -216,7 +218,7 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
             return without_marks(bytes, kJpegMark);
         case ImageFormat::Tiff:
             return without_entries(bytes, kTiffTag);
-        case ImageFormat::WebP:  // whose profile the library ignores
+        case ImageFormat::WebP:  // the library ignores its profile
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:

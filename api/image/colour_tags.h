@@ -12,33 +12,34 @@
 
 namespace ccdt::api {
 
-/// Colour information that a file contains, besides what follows from its format.
+/// Colour information that a file contains, in addition to the conventions of its format.
 struct ColourTags {
-    /// Transfer function and primaries by their numbers in ITU-T H.273, as in the chunk cICP of a PNG and in an AVIF's
-    /// property colr of the type nclx.
+    /// Transfer function and primaries, as numbers of ITU-T H.273. A PNG has them in the chunk cICP, an AVIF in the
+    /// property colr of type nclx.
     struct CodePoints {
         std::uint8_t primaries = 0;
         std::uint8_t transfer = 0;
     };
 
-    std::string profile;                             ///< ICC.1, complete; empty: none
-    std::optional<CodePoints> code_points;           ///< take precedence over the profile
-    std::optional<std::array<double, 8>> primaries;  ///< x, y of white, red, green, blue; used without a profile
+    std::string profile;                    ///< complete ICC profile; empty: none
+    std::optional<CodePoints> code_points;  ///< take precedence over the profile
+    std::optional<std::array<double, 8>>
+        primaries;  ///< x, y of white, red, green, blue; used only if there is no profile
 };
 
-/// Size of the longest profile that is read; a longer one is ignored.
+/// Maximum size of a profile in bytes. A longer profile is ignored.
 inline constexpr std::size_t kLongestProfile = std::size_t{4} << 20;
 
-/// Reads colour tags: PNG's chunks cICP, iCCP, cHRM, JPEG's segments APP2, WebP's chunk ICCP, TIFF's tag 34675, AVIF's
-/// property colr. Broken or incomplete tags are ignored.
-/// Sources: PNG (ISO/IEC 15948, third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
+/// Reads colour tags: the chunks cICP, iCCP and cHRM of PNG, the segments APP2 of JPEG, the chunk ICCP of WebP, the tag
+/// 34675 of TIFF, and the property colr of AVIF. Broken or incomplete tags are ignored. Sources: PNG (ISO/IEC 15948,
+/// third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
 ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 
-/// Returns whether a file may have a profile, without reading it.
+/// Returns whether a file may have a profile, without reading the profile.
 bool may_have_profile(std::string_view bytes, ImageFormat format);
 
-/// Copies the file so that OpenImageIO finds no profile, because it trusts profiles. Empty: it finds none in the file
-/// itself.
+/// Returns a copy of the file in which OpenImageIO finds no profile, because OpenImageIO does not check profiles.
+/// Returns an empty string if OpenImageIO finds no profile in the original file either.
 std::string hide_profile(std::string_view bytes, ImageFormat format);
 
 }  // namespace ccdt::api

@@ -8,13 +8,13 @@
 
 namespace ccdt::api {
 
-/// Reads unsigned integers in a file.
+/// Reads unsigned integers from a file.
 class ByteReader {
 public:
     ByteReader(std::string_view bytes, bool big_endian) : bytes_(bytes), big_endian_(big_endian) {}
 
     /// @param size  1 to 4 bytes
-    /// @returns     none if they reach beyond the end
+    /// @returns     none if the bytes are beyond the end of the file
     std::optional<std::uint32_t> read(std::size_t offset, std::size_t size) const;
 
 private:
@@ -26,8 +26,8 @@ private:
 struct Chunk {
     std::string_view name;
     std::string_view data;
-    std::size_t begin = 0;  ///< of all that belongs to it, its header too
-    std::size_t end = 0;    ///< offset of the next one
+    std::size_t begin = 0;  ///< offset of the chunk, including its header
+    std::size_t end = 0;    ///< offset of the next chunk
 };
 
 inline constexpr std::size_t kPngChunks = 8;    ///< offset of the first chunk of a PNG file
@@ -38,19 +38,20 @@ inline constexpr std::size_t kJpegSegments = 2;
 /// Source: PNG (ISO/IEC 15948), 5.3.
 std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at);
 
-/// Returns the chunk at an offset; none past the end. Its data is cut off at the end of the file.
+/// Returns the chunk at an offset; none if the offset is past the end. The data of a truncated chunk ends with the
+/// file.
 /// Source: WebP (RFC 9649), 2.3.
 std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at);
 
-/// Returns the box at an offset, with its name and contents; none past the end, or if the box claims to be smaller than
-/// its header. Its data is cut off at the end of the file.
+/// Returns the box at an offset, with its type as the name; none if the offset is past the end, or if the box claims to
+/// be smaller than its header. The data of a truncated box ends with the file.
 /// Source: ISO/IEC 14496-12, 4.2.
 std::optional<Chunk> media_box(std::string_view bytes, std::size_t at);
 
 /// A segment of a JPEG file outside its entropy-coded data.
 struct Segment {
     std::uint32_t marker = 0;    ///< second byte of the marker
-    std::string_view data = {};  ///< without the length; cut off at the end of the file
+    std::string_view data = {};  ///< without the length; in a truncated segment, up to the end of the file
     std::size_t end = 0;
 };
 
@@ -66,14 +67,14 @@ public:
 
     explicit TiffDirectory(std::string_view bytes);
 
-    /// Returns the first number of an entry, of 16 or 32 bits.
+    /// Returns the first number of an entry of 16-bit or 32-bit integers.
     std::optional<std::uint32_t> number(std::uint32_t tag) const;
 
-    /// Returns the bytes of an entry, whatever its type; none if the file ends before they do.
+    /// Returns the bytes of an entry of any type; none if the file ends too early.
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }
-    std::size_t begin() const { return begin_; }      ///< offset of its number of entries
+    std::size_t begin() const { return begin_; }  ///< offset of the directory, which begins with its number of entries
     std::size_t entries() const { return entries_; }  ///< number of entries as stored
     const ByteReader& reader() const { return reader_; }
 

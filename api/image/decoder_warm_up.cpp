@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Files of a single pixel: a PNG, a JPEG, a lossy and a lossless WebP, a TIFF, an AVIF; in base64.
+/// Pictures of one pixel, in base64: a PNG, a JPEG, a lossy WebP, a lossless WebP, a TIFF and an AVIF.
 constexpr std::array<std::string_view, 6> kPixels = {
     "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR4nGNgAAAAAgABSK+kcQAAAABJRU5ErkJggg==",
     "/9j/4AAQSkZJRgABAQAAAQABAAD/2wBDAAgGBgcGBQgHBwcJCQgKDBQNDAsLDBkSEw8UHRofHh0aHBwgJC4nICIsIxwcKDcpLDAxNDQ0Hyc5"

@@ -3,7 +3,8 @@
 
 namespace ccdt::api {
 
-/// Makes the decoder do its one-time work, such as searching the disk for plugins, by decoding a pixel of each format.
+/// Decodes a picture of one pixel in each format, so that the decoders do their one-time work now, such as searching
+/// the disk for plugins.
 void warm_up_decoder();
 
 }  // namespace ccdt::api

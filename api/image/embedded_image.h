@@ -13,11 +13,12 @@ namespace ccdt::api {
 
 /// Decodes base64 (RFC 4648, section 4): the standard alphabet, without line breaks. The padding may be missing, but
 /// must be valid if present.
-/// Errors: Malformed; the message gives the position of a wrong character.
+/// Errors: Malformed; the message gives the position of an invalid character.
 Result<std::string> decode_base64(std::string_view text);
 
-/// Reads an image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64, whose media type is ignored.
-/// Errors: Malformed for the text; those of read_image_header() for the image in it.
+/// Reads an image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64. The media type of the URI is
+/// ignored.
+/// Errors: Malformed for text that is neither; those of read_image_header() for the decoded file.
 Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

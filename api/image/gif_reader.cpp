@@ -16,7 +16,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Reads the numbers of a file one after another. Past its end they are 0, and is_whole() is false.
+/// Reads the numbers of a file one after another. Past the end of the file, numbers are 0 and is_whole() is false.
 class Cursor {
 public:
     explicit Cursor(std::string_view bytes) : bytes_(bytes) {}
@@ -43,8 +43,8 @@ private:
     bool whole_ = true;
 };
 
-/// Reads codes of a few bits, lowest bit first. They are in blocks that begin with their length; an empty block ends
-/// them.
+/// Reads codes of a few bits, lowest bit first. The codes are stored in blocks. Each block begins with its length, and
+/// the last block is empty.
 class CodeReader {
 public:
     explicit CodeReader(Cursor& file) : file_(file) {}
@@ -67,12 +67,12 @@ public:
 
 private:
     Cursor& file_;
-    std::uint32_t left_ = 0;  ///< left in the block
-    std::uint32_t bits_ = 0;  ///< pending, in the low end
+    std::uint32_t left_ = 0;  ///< bytes left in the block
+    std::uint32_t bits_ = 0;  ///< bits that have been read but not used, in the low end
     int count_ = 0;
 };
 
-/// Table of the strings of pixels that codes stand for: each is an earlier one and one more pixel.
+/// Table of the strings of pixels that codes represent. Each string is an earlier string plus one pixel.
 class Strings {
 public:
     static constexpr unsigned kMost = 4096;
@@ -97,7 +97,7 @@ public:
                               static_cast<std::uint16_t>(strings_[earlier].length + 1)};
     }
 
-    /// Writes a string, or as much of its beginning as fits.
+    /// Writes as much of a string as fits, from its beginning.
     void write(unsigned code, std::span<std::uint8_t> to) const {
         for (std::size_t i = strings_[code].length; i-- > 0; code = strings_[code].earlier) {
             if (i < to.size()) to[i] = strings_[code].last;
@@ -116,7 +116,7 @@ private:
     std::array<String, kMost> strings_{};
 };
 
-/// Decodes all pixels; false if the data is wrong or has too few.
+/// Decodes all pixels. Returns false if the data is invalid or too short.
 bool decode_lzw(Cursor& file, std::span<std::uint8_t> pixels) {
     constexpr int kLongest = 12;
     constexpr unsigned kNone = Strings::kMost;
@@ -166,7 +166,7 @@ struct Frame {
     std::optional<std::uint8_t> transparent;
     std::vector<std::uint8_t> pixels;
 
-    /// Returns the position of a row among the stored rows.
+    /// Returns the index of a row among the stored rows.
     int stored_row(int y) const {
         if (!interlaced) return y;
         const int eighths = (place.height + 7) / 8, fourths = (place.height + 3) / 8, halves = (place.height + 1) / 4;
@@ -181,7 +181,7 @@ std::string_view read_palette(Cursor& file, std::uint32_t flags) {
     return (flags & 0x80) != 0 ? file.take(std::size_t{3} * (2U << (flags & 7))) : std::string_view();
 }
 
-/// Reads a frame, which follows its mark.
+/// Reads a frame. The byte that introduces the frame has already been read.
 bool read_frame(Cursor& file, int width, int height, Frame& frame) {
     const auto number = [&] { return static_cast<int>(file.next(2)); };
     Rectangle& place = frame.place;
@@ -210,7 +210,7 @@ void read_control(Cursor& file, Frame& frame) {
     if (size > 0) skip_blocks(file);
 }
 
-/// Finds the first frame, and reads it and the control block before it.
+/// Finds the first frame, and reads the frame and the control block before it.
 bool find_frame(Cursor& file, int width, int height, Frame& frame) {
     constexpr std::uint32_t kExtension = 0x21, kFrame = 0x2C, kControl = 0xF9;
     while (file.is_whole()) {
@@ -226,7 +226,7 @@ bool find_frame(Cursor& file, int width, int height, Frame& frame) {
     return false;
 }
 
-/// Writes a row of the picture: red, green, blue, and alpha if there is any.
+/// Writes a row of the picture: red, green and blue, and alpha if there are four channels.
 void write_row(const Frame& frame, int y, int width, std::size_t channels, std::uint8_t* to) {
     const Rectangle& place = frame.place;
     std::fill_n(to, static_cast<std::size_t>(width) * channels, std::uint8_t{0});
@@ -237,7 +237,7 @@ void write_row(const Frame& frame, int y, int width, std::size_t channels, std::
     for (int i = 0; i < place.width; ++i, to += channels) {
         const std::size_t colour = std::size_t{3} * pixels[i];
         if (pixels[i] == frame.transparent) continue;
-        // A colour that the palette lacks is black.
+        // A colour that is missing from the palette is black.
         for (std::size_t j = 0; j < 3 && colour + 3 <= frame.palette.size(); ++j)
             to[j] = static_cast<std::uint8_t>(frame.palette[colour + j]);
         if (channels == 4) to[3] = 255;
@@ -254,7 +254,7 @@ Result<RowSource> open_gif(std::string_view bytes) {
     source.width = static_cast<int>(file.next(2));
     source.height = static_cast<int>(file.next(2));
     const auto flags = file.next(1);
-    file.take(2);  // the background colour, which no viewer shows, and the pixel aspect ratio
+    file.take(2);  // skips the background colour, which viewers ignore, and the pixel aspect ratio
     const auto frame = std::make_shared<Frame>();
     frame->palette = read_palette(file, flags);
     if (!find_frame(file, source.width, source.height, *frame)) return broken_image();

@@ -35,13 +35,13 @@ struct Size {
 
 /// Maps the pixels of the file's rows to the upright picture.
 struct Placement {
-    Size size;                 ///< of the upright picture
+    Size size;                 ///< size of the upright picture
     std::ptrdiff_t start = 0;  ///< index of the file's first pixel
     std::ptrdiff_t right = 0;  ///< step from a pixel to the next one in its row of the file
     std::ptrdiff_t down = 0;   ///< step from a pixel to the one below it in the file
 };
 
-/// @param orientation  EXIF's, 1 to 8; any other counts as 1, upright
+/// @param orientation  orientation of EXIF, 1 to 8; other values are treated as 1, upright
 Placement place(Size file, int orientation) {
     if (orientation < 1 || orientation > 8) orientation = 1;
     const bool turned = orientation >= 5;
@@ -60,13 +60,13 @@ Placement place(Size file, int orientation) {
 /// Interpretation of the samples of the file.
 struct Encoding {
     std::ptrdiff_t channels = 1;
-    bool colour = false;  ///< the first three are red, green, blue; otherwise the first is grey
-    int alpha = -1;       ///< its channel; -1: none
+    bool colour = false;  ///< if true, the first three channels are red, green, blue; otherwise the first is grey
+    int alpha = -1;       ///< channel of alpha; -1: none
     bool premultiplied = false;
     RowSource::Curve curve = RowSource::Curve::Srgb;
     float gamma = 1;                    ///< of Curve::Gamma
-    std::vector<ToneCurve> curves;      ///< of grey or of three colours, instead of `curve`; may be empty
-    std::optional<LightMatrix> matrix;  ///< for linear light; none: the primaries are those of sRGB
+    std::vector<ToneCurve> curves;      ///< one for grey or three for colours; used instead of `curve` if not empty
+    std::optional<LightMatrix> matrix;  ///< applied to linear light; none: the primaries are those of sRGB
 
     float to_linear(float value, std::size_t channel) const {
         if (!curves.empty()) return curves[channel](value);
@@ -76,7 +76,7 @@ struct Encoding {
     }
 };
 
-/// Converts samples of one type to shares of the full range, and to linear light; integers by tables.
+/// Converts samples of one type to fractions of the full range, and to linear light. Uses tables for integers.
 template <class Sample>
 class SampleReader {
 public:
@@ -105,7 +105,7 @@ public:
         }
     }
 
-    /// Returns the light of a sample that was multiplied by alpha.
+    /// Returns the light of a premultiplied sample.
     float linear(Sample sample, std::size_t channel, float alpha) const {
         return alpha > 0 ? encoding_.to_linear(std::min(share(sample) / alpha, 1.0F), channel) : 0;
     }
@@ -129,7 +129,7 @@ float luminance(float red, float green, float blue) {
     return 0.2126F * red + 0.7152F * green + 0.0722F * blue;
 }
 
-/// Converts light from other primaries to those of sRGB.
+/// Converts linear light from other primaries to those of sRGB.
 class ForeignLight {
 public:
     explicit ForeignLight(const LightMatrix& matrix) : matrix_(matrix) {
@@ -140,8 +140,8 @@ public:
         return settle(weights_[0] * red + weights_[1] * green + weights_[2] * blue);
     }
 
-    /// Returns the light with the primaries of sRGB. A colour that these cannot show is mixed with just enough grey of
-    /// its luminance; clipping it would make it darker or brighter.
+    /// Returns the light with the primaries of sRGB. A colour outside the gamut of sRGB is mixed with just enough grey
+    /// of the same luminance. Clipping would change the luminance.
     std::array<float, 3> convert(float red, float green, float blue) const {
         std::array<float, 3> light{};
         for (std::size_t i = 0; i < 3; ++i)
@@ -158,7 +158,7 @@ public:
     }
 
 private:
-    /// Makes light that is white up to rounding exactly white, since white gets no dots.
+    /// Rounds light that is nearly white to exactly white, so that white areas get no dots.
     static float settle(float light) {
         constexpr float kWhite = 1 - 1e-6F;
         return light >= kWhite ? 1.0F : std::max(light, 0.0F);
@@ -182,10 +182,10 @@ public:
 
     void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
 
-    /// Sets a row of pixels to the mean light of the squares of another draft, which is as high as one square.
+    /// Sets a row of pixels to the means of squares in another draft. That draft is one square high.
     /// @tparam kSide  side of the squares
     /// @param first   index of the first pixel
-    /// @param step    from a pixel of the row to the next
+    /// @param step    from a pixel of the row to the next one
     template <int kSide>
     void set_means(const Draft& squares, std::ptrdiff_t first, std::ptrdiff_t step) const {
         const std::ptrdiff_t width = squares.width_;
@@ -260,7 +260,7 @@ public:
 template <class AnyDraft>
 using PictureOf = decltype(std::declval<AnyDraft>().picture());
 
-/// Stores a row of the file in the picture. Each kind of row has a short loop of its own.
+/// Stores a row of the file in the picture. Each kind of row has its own short loop.
 template <class Sample, class AnyDraft>
 void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
                const Placement& placement, std::ptrdiff_t y, const AnyDraft& draft) {
@@ -293,7 +293,7 @@ void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sampl
     }
 }
 
-/// Combines the properties of a source and of a conversion, which must be for the kind of colours of the source.
+/// Returns the interpretation of a source's samples. The conversion, if not null, gives the curves and the matrix.
 Encoding encoding_of(const RowSource& source, const ColourConversion* conversion) {
     Encoding encoding{source.channels, source.channels >= 3, source.alpha, source.premultiplied,
                       source.curve,    source.gamma,         {},           {}};
@@ -325,8 +325,8 @@ Result<PictureOf<AnyDraft>> read_pixels(const RowSource& source, const Encoding&
     return draft.picture();
 }
 
-/// Reads each square of pixels as one pixel of their mean light. The picture must be opaque and consist of whole
-/// squares.
+/// Reads each square of pixels as one pixel with the square's mean light. The picture must be opaque and consist of
+/// whole squares.
 template <int kSide, class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& encoding, const NewPlane& make_plane) {
     const SampleReader<Sample> reader(encoding);
@@ -415,7 +415,8 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
-/// Returns the lock of the library's TIFF reader, which has known bugs with threads.
+/// Returns the lock that lets one thread at a time use OpenImageIO's TIFF reader. The reader has known bugs with
+/// several threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;
     return mutex;

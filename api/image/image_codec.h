@@ -12,7 +12,8 @@
 
 namespace ccdt::api {
 
-/// Allocates a plane of `size` values, in the order of a picture's members; throws if it cannot.
+/// Allocates a plane of `size` values. Called once for each plane of a picture, in the order of the picture's members.
+/// Throws if there is not enough memory.
 using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
 
 /// Parameters of reading a file.
@@ -21,9 +22,10 @@ struct Reading {
 
     static constexpr int kMostReduced = 4;
 
-    std::size_t max_pixels;  ///< of the picture in the file; checked by its header before any pixel is read
-    /// Side of the squares, 1 to kMostReduced pixels, each of which becomes one pixel of their mean light if the
-    /// picture is opaque and consists of whole squares. Any other picture keeps its pixels.
+    std::size_t max_pixels;  ///< limit of the picture in the file; checked by the header before any pixel is read
+    /// Factor, 1 to kMostReduced, by which the sides of a picture are divided. Each square of `reduce` x `reduce`
+    /// pixels becomes one pixel with the mean light of the square. A picture that is not opaque or not divisible into
+    /// whole squares is not reduced.
     int reduce;
 };
 
@@ -33,24 +35,24 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// Decodes an image file to luminance in linear light.
 ///
 /// Reads 1 to 16 bits per channel and floats; grey, RGB, palettes and CMYK, with or without alpha. Applies the
-/// orientation that EXIF or an AVIF's own properties give, and the colour profile: colours that the primaries of sRGB
-/// cannot show keep their luminance and lose saturation. Without a profile, values are sRGB unless the file declares
-/// them linear or gives a gamma; floats are linear. A broken profile is ignored. If a file has several pictures, the
-/// first is read; of an AVIF, the primary item.
+/// orientation in EXIF or in the properties of an AVIF, and the colour profile. Colours outside the gamut of sRGB keep
+/// their luminance and lose saturation. Without a profile, values are sRGB unless the file declares them linear or
+/// gives a gamma. Floats are linear. A broken profile is ignored. If a file has several pictures, the first is read; in
+/// an AVIF, the primary item.
 ///
 /// @param make_plane  allocates the planes of the picture
 /// Errors: those of read_image_header(); Unusable for a broken or truncated file, and for kinds of TIFF and AVIF that
-/// are not supported. One TIFF is read at a time, whatever the number of threads.
-/// Needs little memory besides the picture, except if the file must be decoded as a whole (WebP, GIF, AVIF, interlaced
-/// PNG, progressive JPEG), or has a profile, which needs tables and a copy of the file.
+/// are not supported. Only one thread at a time reads a TIFF; others wait.
+/// Needs little memory in addition to the picture, with two exceptions: files that are decoded as a whole (WebP, GIF,
+/// AVIF, interlaced PNG, progressive JPEG), and profiles, which need tables and a copy of the file.
 Result<Picture> decode_image(std::string_view bytes, const Reading& reading, const NewPlane& make_plane = new_plane);
 
-/// Decodes to red, green and blue, which are equal if the file is grey.
+/// Decodes an image file like decode_image(), but to red, green and blue. These are equal if the file is grey.
 Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading,
                                           const NewPlane& make_plane = new_plane);
 
-/// Decoders: decode_image() and decode_colour_image(), or others that do the same elsewhere. They may poll the stop
-/// token, and then fail with Stopped.
+/// Decoders: decode_image() and decode_colour_image(), or functions that do the same in another process. They may poll
+/// the stop token, and then fail with Stopped.
 struct Decode {
     template <class AnyPicture>
     using To =

@@ -14,47 +14,48 @@ namespace ccdt::api {
 
 enum class ImageFormat { Png, Jpeg, WebP, Tiff, Gif, Bmp, Avif };
 
-/// Header of an image file: what it states before its pixels. It is read without the image library, whose readers
-/// should not see unchecked files.
+/// Properties of an image file that are stored before its pixels. They are read without the image library, because its
+/// readers are not safe with unchecked files.
 struct ImageHeader {
     ImageFormat format = ImageFormat::Png;
     std::uint64_t width = 0;   ///< >= 1, as stored, before rotation
     std::uint64_t height = 0;  ///< >= 1
-    /// Maximum number of bytes that a reader needs to decode the picture, besides the file and the resulting planes.
+    /// Peak memory in bytes that a reader needs to decode the picture, in addition to the file and the resulting
+    /// planes.
     std::uint64_t decoder_bytes = 0;
-    bool is_ink_jpeg = false;  ///< four channels: cyan, magenta, yellow, black
-    std::uint64_t frames = 1;  ///< in the file, pages in a TIFF; one of them is read
+    bool is_ink_jpeg = false;  ///< whether it is a JPEG with four channels: cyan, magenta, yellow, black
+    std::uint64_t frames = 1;  ///< number of frames, or of pages in a TIFF; only one is read
 
     std::uint64_t pixels() const { return width * height; }
 };
 
 /// An image file whose header was read.
 struct ImageFile {
-    std::string_view bytes;  ///< of the caller, who must keep them longer than this, or of `decoded`
+    std::string_view bytes;  ///< the file: in `decoded`, or in memory of the caller, which must outlive this object
     ImageHeader header;
-    std::shared_ptr<const std::string> decoded = {};  ///< from text that contained the file; null: it was not encoded
+    std::shared_ptr<const std::string> decoded = {};  ///< owns the file if it was decoded from base64; otherwise null
 };
 
-/// Maximum number of pixels, in all, by which the tiles of a TIFF may extend beyond its picture.
+/// Maximum number of pixels that the tiles of a TIFF may have beyond its picture, all tiles together.
 inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
 
 /// Longest side of an AVIF that its codec allows.
 inline constexpr std::uint64_t kMostAvifSide = 65'536;
 
 /// Recognises the format of an image file by its first bytes: PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF.
-/// Errors: Malformed if there are no bytes; Unsupported for any other format. The message names that, if it is known,
-/// and the supported formats.
+/// Errors: Malformed if there are no bytes; Unsupported for any other format. The message names the format, if it is
+/// known, and the supported formats.
 Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the first picture in a file.
 ///
 /// Errors: those of recognise_image(); Unusable for a broken or truncated header, for a TIFF without bits per sample,
-/// and for a JPEG with more than 100 scans; LimitExceeded for more than max_pixels.
+/// and for a JPEG with more than 100 scans; LimitExceeded for more than max_pixels pixels.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);
 
-/// Describes which of several frames or pages is read; empty if there is only one.
+/// Describes which frame or page is read, if there are several; empty otherwise.
 std::string describe_frame(const ImageHeader& header);
 
 /// Returns the orientation in a WebP file's EXIF block, 1 to 8; 1 if there is none.

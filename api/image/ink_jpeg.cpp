@@ -16,8 +16,8 @@ namespace {
 
 constexpr int kInks = 4;
 
-/// Decodes a JPEG with four inks. libjpeg reports errors by a jump back into the member functions, so these own nothing
-/// that needs destruction.
+/// Decodes a JPEG with four inks. libjpeg reports errors by longjmp() into the member functions, so these functions
+/// must not have local objects with destructors.
 class InkJpeg {
 public:
     explicit InkJpeg(std::string_view bytes) : bytes_(bytes) {
@@ -59,7 +59,7 @@ public:
 
 private:
     struct Errors {
-        jpeg_error_mgr manager;  // the first member, which libjpeg points to
+        jpeg_error_mgr manager;  // must be the first member: libjpeg has a pointer to it
         std::jmp_buf place;
     };
 

@@ -8,11 +8,11 @@
 
 namespace ccdt::api {
 
-/// Opens a JPEG in cyan, magenta, yellow and black, or in YCCK, by libjpeg. Files of both kinds store the share of bare
-/// paper, as Adobe's do.
+/// Opens a JPEG in cyan, magenta, yellow and black, or in YCCK, by libjpeg. Both kinds are assumed to store inverted
+/// values, the share of bare paper, as Adobe's programs do.
 ///
 /// @param bytes  must outlive the row source
-/// Errors: Unusable for a broken or truncated file, and for one in other colours.
+/// Errors: Unusable for a broken or truncated file, and for a file without four channels.
 Result<RowSource> open_ink_jpeg(std::string_view bytes);
 
 }  // namespace ccdt::api

@@ -7,7 +7,7 @@
 namespace ccdt::api {
 
 /// Returns the colours of inks and paper in linear light.
-/// @param palette  whose inks multiply or add
+/// @param palette  a palette with the mixing Multiply or Add, not Cover
 InkSet ink_set(const Palette& palette);
 
 }  // namespace ccdt::api

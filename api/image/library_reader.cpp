@@ -28,7 +28,7 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // the library's readers of these have known bugs, or start threads
+            break;  // the library's readers of these formats have known bugs, or start threads
     }
     return "";
 }
@@ -53,7 +53,7 @@ Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) 
     return {};
 }
 
-/// Returns whether a TIFF is one whose rows the reader flips by itself, though not as its orientation says.
+/// Returns whether the library's reader flips the rows of a TIFF whatever orientation the file states.
 bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
     constexpr int kYCbCr = 6;
     constexpr int kJpeg = 7;
@@ -79,7 +79,7 @@ RowSource::Sample sample_of(const OIIO::ImageSpec& spec) {
     return RowSource::Sample::Float;
 }
 
-/// Returns the number of rows to read at once: those of a tile, or about a megabyte.
+/// Returns the number of rows to read at once: the rows of a tile or, without tiles, about a megabyte of rows.
 int rows_at_once(const OIIO::ImageSpec& spec) {
     if (spec.tile_width > 0) return spec.tile_height;
     const std::uint64_t row_bytes =
@@ -103,15 +103,15 @@ RowSource describe(const OIIO::ImageSpec& spec) {
         source.gamma = gamma;
     }
     source.has_inks = OIIO::Strutil::iequals(space, "CMYK");
-    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // the library takes black for it
+    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // the library would take the channel of black for alpha
     source.premultiplied = source.alpha >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
     source.orientation = spec.get_int_attribute("Orientation", 1);
     source.step = rows_at_once(spec);
     return source;
 }
 
-/// An open file. The library keeps the error message of an input until it is fetched or the thread ends. The message
-/// may name files of the server, so it is fetched and discarded.
+/// An open file. The library keeps the error message of an input until it is fetched or the thread ends. The destructor
+/// fetches and discards it.
 struct OpenFile {
     OIIO::Filesystem::IOMemReader bytes;
     std::unique_ptr<OIIO::ImageInput> input;
@@ -122,7 +122,7 @@ struct OpenFile {
     }
 
     bool read_rows(int begin, int end, const OIIO::TypeDesc& type, void* rows) {
-        // Rows that need no conversion are read into place. For others the library allocates 64 MiB.
+        // Rows that need no conversion are read directly into the buffer. For other rows, the library allocates 64 MiB.
         const bool as_stored = spec.format == type && spec.channelformats.empty();
         const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
         if (spec.tile_width == 0) return input->read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);
@@ -157,7 +157,7 @@ Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& hea
     if (header.format == ImageFormat::WebP) source.orientation = webp_orientation(bytes);
     if (source.orientation != 1 && is_converted_ycbcr(file->spec)) return unusual("a rotated TIFF in YCbCr");
     source.read = [file, type = type_of(source.sample)](int begin, int end, void* rows) {
-        // Reading a truncated file may succeed and only leave an error message.
+        // Reading a truncated file may return true although there is an error message.
         return file->read_rows(begin, end, type, rows) && !file->input->has_error();
     };
     return source;

@@ -9,14 +9,15 @@
 
 namespace ccdt::api {
 
-/// Opens a PNG, JPEG, WebP or TIFF file by OpenImageIO. The file must not have a colour profile, which it would trust.
+/// Opens a PNG, JPEG, WebP or TIFF file by OpenImageIO. The file must not have a colour profile, because OpenImageIO
+/// does not check profiles.
 ///
 /// @param bytes      must outlive the row source
 /// @param header     result of read_image_header()
-/// @param keep_inks  whether a TIFF in cyan, magenta, yellow and black keeps them; otherwise they are converted to red,
-///                   green and blue
-/// Errors: Unusable for a broken or truncated file, and for kinds of TIFF that are not supported. May throw, as may the
-/// source.
+/// @param keep_inks  whether the rows of a TIFF in cyan, magenta, yellow and black have these channels; otherwise they
+///                   are converted to red, green and blue
+/// Errors: Unusable for a broken or truncated file, and for kinds of TIFF that are not supported. This function and the
+/// row source may throw.
 Result<RowSource> open_by_library(std::string_view bytes, const ImageHeader& header, bool keep_inks);
 
 }  // namespace ccdt::api

@@ -26,7 +26,7 @@ public:
         return (*this)(printed(inks_, cover), bare);
     }
 
-    /// @param bare  share of the paper that is seen
+    /// @param bare  share of the paper that is visible
     std::array<std::uint8_t, 4> operator()(const Light& light, float bare) const {
         if (!transparent_) return {store(light.red), store(light.green), store(light.blue), 255};
         const auto alone = [bare](float seen) { return bare < 1 ? (seen - bare) / (1 - bare) : 1; };
@@ -34,7 +34,7 @@ public:
                 static_cast<std::uint8_t>(255 * (1 - bare) + 0.5F)};
     }
 
-    /// The light of inks that lie on each other.
+    /// Returns the light where the inks of a set are printed on top of each other.
     Light light_of(std::size_t inks) const {
         std::array<float, kMostInks> cover{};
         for (std::size_t ink = 0; ink < inks_.inks.size(); ++ink) cover[ink] = static_cast<float>(inks >> ink & 1);
@@ -42,10 +42,11 @@ public:
     }
 
 private:
-    /// Number of steps of light, so many that results differ from to_srgb() by no more than rounding.
+    /// Number of steps of light. It is large enough that results differ from to_srgb() by rounding only.
     static constexpr std::size_t kSteps = 1 << 16;
 
-    /// Returns a table of to_srgb(). It is made once, since it takes as long as a small picture.
+    /// Returns a table of to_srgb(). The table is computed once, because computing it takes as long as encoding a small
+    /// picture.
     static const std::vector<std::uint8_t>& table() {
         static const std::vector<std::uint8_t> values = [] {
             std::vector<std::uint8_t> stored(kSteps);
@@ -64,7 +65,8 @@ private:
     const std::vector<std::uint8_t>& stored_ = table();
 };
 
-/// Fills the palette of pixels that each ink either covers or not, one bit for each.
+/// Fills the palette of a picture in which each ink covers a pixel completely or not at all. Bit i of a pixel's value
+/// is set if ink i covers the pixel.
 void fill_palette(DotImage& picture, std::size_t inks, const PrintedColour& colour_of) {
     picture.colours = std::size_t{1} << inks;
     for (std::size_t code = 0; code < picture.colours; ++code) {
@@ -99,7 +101,7 @@ bool is_grey(const Colour& colour) {
     return !colour.transparent && colour.red == colour.green && colour.green == colour.blue;
 }
 
-/// Covers the paper with one ink. The coverage in the raster becomes the pixels, so no memory is added.
+/// Covers the paper with one ink. The memory of the raster is reused for the pixels.
 DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& executor) {
     const Colour& ink = palette.inks.front().colour;
     DotImage picture{raster.width,
@@ -117,7 +119,8 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& 
     return picture;
 }
 
-/// Mixes the inks of pixels, of which some are flipped in a part and some are ground in a part.
+/// Mixes the inks of a pixel. For each ink, the ground has the ink in a share of the pixel, and dots flip the ink in
+/// another share.
 class FlippedPixel {
 public:
     FlippedPixel(std::size_t inks, const PrintedColour& colour_of) : inks_(inks) {
@@ -132,7 +135,8 @@ public:
             ground_[ink] = grounds[ink].coverage[pixel];
             order_[ink] = ink;
         }
-        // Most pixels have parts of one kind at most; stable, so that equal ones stay in order.
+        // Insertion sort is fast, because in most pixels dots of at most one kind flip inks. The sort is stable, so
+        // inks with equal shares stay in order.
         for (std::size_t i = 1; i < inks_; ++i) {
             for (std::size_t j = i; j > 0 && flipped_[order_[j]] > flipped_[order_[j - 1]]; --j)
                 std::swap(order_[j], order_[j - 1]);
@@ -144,7 +148,7 @@ public:
     float bare() const { return bare_; }
 
 private:
-    /// Adds each ground that is there, from an ink on.
+    /// Adds all combinations of grounds with and without the inks from `ink` on.
     void add_grounds(std::size_t ink, std::size_t ground, float weight) {
         if (ink == inks_) return add_parts(ground, weight);
         const unsigned share = ground_[ink];
@@ -152,7 +156,8 @@ private:
         if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
     }
 
-    /// Adds the parts of a ground: without any flip, and with those of the first inks in order.
+    /// Adds the parts of a pixel over one combination of grounds: the part where no ink is flipped, the part where only
+    /// the first ink in order is flipped, the part where the first two are flipped, and so on.
     void add_parts(std::size_t there, float weight) {
         unsigned upper = 255;
         for (std::size_t i = 0; i <= inks_; ++i) {

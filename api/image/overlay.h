@@ -14,14 +14,15 @@
 
 namespace ccdt::api {
 
-/// Picture of dots, as it is stored in image files.
+/// Picture of dots, as image files store it.
 struct DotImage {
     int width = 0;
     int height = 0;
-    bool transparent = false;          ///< pixels have alpha
-    bool grey = false;                 ///< all colours are grey, and files may store them as such
-    std::size_t colours = 0;           ///< of the palette; 0: pixels are red, green, blue and, if transparent, alpha
-    Shades palette{};                  ///< by pixel value
+    bool transparent = false;  ///< whether pixels have alpha
+    bool grey = false;         ///< whether all colours are grey, so files may store grey values
+    std::size_t colours =
+        0;             ///< number of colours in the palette; 0: pixels are red, green, blue and, if transparent, alpha
+    Shades palette{};  ///< colours by pixel value
     std::vector<std::uint8_t> pixels;  ///< [width * height * channels()], row by row
 
     std::size_t channels() const { return colours > 0 ? 1 : transparent ? 4 : 3; }
@@ -34,22 +35,24 @@ struct DotImage {
     bool is_bilevel() const;
 };
 
-/// Lays the dots of inks over each other and their paper, in linear light: an ink that covers the paper by shades_of(),
-/// others by printed() in core/halftone/separation.h. On transparent paper, inks look as on white, and pixels are as
-/// opaque as dots cover them.
+/// Combines the dots of all inks with each other and the paper, in linear light. An ink with the mixing Cover uses
+/// shades_of(); all others use printed() in core/halftone/separation.h. On transparent paper, inks have their colours
+/// on white paper, and the opacity of a pixel is the share that dots cover.
 ///
 /// @param rasters    [inks], all of one size
-/// @param antialias  if false, they contain only 0 and 255, and the picture has a palette of all mixtures
-/// @param stop       polled now and then if inks mix; a stop ends early with a useless result
+/// @param antialias  if false, the rasters contain only 0 and 255, and the picture has a palette of all mixtures of
+///                   inks
+/// @param stop       polled from time to time, except for Cover; after a stop, the result is useless
 /// Same input, same bytes, on any executor.
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
 
-/// Lays antialiased dots of inks that multiply, each of which flips some inks of its ground, over each other. Where
-/// dots flip several inks, these have their rims in common: the parts of a pixel that inks have flipped are nested.
+/// Combines antialiased dots of inks that multiply. Each dot flips some inks: it is bare where the ground has the ink,
+/// and inked where it does not. Inks that the same dot flips have the same rim, so the flipped parts of a pixel are
+/// assumed to be nested.
 ///
-/// @param flipped  [inks] share of each pixel in which the ink is flipped
-/// @param grounds  [inks] share of each pixel that is ground of the ink
+/// @param flipped  [inks] share of each pixel in which dots flip the ink
+/// @param grounds  [inks] share of each pixel in which the ground has the ink
 DotImage overlay_flipped(std::span<const Raster> flipped, std::span<const Raster> grounds, const Palette& palette,
                          const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

@@ -24,8 +24,8 @@ struct Layout {
     int bit_depth = 8;
     int colour_type = PNG_COLOR_TYPE_GRAY;
     bool transparent = false;
-    bool is_srgb = false;                ///< values are sRGB; otherwise the file does not define them
-    std::array<png_byte, 256> stored{};  ///< by the raster's value: the grey value or palette index
+    bool is_srgb = false;                ///< whether values are sRGB; if not, the file states no colour space
+    std::array<png_byte, 256> stored{};  ///< grey value or palette index for each value of the picture
     std::array<png_color, 256> colours{};
     std::array<png_byte, 256> alphas{};
     int palette_size = 0;              ///< number of colours and alphas
@@ -105,11 +105,11 @@ void on_warning(png_structp, png_const_charp) {}
 
 void write_header(png_structp png, png_infop info, const DotImage& image, const Layout& layout) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
-    // Discs contain hardly any redundancy other than runs. Searching for more costs 2 to 40 times the time and saves at
-    // most a tenth, usually nothing.
+    // Pictures of discs have hardly any redundancy other than runs. A search for other matches takes 2 to 40 times as
+    // long. It saves at most a tenth of the file size, usually nothing.
     png_set_compression_level(png, 1);
     png_set_compression_strategy(png, Z_RLE);
-    // With several channels there are runs only after each pixel is subtracted from the next.
+    // Pictures with several channels have runs only after each pixel has been subtracted from the next pixel.
     png_set_filter(png, PNG_FILTER_TYPE_BASE, image.channels() > 1 ? PNG_FILTER_SUB : PNG_FILTER_NONE);
     png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
                  layout.bit_depth, layout.colour_type, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
@@ -124,7 +124,8 @@ void write_header(png_structp png, png_infop info, const DotImage& image, const 
     png_write_info(png, info);
 }
 
-/// Writes the file. libpng reports errors by a jump back into this function, so it owns nothing that needs destruction.
+/// Writes the file. libpng reports errors by longjmp() into this function, so the function must not have local objects
+/// with destructors.
 /// @param row      buffer for one row of the file
 /// @param set_row  fills the buffer, as set_row(y, row); must not throw
 /// @returns        false on an error or a stop
@@ -172,7 +173,7 @@ Result<std::string> write_greys(std::span<const std::uint16_t> greys, int width,
     DotImage image;
     image.width = width;
     image.height = height;
-    image.colours = 1;  // one channel
+    image.colours = 1;  // makes channels() return 1
     Layout layout;
     layout.bit_depth = bits;
     const auto columns = static_cast<std::size_t>(width);

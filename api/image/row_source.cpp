@@ -24,7 +24,7 @@ std::uint16_t to_word(Sample sample) {
     }
 }
 
-/// Transforms rows of one type of samples.
+/// Transforms rows whose samples are of one type.
 template <class Sample>
 class Transformer {
 public:
@@ -59,7 +59,7 @@ private:
 
     std::uint16_t alpha_of(const Sample* pixel) const { return to_word(pixel[source_.alpha]); }
 
-    /// Reads the colours of a pixel, and undoes a multiplication by alpha.
+    /// Reads the colours of a pixel. Divides premultiplied colours by alpha.
     void take_colours(const Sample* pixel, std::uint16_t* to) const {
         for (std::size_t i = 0; i < colours_; ++i) to[i] = to_word(pixel[i]);
         if (!source_.premultiplied) return;

@@ -8,13 +8,13 @@
 
 namespace ccdt::api {
 
-/// Colours of pixels by their value: red, green, blue, alpha.
+/// Colour (red, green, blue, alpha) of each pixel value.
 using Shades = std::array<std::array<std::uint8_t, 4>, 256>;
 
-/// Returns the colours of pixels by the share of them that an opaque ink covers.
+/// Returns the colour of a pixel for each coverage by an opaque ink, 0 to 255.
 ///
-/// Ink and paper are mixed in linear light, so that from afar pixels look as light as dots of that area. On transparent
-/// paper, pixels have the colour of the ink, with the coverage as alpha.
+/// Ink and paper are mixed in linear light, so that a pixel looks from a distance as light as a dot of the covered
+/// area. On transparent paper, pixels have the colour of the ink, with the coverage as alpha.
 Shades shades_of(const Colour& ink, const Colour& paper);
 
 }  // namespace ccdt::api

@@ -8,7 +8,7 @@ namespace ccdt::api {
 /// Returns the linear light, 0 to 1, of an sRGB value (IEC 61966-2-1).
 double to_linear(unsigned char value);
 
-/// Returns the sRGB value nearest to a light; light outside [0, 1] is clamped.
+/// Returns the sRGB value that is nearest to an amount of linear light, which is clamped to [0, 1].
 std::uint8_t to_srgb(double light);
 
 }  // namespace ccdt::api

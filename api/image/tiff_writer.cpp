@@ -81,7 +81,7 @@ Tiff open(MemoryFile& file) {
     if (!options) return nullptr;
     TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_quiet, nullptr);
     TIFFOpenOptionsSetWarningHandlerExtR(options.get(), keep_quiet, nullptr);
-    // Little-endian on every machine.
+    // The mode wl writes little-endian files on every machine.
     return Tiff(TIFFClientOpenExt("", "wl", &file, read, write, seek, close, size, nullptr, nullptr, options.get()));
 }
 
@@ -92,12 +92,12 @@ struct Layout {
     bool bilevel = false;
     std::uint16_t channels = 1;
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
-    Shades shades{};              ///< by the raster's value
-    bool true_colour = false;     ///< the raster's values are stored as they are
-    std::span<const Ink> inks{};  ///< whose plates the channels are; empty: they are colours
+    Shades shades{};              ///< colour of each value of the picture
+    bool true_colour = false;     ///< whether the values of the picture are stored unchanged
+    std::span<const Ink> inks{};  ///< inks of the plates in the channels; empty: the channels are colours
 };
 
-/// Fills a row of the file, whose length follows from the layout.
+/// Fills a row of the file. The length of the row follows from the layout.
 using FillRow = std::function<void(int y, std::uint8_t* row)>;
 
 Layout layout_of(const DotImage& image) {
@@ -126,7 +126,7 @@ Layout layout_of(std::span<const Raster> plates, std::span<const Ink> inks) {
     return layout;
 }
 
-/// Converts a row of values to a row of the file. In a bilevel one, a set bit is a dot.
+/// Converts a row of values to a row of the file. In a bilevel file, a set bit is a dot.
 void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layout, std::uint8_t* row) {
     if (layout.true_colour) {
         std::copy_n(values, count, row);
@@ -142,7 +142,7 @@ void pack_row(const std::uint8_t* values, std::size_t count, const Layout& layou
     for (std::size_t x = 0; x < count; ++x) row = std::copy_n(layout.shades[values[x]].begin(), layout.channels, row);
 }
 
-/// Interleaves a row of all plates.
+/// Interleaves the values of all plates in a row.
 void interleave_row(std::span<const Raster> plates, int y, std::uint8_t* row) {
     const auto width = static_cast<std::size_t>(plates.front().width);
     for (std::size_t plate = 0; plate < plates.size(); ++plate) {
@@ -151,7 +151,7 @@ void interleave_row(std::span<const Raster> plates, int y, std::uint8_t* row) {
     }
 }
 
-/// Writes the names of the inks, each ended by a zero.
+/// Writes the ink tags, with the names of the inks, each terminated by a zero.
 bool write_inks(TIFF* tiff, std::span<const Ink> inks) {
     std::string names;
     for (const Ink& ink : inks) names.append(ink.name).push_back('\0');

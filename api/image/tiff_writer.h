@@ -11,18 +11,20 @@
 
 namespace ccdt::api {
 
-/// Encodes a picture as a TIFF file. Black and white has 1 bit per pixel, compressed by CCITT group 4, as printers
-/// prefer it; all else has 8 bits per channel, compressed by Deflate.
+/// Encodes a picture as a TIFF file. Black and white pictures have 1 bit per pixel, compressed by CCITT group 4, as
+/// printers prefer. All other pictures have 8 bits per channel, compressed by Deflate.
 ///
-/// @param width_mm  of the picture, for its resolution in dots per inch; none: the file has no physical size
+/// @param width_mm  width of the picture, which gives the resolution in dots per inch; none: the file has no physical
+///                  size
 /// @param stop      polled at each row
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_tiff(const DotImage& image, std::optional<double> width_mm = {},
                                const std::stop_token& stop = {});
 
-/// Encodes the coverage of each ink as the plates that print it: a separated picture with a channel of 8 bits for each
-/// ink, 255 where it is solid, compressed by Deflate. Tags name the inks. If they are those of `cmyk`, the tags say so,
-/// and any reader can show them. The paper is not included. The other parameters are those of write_tiff().
+/// Encodes the coverage of each ink as printing plates: a separated picture with a channel of 8 bits for each ink,
+/// compressed by Deflate. The value 255 is solid ink. Tags name the inks. If the inks are cyan, magenta, yellow and
+/// black, a tag states this, and any reader can show the picture. The colour of the paper is not stored. The other
+/// parameters are those of write_tiff().
 ///
 /// @param plates  [inks], all of one size
 /// Source: TIFF 6.0, 16.

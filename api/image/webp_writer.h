@@ -12,10 +12,11 @@ namespace ccdt::api {
 
 inline constexpr int kMaxWebPSide = 16'383;  ///< pixels
 
-/// Encodes a picture as a lossless WebP file, which has no physical size.
+/// Encodes a picture as a lossless WebP file. WebP cannot store a physical size, so the width in millimetres is
+/// ignored.
 ///
-/// @param image  at most kMaxWebPSide each way
-/// @param stop   polled now and then
+/// @param image  each side at most kMaxWebPSide
+/// @param stop   polled from time to time
 /// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_webp(const DotImage& image, std::optional<double> width_mm = {},
                                const std::stop_token& stop = {});

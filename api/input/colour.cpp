@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-/// @param digits  one or two hexadecimal digits; a single one is doubled
+/// @param digits  one or two hexadecimal digits; a single digit is doubled
 std::optional<unsigned char> parse_channel(std::string_view digits) {
     const auto value = parse_number<unsigned char>(digits, 16);
     return value && digits.size() == 1 ? static_cast<unsigned char>(*value * 17) : value;

@@ -21,7 +21,7 @@ struct Colour {
 inline constexpr Colour kBlack = {0, 0, 0};
 inline constexpr Colour kWhite = {255, 255, 255};
 
-/// Writes `#rrggbb`, which for a transparent colour is black.
+/// Writes a colour as `#rrggbb`; a transparent colour as `#000000`.
 std::string hexadecimal(const Colour& colour);
 
 /// Reads `#rgb` or `#rrggbb`.

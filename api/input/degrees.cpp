@@ -23,7 +23,8 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     if (bounds.min.x < -180 || bounds.max.x > 180 || south < -90 || north > 90) return std::nullopt;
     const double nearest = south <= 0 && north >= 0 ? 0 : std::min(std::abs(south), std::abs(north));
     const double farthest = std::max(std::abs(south), std::abs(north));
-    // Degrees of longitude are this much shorter there, so a square kilometre holds this many times the points.
+    // Far from the equator, a degree of longitude is shorter by this factor, so a square kilometre has more points by
+    // this factor.
     const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMostRatio);
     if (ratio < kLeastRatio) return std::nullopt;
     std::string text =

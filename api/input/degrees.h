@@ -8,10 +8,10 @@
 
 namespace ccdt::api {
 
-/// Warns that points spread evenly in a plane are not spread evenly on the ground, if x and y are longitude and
-/// latitude. The warning is for boxes that may be in degrees, and in which the number of points per square kilometre
-/// varies by more than a tenth.
-/// @returns  a sentence for people; none for other boxes
+/// Returns a warning for a bounding box whose coordinates may be longitudes and latitudes: points that are spread
+/// evenly in degrees are not spread evenly on the ground.
+/// @returns  a sentence for people; none if the coordinates cannot be degrees, or if the number of points per square
+///           kilometre varies by less than a tenth
 std::optional<std::string> warning_of_degrees(const Box& bounds);
 
 }  // namespace ccdt::api

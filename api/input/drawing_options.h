@@ -12,52 +12,52 @@ namespace ccdt::api {
 /// Shape of a dot in drawings made of shapes.
 enum class DotStyle {
     Fill,     ///< a disc
-    Stroke,   ///< a touch of a pen as wide as the dot: in SVG a stroke of next to no length
+    Stroke,   ///< a touch of a pen that is as wide as the dot; in SVG, a stroke of almost no length
     Circles,  ///< concentric circles that fill the dot, for pens finer than it
     Spiral,   ///< a spiral that fills the dot, and a circle along its rim
-    Path,     ///< no dots, but one line through their centres in the order of the path
+    Path,     ///< no dots, but a line through their centres in the order of a short path
 };
 
 /// Speed of a plotter, and the commands that move its pen.
 struct Plotter {
-    double speed = 100;                 ///< mm/s, with the pen down or up
-    double dwell = 0.075;               ///< seconds for the pen to go down, and as long to go up
-    std::string pen_down = "M3 S1000";  ///< G-code; `|` stands between two lines
+    double speed = 100;                 ///< mm/s, the same with the pen down and up
+    double dwell = 0.075;               ///< seconds that the pen takes to go down, and again to go up
+    std::string pen_down = "M3 S1000";  ///< G-code; `|` separates lines
     std::string pen_up = "M5";
 };
 
-/// Options of drawings that every endpoint shares.
+/// Options of drawings that all endpoints share.
 struct DrawingOptions {
-    std::optional<double> width_mm = {};  ///< of the page; none: only pixels are told
+    std::optional<double> width_mm = {};  ///< width of the page; none: the size is in pixels only
     DotStyle style = DotStyle::Fill;
-    double pen_mm = 0.3;  ///< width of the pen, where it is not that of the dots
+    double pen_mm = 0.3;  ///< width of the pen; not used by Fill and Stroke
     Plotter plotter = {};
 
-    /// Tells whether a pen draws, which can only add ink to the paper.
+    /// Whether the drawing is made of pen strokes. A pen can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
 
-    /// Tells whether the pen's own width counts.
+    /// Whether the drawing depends on `pen_mm`.
     bool has_pen_width() const { return style != DotStyle::Fill && style != DotStyle::Stroke; }
 
-    /// Tells whether a pen fills each dot with turns.
+    /// Whether a pen fills each dot with circles or with the turns of a spiral.
     bool has_turns() const { return style == DotStyle::Circles || style == DotStyle::Spiral; }
 };
 
-/// Names a style as the option has it.
+/// Returns the name of a style, as the option `style` gives it.
 std::string_view name_of(DotStyle style);
 
-/// Reads an option of its member's name. Errors: Malformed.
+/// Reads an option, named as in the function's name. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 
-/// Reads a width in millimetres, with or without the unit.
+/// Reads the width of the pen in millimetres. As text, it may end with the unit `mm`.
 Result<void> read_pen(const Input& input, DrawingOptions& options);
 
 Result<void> read_speed(const Input& input, DrawingOptions& options);
 Result<void> read_dwell(const Input& input, DrawingOptions& options);
 
-/// Read G-code: letters, digits, blanks, points, signs, and `|` between lines. What would end a line, begin a comment
-/// or be taken out of the stream by a controller is refused.
+/// Reads G-code: letters, digits, blanks, points, signs, and `|` between lines. Rejects characters that end a line,
+/// begin a comment, or are removed from the stream by a controller.
 Result<void> read_pen_down(const Input& input, DrawingOptions& options);
 Result<void> read_pen_up(const Input& input, DrawingOptions& options);
 

@@ -12,8 +12,8 @@
 
 namespace ccdt::api {
 
-/// The feature properties that hold the dot counts of a map, as a request names them: one property, or several, each of
-/// which is a class.
+/// The feature properties that hold the dot counts of a map, as a request names them: one property, or one property for
+/// each class.
 struct Counting {
     std::optional<std::string> property;
     std::optional<double> per;         ///< units of the property per point, > 0; none: 1
@@ -25,8 +25,8 @@ struct Counting {
 /// Reads the option `sites` of a dot map: a property's name, or `{"property":name,"per":number}`. Errors: Malformed.
 Result<void> read_counted(const Input& input, Counting& counting);
 
-/// Returns whether `sites` names what is counted instead of being a number. Text does unless it is empty or a number;
-/// in JSON, a string or an object does.
+/// Returns whether the option `sites` names a property instead of being a number. A text names a property unless it is
+/// empty or a number. A JSON value names a property if it is a string or an object.
 bool is_counted(const Input& input);
 
 Result<double> read_per(const Input& input);
@@ -39,11 +39,11 @@ struct FeatureCounts {
     /// Number of features without a count of a class.
     struct Missing {
         std::size_t features = 0;
-        std::string first;  ///< JSON Pointer to where the first missing count should be
+        std::string first;  ///< JSON Pointer to the first missing count, where it would be
     };
 
     std::vector<std::string> classes;  ///< names of properties, as in the features
-    bool are_told = false;             ///< whether answers name the classes, since the request gave them
+    bool are_told = false;             ///< whether the request named the classes; if so, answers name them too
     std::vector<std::size_t> counts;   ///< [features * classes]
     std::vector<Missing> missing;      ///< [classes]
 
@@ -52,19 +52,20 @@ struct FeatureCounts {
         return counts[feature * classes.size() + number];
     }
 
-    /// Returns the number of points of a feature in all classes.
+    /// Returns the sum of a feature's counts over all classes.
     std::size_t points_of(std::size_t feature) const;
     std::size_t total() const;
 };
 
-/// Computes the number of points of each feature: a property divided by `per`, rounded so that the numbers of a class
-/// add up to the rounded sum (the method of largest remainders; of equal ones the first). A number may be given as a
-/// string, as in census files. A property that is null or missing counts as 0.
+/// Computes the number of points of each class in each feature: a property divided by `per`, then rounded by the method
+/// of largest remainders. The rounded numbers of a class thus add up to its rounded sum. If remainders are equal,
+/// earlier features are rounded up first. A number may be given as a string, as in census files. A property that is
+/// null or missing counts as 0.
 ///
-/// @param features  of a collection
-/// @param sites     JSON Pointer to the option, or its name, for errors
-/// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if there is no point
-/// at all; LimitExceeded for more than limits.max_sites, which the message names.
+/// @param features  features of a collection
+/// @param sites     JSON Pointer to the option `sites`, or the option's name, for errors
+/// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if all numbers are 0;
+/// LimitExceeded for more than limits.max_sites points. That message states the limit.
 Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites);
 

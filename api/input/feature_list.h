@@ -13,8 +13,8 @@
 
 namespace ccdt::api {
 
-/// Reads names of properties, each of which may occur once. Errors: Malformed.
-/// @param one  term for one of them in messages
+/// Reads a list of at most `most` names of properties. Errors: Malformed, also for a repeated name.
+/// @param one  what messages call one name, such as "a property"
 Result<std::vector<std::string>> read_names(const Input& input, std::size_t most, std::string_view one);
 
 /// The feature properties that a request wants its points to carry.
@@ -22,7 +22,7 @@ struct PropertyChoice {
     static constexpr std::size_t kMost = 256;
 
     bool all = false;                ///< if true, there are no names
-    std::vector<std::string> names;  ///< as in the features, each once
+    std::vector<std::string> names;  ///< names as they are in the features, without repetition
 };
 
 /// Reads `*`, which means all properties, or names of properties. Errors: Malformed.
@@ -31,19 +31,19 @@ Result<PropertyChoice> read_properties(const Input& input);
 /// Feature properties that answers repeat for each point.
 struct CarriedProperties {
     static constexpr std::size_t kMostOfFeature = std::size_t{64} << 10;  ///< bytes, including names
-    static constexpr std::size_t kMostInAll = std::size_t{1} << 30;       ///< bytes of an answer, including names
+    static constexpr std::size_t kMostInAll = std::size_t{1} << 30;       ///< bytes in an answer, including names
 
     /// Value of a property.
     struct Value {
         std::uint32_t name = 0;  ///< index into the names
         bool is_text = false;
-        std::string value;  ///< the text, or other values as JSON
+        std::string value;  ///< the text itself; a value of any other type as JSON
     };
 
-    std::vector<std::string> names;              ///< as in answers
-    std::vector<std::vector<Value>> of_feature;  ///< [features] in the order of the names, without missing ones
+    std::vector<std::string> names;              ///< names in answers
+    std::vector<std::vector<Value>> of_feature;  ///< [features] in the order of the names; missing values are left out
 
-    /// Returns roughly how many bytes the properties of a feature take.
+    /// Returns the approximate number of bytes that the properties of a feature take.
     std::size_t size_of(std::size_t feature) const;
 
     /// Appends `"name":value` for each property of a feature, with commas between them.
@@ -53,15 +53,16 @@ struct CarriedProperties {
 /// Features as they are in the JSON of a document.
 struct FeatureSource {
     JsonValue value;      ///< the list of features, or a single feature
-    std::string pointer;  ///< JSON Pointer to it
+    std::string pointer;  ///< JSON Pointer to `value`
     bool is_collection = true;
 };
 
-/// Finds the features of GeoJSON that read_geometry() has read: those of a FeatureCollection, or a single Feature; none
-/// if it is neither.
+/// Finds the features of GeoJSON that read_geometry() has read: the features of a FeatureCollection, or a single
+/// Feature. Returns none for any other GeoJSON.
 std::optional<FeatureSource> find_features(const Input& geometry);
 
-/// Finds the features of TopoJSON that read_topology() has read: the geometries of an object, or its only one.
+/// Finds the features of TopoJSON that read_topology() has read: the geometries of a GeometryCollection, or the object
+/// itself if it is a single geometry.
 FeatureSource find_geometries(const Input& object);
 
 /// Features of a GeoJSON or TopoJSON document.
@@ -88,17 +89,17 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
 /// @param first_part  of each feature of a collection, as in PolygonInput; empty for a single Feature
 /// @param parts       number of parts of all features
 /// @param choice      properties to carry; null: none
-/// @param option      JSON Pointer to the option that chose them, or its name, for errors
-/// A property whose name answers define themselves (x, y, rank, feature, feature_id, class, color, sites) gets an
-/// underscore at the end of its name.
-/// Errors: Malformed for properties that are neither an object nor null, and for a name that no feature has;
+/// @param option      JSON Pointer to the option that chose the properties, or the option's name, for errors
+/// Answers have columns and members of their own: x, y, rank, feature, feature_id, class, color, sites. A property with
+/// one of these names gets an underscore at the end of its name.
+/// Errors: Malformed for properties that are neither an object nor null, and for a chosen name that no feature has;
 /// LimitExceeded for more than PropertyChoice::kMost different names, or more than CarriedProperties::kMostOfFeature
 /// bytes in a feature.
 Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,
                                   const PropertyChoice* choice, const std::string& option);
 
 /// Checks the total size of the properties in an answer that repeats them for each point.
-/// @param points  [features] number of points of each
+/// @param points  [features] number of points of each feature
 /// Errors: LimitExceeded for more than CarriedProperties::kMostInAll bytes, with the field `option`.
 Result<void> check_size(const CarriedProperties& carried, const std::vector<std::size_t>& points,
                         const std::string& option);

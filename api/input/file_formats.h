@@ -12,12 +12,12 @@ struct FileFormat {
     std::string_view title;       ///< for people
     std::string_view extension;   ///< of file names
     std::string_view media_type;  ///< in Accept and Content-Type
-    std::string_view parameters;  ///< appended to it in Content-Type
+    std::string_view parameters;  ///< appended to the media type in Content-Type
 
     std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
-// Formats that are in more than one table. Others are defined in their tables.
+// Formats that several endpoints offer. Formats of a single endpoint are defined in its table.
 inline constexpr FileFormat kJson{"json", "JSON", "json", "application/json", ""};
 inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};

@@ -13,8 +13,8 @@
 namespace ccdt::api {
 
 /// Finds a format by name.
-/// @param made  formats that the endpoint makes
-/// @returns     its index
+/// @param made  formats that the endpoint writes
+/// @returns     index of the format
 /// Errors: Malformed for any other name; the message lists the formats.
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> made);
 
@@ -34,17 +34,19 @@ Result<const Row*> read_format(const Input& input, std::span<const Row* const> m
 
 /// Chooses the format that a client prefers according to its Accept header (RFC 9110, 12.5.1).
 ///
-/// @param made  in the server's order of preference, which decides between equals
-/// @returns     its index; 0 if the header is missing, empty or has no valid media range
+/// @param made  formats in the server's order of preference, which decides between formats that the client likes
+///              equally
+/// @returns     index of the format; 0 if the header is missing, empty or has no valid media range
 /// If several media ranges match a format, the most specific one counts. Parameters of media types are not compared.
-/// Errors: NotAcceptable if the client accepts none; the message lists the media types.
+/// Errors: NotAcceptable if the client accepts none of the formats; the message lists the media types.
 Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made);
 
-/// Determines in which format of an endpoint's table an answer is written: by the option `format` if it is given,
-/// otherwise by the Accept header.
+/// Chooses the format of an answer from an endpoint's table: the format that the option `format` names, or else one by
+/// the Accept header.
 ///
 /// @param made    rows with a member `file`, in the server's order of preference
-/// @param format  result of read_format(); null if the option was not given
+/// @param format  result of read_format(), which is kept; null if the option was not given, and then set to the chosen
+///                format
 /// Errors: those of negotiate().
 template <class Row>
 Result<void> settle_format(std::string_view accept, std::span<const Row* const> made, const Row*& format) {

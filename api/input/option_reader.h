@@ -18,40 +18,40 @@
 
 namespace ccdt::api {
 
-/// A value of a request as it came: the text of a query parameter or form field, or a JSON value.
+/// A value of a request: the text of a query parameter or form field, or a JSON value.
 struct Input {
-    std::string name;   ///< its name in messages
-    std::string field;  ///< for Error::field: the name of an option that came as text, else a JSON Pointer
+    std::string name;   ///< name of the value in messages
+    std::string field;  ///< for Error::field: the name of an option given as text, otherwise a JSON Pointer
     std::variant<std::string_view, JsonValue> value;
 };
 
-/// The largest integer that a double, and thus a JSON number, distinguishes from its neighbours.
+/// The largest integer n for which doubles, and thus JSON numbers, represent both n and n + 1.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 
 /// Range of finite numbers that an option may take.
 struct Interval {
     double min = 0;
     double max = std::numeric_limits<double>::max();
-    bool above_min = false;  ///< min itself is excluded
+    bool above_min = false;  ///< whether min itself is excluded
 };
 
 /// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
-/// Reads a number: the whole text, or a JSON value of the right type, without rounding or guessing. Errors: Malformed
-/// with the input's field; the message says what the value must be.
+/// Reads a number. The input must be a JSON number, or a text that consists of one number. Nothing is rounded. Errors:
+/// Malformed with the input's field; the message states the allowed values.
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);
 
-/// Reads `true` or `false`; as text also `1` or `0`.
+/// Reads `true` or `false`. As text, `1` and `0` are also accepted.
 Result<bool> read_boolean(const Input& input);
 
-/// Reads text, such as a word, a colour or base64. The result views the input.
+/// Reads text, such as a word, a colour or base64. The result refers to memory of the input.
 Result<std::string_view> read_text(const Input& input);
 
 /// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed.
-/// @param one  term for a member that came as text, in messages
-/// @returns    the members as inputs of their own; empty if there are none, or more than `most`
+/// @param one  what messages call a member that is given as text
+/// @returns    an input for each member; an empty list if there are no members, or more than `most`
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 
 /// Reads one of the given words.
@@ -75,14 +75,14 @@ Result<T> read_choice(const Input& input, std::span<const Choice<T>> choices) {
 }
 
 /// Reads a number of sites or points.
-/// Errors: Malformed; LimitExceeded above limits.max_sites, which the message names.
+/// Errors: Malformed; LimitExceeded above limits.max_sites, with this limit in the message.
 Result<std::size_t> read_sites(const Input& input, const Limits& limits);
 
-/// Makes a Malformed error about an input: its name, then `what`.
+/// Returns a Malformed error about an input. The message is the name of the input, then `what`.
 tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 
-/// Converts an error of core to one about a request: its field, the name of a member or a JSON Pointer, becomes a JSON
-/// Pointer below `pointer`.
+/// Converts an error of core to an error about a request. The error's field, which is a member's name or a JSON
+/// Pointer, becomes a JSON Pointer below `pointer`.
 Error error_below(Error error, std::string_view pointer);
 
 /// Shortens text from a client to its first few dozen bytes, for use in messages.
@@ -92,10 +92,10 @@ std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 
 /// Lists the members of a JSON object.
 /// @param pointer  to the object; empty for the whole body
-/// Errors: Malformed if it is not an object, or has far more members than there are options.
+/// Errors: Malformed for a value that is not an object, and for an object with far more members than there are options.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
-/// Collects the errors in a request, so that its sender learns of all of them at once.
+/// Collects the errors in a request, so that one answer reports all of them.
 class ErrorList {
 public:
     template <class T>
@@ -103,7 +103,7 @@ public:
         if (!result) add(result.error());
     }
 
-    /// Returns the first error, with the others in its list, or success if there are none.
+    /// Returns the first error, with the other errors in its list `others`; success if there are no errors.
     Result<void> result() const;
 
 private:
@@ -119,7 +119,7 @@ struct OptionRule {
     Result<void> (*read)(const Input& input, const Limits& limits, Target& target);
 };
 
-/// Stores a value that was read, or passes the error on.
+/// Stores a value in `target`. If there is an error instead of a value, returns the error.
 template <class T, class Value>
 Result<void> assign(T& target, Result<Value> value) {
     if (!value) return tl::unexpected(value.error());
@@ -127,7 +127,7 @@ Result<void> assign(T& target, Result<Value> value) {
     return {};
 }
 
-/// Makes a Malformed error about an input whose name is none of `known`.
+/// Returns a Malformed error about an input whose name is not in `known`.
 tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known);
 
 template <class Target>
@@ -137,7 +137,7 @@ std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules
     return names;
 }
 
-/// Reads an input by the rule of its name. Errors: Malformed if a previous input has the same name.
+/// Reads an input by the rule that has its name.
 template <class Target>
 Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<const Input> before, const Input& input,
                          const Limits& limits, Target& target) {
@@ -148,8 +148,8 @@ Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<co
     return rule->read(input, limits, target);
 }
 
-/// Reads every input by the rule of its name, in order, and continues after errors.
-/// Errors: Malformed for a name without a rule, or one that occurs twice; those of the rules.
+/// Reads every input by the rule that has its name, in order, and continues after errors.
+/// Errors: Malformed for a name without a rule, or for a repeated name; those of the rules.
 template <class Target>
 Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<const Input> inputs,
                           const Limits& limits, Target& target) {
@@ -169,8 +169,8 @@ Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue o
     return read_options(rules, *inputs, limits, target);
 }
 
-/// Reads a body that is a JSON object of options. The document is discarded afterwards, so rules copy what they keep.
-/// Errors: also those of JsonDocument::parse.
+/// Reads a body that is a JSON object of options. The parsed JSON is destroyed afterwards, so rules must copy the
+/// values that they keep. Errors: those of JsonDocument::parse and read_options().
 template <class Target>
 Result<void> read_body(std::span<const OptionRule<Target>> rules, std::string_view body, const Limits& limits,
                        Target& target) {

@@ -11,34 +11,34 @@
 
 namespace ccdt::api {
 
-/// Appearance of inks that lie on each other and on their paper.
+/// Ways in which inks that overlap combine with each other and with the paper.
 enum class Mixing {
-    Cover,     ///< an ink hides what is below it; there is only one
-    Multiply,  ///< each ink multiplies the light of what is below it, as print does
+    Cover,     ///< the ink hides the paper; only for a single ink
+    Multiply,  ///< each ink multiplies the light of the layers below it, as in print
     Add,       ///< each ink adds its light, as lamps do
 };
 
 struct Ink {
-    std::string name;        ///< in answers; empty for the only ink, which answers do not name
-    Colour colour = kBlack;  ///< at full coverage, on white paper or as a lamp on black; not transparent
+    std::string name;        ///< name in answers; empty for a single ink, which answers do not name
+    Colour colour = kBlack;  ///< colour of solid ink on white paper, or of light on black if inks add; not transparent
 };
 
-/// Inks, their paper, and how they mix.
+/// Inks, the paper, and the way in which inks mix.
 struct Palette {
     std::vector<Ink> inks = {{}};  ///< 1 to kMostInks of core/halftone/separation.h
-    Colour paper = kWhite;         ///< if transparent, the inks are those for white paper
+    Colour paper = kWhite;         ///< if transparent, inks are chosen as for white paper
     Mixing mixing = Mixing::Cover;
 };
 
-/// Whether inks are those of `cmyk`, in that order, which readers of print files assume.
+/// Returns whether inks are cyan, magenta, yellow and black, in this order, which readers of print files assume.
 bool is_cmyk(std::span<const Ink> inks);
 
-/// Reads `gray`, which is one opaque black ink, `cmyk` or `rgb`.
+/// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single black ink that covers.
 Result<Palette> read_color(const Input& input);
 
 /// Reads 1 to kMostInks different colours: text with commas between them, or a JSON array of strings. The name of each
 /// ink is its colour as `\#rrggbb`.
-/// Errors: Malformed; for an element of an array, with the element's field.
+/// Errors: Malformed. The field of an error in an array is that of the element.
 Result<Palette> read_palette(const Input& input);
 
 }  // namespace ccdt::api

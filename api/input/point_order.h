@@ -8,9 +8,9 @@ namespace ccdt::api {
 
 /// Order of the points in an answer.
 enum class PointOrder {
-    None,         ///< as they were placed
+    None,         ///< the order of placement
     Path,         ///< along a short path
-    Progressive,  ///< every first part of the points is spread evenly
+    Progressive,  ///< the first k points are spread evenly, for every k
 };
 
 /// Reads the option `order`. Errors: Malformed.

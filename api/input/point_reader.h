@@ -10,9 +10,10 @@
 namespace ccdt::api {
 
 /// Reads points: a list of positions, or GeoJSON (RFC 7946): a Point, a MultiPoint, a Feature of one, or a
-/// GeometryCollection or FeatureCollection of such. Ignores ordinates after the second, and features of a collection
+/// GeometryCollection or FeatureCollection of these. Ignores ordinates after the second, and features of a collection
 /// without geometry. The result may be empty.
-/// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded for more than limits.max_sites.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded
+/// for more than limits.max_sites.
 Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

@@ -26,24 +26,25 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
-    /// Location of the parts of one geometry; its last part is before the first one of the next source.
+    /// Location of the parts of one geometry: the parts from `first_part` up to the first part of the next source.
     struct Source {
         std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
-        std::string coordinates;  ///< JSON Pointer to them, or to the list of rings; not used for Members
+        std::string coordinates;  ///< JSON Pointer to the coordinates, or to the list of rings; not used for Members
     };
 
     std::vector<PolygonPart> parts;
     std::vector<Source> sources = {{}};  ///< in the order of their parts; never empty
-    /// Index of the first part of each feature of a FeatureCollection, or of the next one's if a feature has none.
+    /// [features] index of the first part of each feature of a FeatureCollection. A feature without parts has the index
+    /// of the first part that follows.
     std::vector<std::size_t> features = {};
 
     std::size_t corner_count() const;
 
     bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
-    /// Returns the JSON Pointer, in the request, to what Domain::create calls `field`. For a vertex that was added to a
-    /// ring (core/globe/region.h), it points to the ring.
+    /// Converts a field of an error of Domain::create to a JSON Pointer in the request. A vertex that unrolled() in
+    /// core/globe/region.h added is not in the request; the result then points to the vertex's ring.
     std::string locate(std::string_view field) const;
 };
 
@@ -57,17 +58,18 @@ Result<Ring> read_ring(const Input& input);
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);
 
-/// Returns whether a value is GeoJSON: every GeoJSON object has a member `type`, and no request has one.
+/// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, and requests do not.
 bool is_geojson(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or FeatureCollection
-/// of such; all their parts together form the polygon. Ignores ordinates after the second, members that are not
+/// of these. All their parts together form the polygon. Ignores ordinates after the second, members that are not
 /// geometry, and features of a collection without geometry.
-/// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
+/// Errors: Malformed, with a JSON Pointer to the faulty value;
+/// Unusable if there is no polygon.
 Result<PolygonInput> read_geometry(const Input& input);
 
-/// Reads areas: a list of rings, each of which is a part, or GeoJSON as above, which may be empty.
-/// Errors: those of read_geometry().
+/// Reads areas: a list of rings, each of which is a part, or GeoJSON as in read_geometry(). The result may have no
+/// parts. Errors: those of read_geometry().
 Result<PolygonInput> read_areas(const Input& input);
 
 /// Checks the number of corners. Errors: LimitExceeded for more than kMaxCorners.

@@ -9,7 +9,7 @@ namespace {
 constexpr std::uint64_t kMaxIterations = 1000;
 constexpr std::uint64_t kMaxPasses = 100;
 
-/// The last one is available for points only, not for halftones.
+/// Values of the option `quality`. The last value, `stealthy`, is available for points, but not for halftones.
 constexpr std::array<Choice<Quality>, 4> kQualities = {{{"draft", Quality::Draft},
                                                         {"standard", Quality::Standard},
                                                         {"best", Quality::Best},

@@ -12,7 +12,7 @@ namespace ccdt::api {
 /// Returns the values of the option `quality`.
 std::span<const Choice<Quality>> qualities();
 
-/// Reads the option after which the function is named; all endpoints with sites share it. Errors: Malformed.
+/// Reads an option of runs, named as in the function's name. Errors: Malformed.
 Result<void> read_seed(const Input& input, Options& options);
 Result<void> read_iterations(const Input& input, Options& options);
 Result<void> read_passes(const Input& input, Options& options);

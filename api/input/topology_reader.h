@@ -14,13 +14,13 @@ namespace ccdt::api {
 bool is_topology(JsonValue value);
 
 /// Finds an object of a TopoJSON document by name.
-/// @param name  none: the only object
-/// Errors: Malformed if no object has that name, or if there are several and none is named; the message lists their
-/// names.
+/// @param name  none: the document must have exactly one object
+/// Errors: Malformed if no object has that name, or if there are several objects and no name is given. The message
+/// lists the names of the objects.
 Result<Input> find_object(const Input& topology, const std::optional<std::string>& name);
 
-/// Reads an object of a TopoJSON document: a Polygon, a MultiPolygon, or a GeometryCollection of such, each geometry of
-/// which is a feature. Arcs may be quantized. Geometries whose type is null have no polygons.
+/// Reads an object of a TopoJSON document: a Polygon, a MultiPolygon, or a GeometryCollection of these. The geometries
+/// of a collection are features. Arcs may be quantized. A geometry whose type is null has no polygons.
 ///
 /// @param object  result of find_object()
 /// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon; LimitExceeded for more

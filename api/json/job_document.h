@@ -14,13 +14,13 @@ struct JobDocument {
     double progress = 0;  ///< 0 to 1
     int iteration = 0;
     std::optional<double> variation;
-    std::string created;  ///< times in RFC 3339 format
+    std::string created;  ///< this and the times below are in RFC 3339 format
     std::optional<std::string> started;
     std::optional<std::string> finished;
-    std::string error;  ///< a problem document in JSON; empty: none
+    std::string error;  ///< a problem document in JSON; empty: no error
 };
 
-/// Writes the state of a job as JSON, on one line without a line break. Missing values are null.
+/// Writes the state of a job as JSON, on one line without a line break. Values that are not set are null.
 std::string job_json(const JobDocument& document);
 
 }  // namespace ccdt::api

@@ -14,18 +14,18 @@ namespace ccdt::api {
 
 class JsonValue;
 
-/// Parsed JSON text, as a flat list of values in the order of the text. It takes 16 bytes per value, and neither
-/// copying nor destroying it recurses, however deep the text nests.
+/// Parsed JSON text, as a flat list of values in the order of the text. A value takes 16 bytes, in addition to its
+/// text. Copying and destroying a document do not recurse, even if the text is deeply nested.
 class JsonDocument {
 public:
     static constexpr std::size_t kMaxDepth = 32;
     static constexpr std::size_t kMaxValues = std::size_t{1} << 23;  ///< member names count as values
 
     /// Parses a text. Errors: Malformed for invalid JSON (RFC 8259, UTF-8), for nesting deeper than kMaxDepth, and for
-    /// an object with two members of the same name; LimitExceeded for more than kMaxValues.
+    /// an object with two members of the same name; LimitExceeded for more than kMaxValues values.
     static Result<JsonDocument> parse(std::string_view text);
 
-    /// Returns the value of the whole text. The document must outlive it and must not move.
+    /// Returns the value of the whole text. The document must outlive the value and must not move.
     JsonValue root() const;
 
 private:
@@ -35,8 +35,8 @@ private:
     enum class Kind : std::uint8_t { Null, Boolean, Number, String, Array, Object };
 
     struct Node {
-        std::uint64_t payload = 0;  ///< bits of a double, a boolean, an index into texts_, or a number of elements
-        std::uint32_t end = 0;      ///< index of the node after this one and all its descendants
+        std::uint64_t payload = 0;  ///< bits of a double, a boolean, an index into texts_, or the number of elements
+        std::uint32_t end = 0;      ///< index of the first node after this one and its descendants
         Kind kind = Kind::Null;
     };
 
@@ -44,7 +44,8 @@ private:
     std::vector<std::string> texts_;
 };
 
-/// A value in a JsonDocument. Small; pass it by value. Accessors require a value of their type.
+/// A value in a JsonDocument. Small; pass it by value. boolean(), number(), text() and the accessors of arrays and
+/// objects require a value of their type.
 class JsonValue {
 public:
     class Iterator;
@@ -109,10 +110,10 @@ struct JsonValue::Member {
 /// Appends a value as JSON text. Numbers have the fewest digits that read back to the same double.
 void append_json(std::string& out, JsonValue value);
 
-/// Appends a text as a JSON string; bytes that are not UTF-8 are replaced.
+/// Appends a text as a JSON string. Replaces bytes that are not UTF-8.
 void append_json_text(std::string& out, std::string_view text);
 
-/// Appends a text as a JSON string of printable ASCII characters, which a header can carry.
+/// Appends a text as a JSON string of printable ASCII characters only, for use in HTTP headers.
 void append_ascii_json_text(std::string& out, std::string_view text);
 
 /// Returns the JSON Pointer (RFC 6901) to a member or an element of the value at `pointer`.

@@ -9,11 +9,12 @@ namespace ccdt::api {
 namespace {
 
 struct Named {
-    std::string_view name;  ///< in capital letters, without what is no letter or digit
+    std::string_view name;  ///< capital letters and digits; other characters have been removed
     CodePage page;
 };
 
-/// Names that programs write to .cpg files, and language drivers: 3 and 87 to 89 are those of Windows in the west.
+/// Names that programs write to .cpg files, and numbers of language drivers. The drivers 3 and 87 to 89 are Windows
+/// drivers for western languages.
 constexpr auto kNames = std::to_array<Named>({
     {"UTF8", CodePage::Utf8},
     {"65001", CodePage::Utf8},

@@ -24,7 +24,8 @@ bool contains(const Box& outer, const Box& inner) {
            outer.max.y >= inner.max.y;
 }
 
-/// Computes twice the area of a ring, positive for a counter-clockwise one; 0 where that overflows.
+/// Computes twice the area of a ring, which is positive for counter-clockwise rings. Returns 0 if the result is not a
+/// number because of overflow.
 double doubled_area(const Ring& ring) {
     double sum = 0;
     for (std::size_t i = 2; i < ring.size(); ++i) sum += cross(ring[i - 1] - ring[0], ring[i] - ring[0]);
@@ -33,7 +34,8 @@ double doubled_area(const Ring& ring) {
 
 enum class Side { Inside, Outside, Border };
 
-/// Finds the side of a ring that a point lies on, by the crossings of the ray to the right of it.
+/// Returns the side of a ring on which a point lies. Counts the crossings of the ring with a ray to the right of the
+/// point.
 Side side_of(const Ring& ring, Point p) {
     bool is_inside = false;
     for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -48,7 +50,7 @@ Side side_of(const Ring& ring, Point p) {
     return is_inside ? Side::Inside : Side::Outside;
 }
 
-/// Tells whether a ring contains another one, which may touch it but not cross it.
+/// Returns whether the outer ring contains the inner ring. The rings may touch but must not cross.
 bool contains(const Ring& outer, const Ring& inner) {
     for (const Point& p : inner) {
         const Side side = side_of(outer, p);
@@ -57,7 +59,8 @@ bool contains(const Ring& outer, const Ring& inner) {
     return true;
 }
 
-/// Outer rings of a shape, the smallest first, listed by the rows of the plane that they reach into.
+/// Outer rings of a shape, by increasing area. The plane is divided into horizontal rows; an index lists the rings that
+/// overlap each row.
 class OuterRings {
 public:
     /// @param outers  indices of the outer rings
@@ -96,7 +99,7 @@ private:
         Box box;
     };
 
-    /// Finds the row of an ordinate, which never decreases with it.
+    /// Returns the row that contains y. The row never decreases as y increases.
     std::size_t row_of(double y) const {
         const double row = (y - bottom_) / (top_ - bottom_) * static_cast<double>(rows_.size());
         return row > 0 ? static_cast<std::size_t>(std::min(row, static_cast<double>(rows_.size() - 1))) : 0;
@@ -106,7 +109,7 @@ private:
     std::vector<Outer> outers_;
     double bottom_ = kInfinity;
     double top_ = -kInfinity;
-    std::vector<std::vector<std::size_t>> rows_;  ///< indices of the outer rings in each, the smallest first
+    std::vector<std::vector<std::size_t>> rows_;  ///< indices of the outer rings in each row, by increasing area
     std::vector<std::size_t> candidates_;
 };
 

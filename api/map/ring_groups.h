@@ -10,14 +10,16 @@
 namespace ccdt::api {
 
 /// Groups the rings of one shape into polygons. Clockwise rings, with y up, are outer rings; counter-clockwise ones are
-/// holes. A hole belongs to the smallest outer ring that contains it; one that no outer ring contains is an outer ring
-/// itself. Rings without an area are outer rings.
+/// holes. A hole belongs to the smallest outer ring that contains it. A hole that no outer ring contains becomes an
+/// outer ring. Rings without an area are outer rings.
 ///
-/// @returns  indices of the rings of each polygon, the outer ring first; polygons and holes in the order of the rings
+/// @returns  for each polygon the indices of its rings, the outer ring first; polygons, and holes within a polygon,
+///           keep the order of the rings
 ///
-/// A hole whose box lies in the box of only one outer ring is given to that ring without further tests.
-/// O(corners + rings * sqrt(outer rings)) where rings are small beside the shape; besides O(corners of the ring) for
-/// each of several rings whose box contains a hole. Source: ESRI Shapefile Technical Description, 1998, page 8.
+/// If the bounding box of a hole lies in the bounding box of only one outer ring, the hole is assigned to this ring
+/// without further tests. O(corners + rings * sqrt(outer rings)) if rings are small compared to the shape. If the boxes
+/// of several outer rings contain the box of a hole, each of these rings that is tested costs O(its corners) more.
+/// Source: ESRI Shapefile Technical Description, 1998, page 8.
 std::vector<std::vector<std::size_t>> group_rings(std::span<const Ring> rings);
 
 }  // namespace ccdt::api

@@ -11,29 +11,30 @@
 
 namespace ccdt::api {
 
-/// First bytes of a zip archive that holds anything.
+/// First bytes of a zip archive that is not empty.
 inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 
-/// Takes the next piece of a text.
-/// @returns  false if there is no room for it
+/// Receives the next piece of a text.
+/// @returns  false if the text becomes too long
 using TakeText = std::function<bool(std::string_view piece)>;
 
 /// Reads a zipped shapefile of polygons, and writes it as GeoJSON: a FeatureCollection with a Feature for each record,
-/// whose properties are those of the .dbf file. Measures and heights are left out. Coordinates are those of the file,
-/// to the last bit; the .prj file is not read. The .shx file is not needed, nor is the .dbf file.
+/// with the properties in the .dbf file. Measures and heights are omitted. Coordinates are exactly those of the file;
+/// the .prj file is not read. The .shx and .dbf files are optional.
 ///
-/// Features without a shape have the geometry null; records that the .dbf file marks as deleted are left out. Rings are
-/// grouped by group_rings(). Numbers become numbers, logical values booleans, dates texts `YYYY-MM-DD`, everything else
-/// text; empty values are null. The .cpg file, else the .dbf file's language driver, names the encoding of texts.
+/// The geometry of a record without a shape is null. Records that the .dbf file marks as deleted are omitted. Rings are
+/// grouped by group_rings(). Numbers and logical values become numbers and booleans; dates become strings `YYYY-MM-DD`;
+/// values of other types become strings. Empty values become null. The encoding of texts is named by the .cpg file, or
+/// else by the language driver in the .dbf file.
 ///
-/// Errors: Unusable for what is no zipped shapefile of polygons, or a damaged one, for several of which none is chosen,
-/// and for texts in an encoding that is not read; LimitExceeded for more than `max_bytes`, PolygonInput::kMaxCorners or
-/// as many records. The field is `object` or empty.
+/// Errors: Unusable if the archive is damaged or not a zipped shapefile of polygons, if it has several shapefiles and
+/// none is chosen, and for texts in an encoding that is not supported; LimitExceeded for more than `max_bytes` bytes,
+/// or more than PolygonInput::kMaxCorners corners or records. The field is `object` or empty.
 /// Source: ESRI Shapefile Technical Description, 1998.
 Result<void> read_shapefile(std::string_view archive, const ShapefileReading& reading, const TakeText& take);
 
-/// Estimates the peak memory of read_shapefile() besides the archive: the inflated files, the largest record, and its
-/// corners and rings, or the index of all records.
+/// Estimates the peak memory of read_shapefile() in bytes, without the archive. It holds the inflated files, and also
+/// either the largest record with its corners and rings or the index of all records.
 constexpr std::size_t shapefile_memory(std::size_t max_bytes) {
     constexpr std::size_t kBase = std::size_t{16} << 20;
     constexpr std::size_t kMostOfCorners = std::size_t{96} << 20;

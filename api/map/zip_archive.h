@@ -14,23 +14,23 @@ struct zip;
 
 namespace ccdt::api {
 
-/// A zip archive in memory, of which members are read one at a time.
+/// A zip archive in memory, whose members are read one at a time.
 class ZipArchive {
 public:
     static constexpr std::size_t kMaxMembers = 1000;
 
     /// Reads the directory of an archive.
     /// @param bytes  must outlive the archive
-    /// Errors: Unusable for what is no zip archive, or a truncated one; LimitExceeded for more than kMaxMembers.
+    /// Errors: Unusable if the bytes are not a complete zip archive; LimitExceeded for more than kMaxMembers members.
     static Result<ZipArchive> open(std::string_view bytes);
 
-    /// Paths of the members, in UTF-8, in the order of the directory.
+    /// Returns the paths of the members, in UTF-8, in the order of the directory.
     const std::vector<std::string>& names() const { return names_; }
 
     /// Inflates a member and checks its CRC.
-    /// @param budget  bytes that it may have; reduced by those that it has
-    /// Errors: Unusable for a member that is encrypted, damaged or not compressed by deflate; LimitExceeded, without a
-    /// message, for one that is larger than the budget.
+    /// @param budget  maximum size of the member in bytes; the size of the member is subtracted from it
+    /// Errors: Unusable for a member that is encrypted, damaged or not compressed by deflate; LimitExceeded, with an
+    /// empty message, for a member larger than the budget.
     Result<std::string> read(std::size_t member, std::size_t& budget) const;
 
 private:

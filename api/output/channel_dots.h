@@ -12,13 +12,13 @@
 
 namespace ccdt::api {
 
-/// Dots of all kinds that flip a channel of a drawing with dots on both sides of the tonal scale, in the points' units.
+/// Dots, of all kinds, that flip one channel. The drawing has dots on both sides of the tonal scale. Lengths are in the
+/// units of the points.
 struct ChannelDots {
     std::vector<Point> points;
     std::vector<float> radii;
-    std::vector<std::uint32_t> ink;  ///< indices of dots on ground that is not ink
-    std::vector<std::uint32_t>
-        paper;  ///< indices of dots on ground that is ink; dots that its boundary cuts are in both
+    std::vector<std::uint32_t> ink;    ///< indices of dots on white ground
+    std::vector<std::uint32_t> paper;  ///< indices of dots on black ground; a dot on the boundary is in both lists
 };
 
 inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel) {
@@ -38,8 +38,9 @@ inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t c
     return all;
 }
 
-/// Returns the colour of the paper dots of a channel. Channels of several mix, each from where it has no ink.
-/// @param palette  that of the inks
+/// Returns the colour of the paper dots of a channel. If there are several channels, this is the colour that leaves the
+/// other channels unchanged when channels are mixed.
+/// @param palette  palette of the inks
 inline Colour bare_colour(std::span<const InkDots> kinds, const Palette& palette) {
     if (!are_named(kinds)) return palette.paper;
     return palette.mixing == Mixing::Add ? kBlack : kWhite;

@@ -10,9 +10,9 @@
 
 namespace ccdt::api {
 
-/// Draws the rings around black ground as closed curves: quadratic splines with the rings' points as controls, but
-/// straight along the border of the page.
-/// @param sink  takes move_to(), line_to(), curve_to(control, end) and close(), with points on the page
+/// Draws the rings around black ground as closed curves. A curve is a quadratic spline whose control points are the
+/// points of the ring; along the border of the page it is straight.
+/// @param sink  has move_to(point), line_to(point), curve_to(control, end) and close(); points are on the page
 template <class Sink>
 void trace_ground(std::span<const std::vector<Point>> rings, const Page& page, Sink& sink) {
     const Placing place(page, page.unit());

@@ -15,24 +15,24 @@
 
 namespace ccdt::api {
 
-/// Black ground of a halftone with dots on both sides of the tonal scale, in the units of the points.
+/// Black ground of each channel of a halftone with dots on both sides of the tonal scale, in the units of the points.
 struct Grounds {
     std::span<const Ink> inks;                           ///< [channels]
-    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] around black ground, by the even-odd rule
+    std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] rings around black ground, by the even-odd rule
 };
 
 /// Dots that flip the same channels, on both sides of the tonal scale, in the units of the points.
 struct TwoSidedDots {
-    const SizedDots& dots;  ///< `white` has the bits of the channels with white ground
-    unsigned flips;         ///< bits of the channels that they flip
+    const SizedDots& dots;  ///< in `white`, a bit is set for each channel whose ground is white
+    unsigned flips;         ///< one bit for each channel that the dots flip
     const Grounds& grounds;
 };
 
-/// Dots of an ink, as writers receive them. Everything that it refers to must outlive it.
+/// Dots of an ink, as writers receive them. All objects that this one refers to must outlive it.
 struct InkDots {
     const Ink& ink;
     const Distribution& dots;
-    double radius = 0;                        ///< of each dot, in the units of the points; used only by drawings
+    double radius = 0;                        ///< radius of each dot, in the units of the points; used only by drawings
     const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
 };
 
@@ -49,7 +49,7 @@ inline bool are_named(std::span<const InkDots> inks) {
     return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
 }
 
-/// Returns the ranks of a range of points; empty if points have none.
+/// Returns the ranks of `count` points from `first` on; empty if the points have no ranks.
 inline std::span<const std::uint32_t> ranks_of(const Distribution& points, std::size_t first, std::size_t count) {
     const std::span<const std::uint32_t> all = points.ranks;
     return all.empty() ? all : all.subspan(first, count);

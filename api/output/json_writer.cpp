@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
 constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
 
-/// Appends a number. Throws if it is not finite, since JSON cannot express that and clients expect a number.
+/// Appends a number. Throws if the number is not finite, since JSON cannot express it and clients expect a number.
 void append_number(std::string& out, double value) {
     if (!std::isfinite(value)) throw std::domain_error("a number of the answer is not finite");
     append_shortest(out, value);
@@ -31,7 +31,7 @@ void append_number(std::string& out, std::uint64_t value) {
     out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
-/// Writes an array, each element by `append_element(out, element)`.
+/// Writes an array. Calls `append_element(out, element)` for each element.
 template <class Range, class AppendElement>
 void append_array(std::string& out, const Range& range, AppendElement append_element) {
     out += '[';
@@ -52,8 +52,8 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list, each element by `append_element(out, element)`. Ends early on a stop, or if the taker of the
-/// body fails.
+/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the taker of
+/// the body fails.
 template <class Element, class AppendElement>
 void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
     std::string& out = body.text();
@@ -124,7 +124,7 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
-/// Appends members that repeat the request.
+/// Appends members that repeat options of the request.
 void append_order(std::string& out, std::size_t sites, const Report& report) {
     out += "\"sites\":";
     append_number(out, std::uint64_t{sites});
@@ -132,7 +132,7 @@ void append_order(std::string& out, std::size_t sites, const Report& report) {
     out.append(",\"method\":\"").append(report.method).append("\"");
 }
 
-/// Appends members about the outcome of a run, and about repairs and warnings.
+/// Appends members that report an early stop, repairs and warnings.
 void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (stopped) out += ",\"partial\":true";
     if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));
@@ -148,7 +148,8 @@ void append_run(std::string& out, const Distribution& distribution, const Report
     append_remarks(out, distribution.stopped, report);
 }
 
-/// Writes repairs or warnings in printable ASCII: their texts may contain names from the request.
+/// Writes repairs or warnings in printable ASCII, because HTTP headers also contain them and their texts may contain
+/// names from the request.
 template <class Remark>
 std::string write_remarks(std::span<const Remark> remarks) {
     std::string out;
@@ -192,7 +193,7 @@ void write_distribution(Body& body, const Distribution& distribution, const Repo
     if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
 }
 
-/// Rounds to a thousandth, which is precise enough for outlines.
+/// Rounds coordinates to a thousandth, which is precise enough for outlines.
 Point rounded(Point point) {
     constexpr double kSteps = 1000;
     return {std::round(point.x * kSteps) / kSteps, std::round(point.y * kSteps) / kSteps};
@@ -317,7 +318,7 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Writes the features and the number of points of each. Ends early if the taker of the body fails.
+/// Writes the features with their numbers of points. Ends early if the taker of the body fails.
 void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
@@ -353,8 +354,8 @@ void append_classes(std::string& out, const MapOfDots& map) {
     });
 }
 
-/// Appends the properties of all points of a class in a feature, each followed by a comma: first those that points
-/// carry, then those that identify feature and class.
+/// Appends the properties that all points of a class in a feature share, each followed by a comma. First come the
+/// carried properties, then the properties that identify the feature and the class.
 void append_origin(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature) {
     if (map.properties != nullptr) {
         const std::size_t before = out.size();
@@ -396,8 +397,8 @@ constexpr Separators kLines{"", "", "\n"};
 constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 
 /// Writes a Feature for each point. Ends early on a stop, or if the taker of the body fails.
-/// @param ranks       of the points; may be empty
-/// @param properties  that all points share, each followed by a comma
+/// @param ranks       ranks of the points; empty if there are none
+/// @param properties  properties that all points share, each followed by a comma
 /// @param is_first    whether these points are the first of the answer
 void write_single_points(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks,
                          std::string_view properties, const Separators& separators, bool is_first,

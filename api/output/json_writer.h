@@ -35,54 +35,56 @@ struct Report {
     double elapsed_ms = 0;
     std::optional<PictureSize> picture;
     std::string_view method = "ccdt";
-    std::span<const Repair> repairs = {};    ///< of a polygon; fields are JSON Pointers
+    std::span<const Repair> repairs = {};    ///< repairs of polygons; fields are JSON Pointers
     std::optional<DotSize> dots = {};        ///< of a halftone
     std::span<const Warning> warnings = {};  ///< about the request
-    std::optional<double> pitch_m = {};      ///< of points on the ground, metres: the square root of the area per point
+    std::optional<double> pitch_m = {};      ///< for points on the globe: square root of the area per point, metres
 };
 
 /// Writes repairs as an array: `[{"pointer":"/polygon/2","detail":"..."}]`.
 std::string write_repairs(std::span<const Repair> repairs);
 
-/// Writes warnings in the same way.
+/// Writes warnings as an array, in the form of write_repairs().
 std::string write_warnings(std::span<const Warning> warnings);
 
-/// Writes the JSON answer of /sample and /halftone. Named inks are a list; otherwise the answer has the points
-/// themselves, and the mesh if there is one. Dots on both sides of the tonal scale come with radii and sides, and with
-/// the outlines of the black ground. The answer also reports an early end, repairs and warnings.
+/// Writes the JSON answer of /sample and /halftone. If inks have names, the answer has a list of inks with their
+/// points. Otherwise it has a list of points, and the mesh if there is one. Dots on both sides of the tonal scale have
+/// radii and sides, and the answer has the outlines of the black ground. The answer also reports an early stop, repairs
+/// and warnings.
 ///
 /// Numbers have the fewest digits that read back to the same double. Same input, same bytes. About 0.1 microseconds per
-/// number. A stop ends the output early and makes it useless. Like all writers of JSON, it throws std::domain_error for
-/// a number that is not finite, which would be a bug of ours.
+/// number. A stop ends the output early and makes it useless. Like all writers of JSON, this function throws
+/// std::domain_error for a number that is not finite, which would be a bug in this project.
 void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the points of a single ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint, and whose
-/// properties are the members of the report, except for times. A stop ends the output early and makes it useless.
+/// Writes the points of a single ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint. Its properties
+/// are the members of the report, except for times. A stop ends the output early and makes it useless.
 void write_feature(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the JSON answer of a dot map. Points are sorted by class, and within a class by feature. Each has the index
-/// of its feature, and of its class if classes have names. Each feature has its number of points, its id, and the
-/// properties that points carry. Otherwise as write_json().
+/// Writes the JSON answer of a dot map. Points are sorted by class, and within a class by feature. Each point has the
+/// index of its feature, and the index of its class if classes have names. Each feature has its number of points, its
+/// id, and the properties that points carry. All other members are those of write_json().
 void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the dots of a map as GeoJSON: a FeatureCollection with a Feature for the points of each class in each
-/// feature, whose geometry is a MultiPoint. It has the id of the feature and the properties that points carry. The
-/// report, except for times, is in members of the collection. A stop ends the output early and makes it useless.
+/// Writes the dots of a map as GeoJSON: a FeatureCollection. The points of each class in each feature of the request
+/// are a Feature, whose geometry is a MultiPoint. This Feature has the id and the carried properties of the request's
+/// feature. The report, except for times, is in members of the collection. A stop ends the output early and makes it
+/// useless.
 void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes points as GeoJSON: a FeatureCollection with a Feature for each, whose geometry is a Point. The report, except
-/// for times, is in members of the collection. In a dot map each point has the properties that it carries, `feature`,
+/// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in
+/// members of the collection. In a dot map, each point also has the properties that it carries, the member `feature`,
 /// and `feature_id` if the feature has an id. A stop ends the output early and makes it useless.
 void write_point_features(std::span<const InkDots> inks, const Report& report, Body& body,
                           const std::stop_token& stop = {});
 void write_map_point_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes these Features only, one per line.
+/// Writes only the Features of write_point_features(), one per line.
 void write_point_lines(std::span<const InkDots> inks, const Report& report, Body& body,
                        const std::stop_token& stop = {});
 void write_map_point_lines(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the same lines as a sequence of JSON texts (RFC 8142), each after a record separator.
+/// Writes the lines of write_point_lines() as a sequence of JSON texts (RFC 8142), each after a record separator.
 void write_point_sequence(std::span<const InkDots> inks, const Report& report, Body& body,
                           const std::stop_token& stop = {});
 void write_map_point_sequence(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});

@@ -14,18 +14,18 @@
 
 namespace ccdt::api {
 
-/// Dots of one class of a dot map, as writers receive them. Everything that it refers to must outlive it.
+/// Dots of one class of a dot map, as writers receive them. All objects that this one refers to must outlive it.
 struct MapDots {
-    const Ink& ink;  ///< has the name of the class; empty for a single class that answers do not name
+    const Ink& ink;  ///< its name is that of the class; empty for a single class that answers do not name
     const ClassDots& dots;
-    double radius = 0;  ///< of each dot, in the units of the points; used only by drawings
+    double radius = 0;  ///< radius of each dot, in the units of the points; used only by drawings
 };
 
 /// Dots of all classes of a dot map, and its features.
 struct MapOfDots {
     std::span<const MapDots> classes;               ///< at least one
     std::span<const std::string> feature_ids;       ///< [features] as JSON; empty for a feature without id
-    const CarriedProperties* properties = nullptr;  ///< of the features; null: points carry none
+    const CarriedProperties* properties = nullptr;  ///< properties of the features; null: points carry none
 
     bool are_named() const { return !classes.front().ink.name.empty(); }
     bool are_ranked() const {

@@ -8,25 +8,26 @@
 
 namespace ccdt::api {
 
-/// Sheet that shows a box all over.
+/// Page of a drawing. A box in the plane of the points fills the page.
 struct Page {
-    Box box;                ///< in the points' units; its sides as those of a Domain
-    bool y_up = false;      ///< the points' y runs up; on the page it always runs down
-    bool periodic = false;  ///< the box is a torus
-    Canvas canvas;          ///< its size in pixels, its scale in pixels per unit of the points
+    Box box;                ///< in the units of the points; sides as those of a valid Domain
+    bool y_up = false;      ///< whether y of the points points up; on the page, y always points down
+    bool periodic = false;  ///< whether the box is a torus
+    Canvas canvas;          ///< size in pixels, and pixels per unit of the points
     std::optional<double> width_mm;
-    bool along_path = true;  ///< dots are drawn along a short path, else in the order that they come in
+    bool along_path = true;  ///< whether dots are drawn along a short path; if false, in the given order
 
-    /// User units of a drawing per unit of the points: millimetres if the page has a width in these.
+    /// Returns the number of user units per unit of the points. User units are millimetres if the page has a width in
+    /// millimetres.
     double unit() const { return width_mm ? *width_mm / box.width() : 1; }
     Point size() const { return {box.width() * unit(), box.height() * unit()}; }
 };
 
-/// Mapping of points to the page, from its upper left corner.
+/// Maps points to positions on the page, relative to the upper left corner of the page.
 class Placing {
 public:
-    /// @param page  must outlive it
-    /// @param unit  length on the page of a unit of the points
+    /// @param page  must outlive this object
+    /// @param unit  length on the page of one unit of the points
     Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
 
     Point operator()(Point p) const {

@@ -24,7 +24,7 @@ constexpr std::array<NamedColour, 20> kNamed = {{
     {"navy", {0, 0, 128}},     {"purple", {128, 0, 128}}, {"magenta", {255, 0, 255}},    {"pink", {255, 192, 203}},
 }};
 
-/// Names the nearest colour by the squared distance in sRGB.
+/// Returns the name of the nearest colour, by the squared distance in sRGB.
 std::string_view word_for(const Colour& colour) {
     const auto distance = [&](const NamedColour& other) {
         const int red = colour.red - other.colour.red;

@@ -9,7 +9,7 @@
 
 namespace ccdt::api {
 
-/// Copies the inks of dots, of points or of a map's classes.
+/// Returns copies of the inks of several sets of points, or of the classes of a dot map.
 template <class Dots>
 std::vector<Ink> inks_of(std::span<const Dots> dots) {
     std::vector<Ink> inks;
@@ -17,11 +17,11 @@ std::vector<Ink> inks_of(std::span<const Dots> dots) {
     return inks;
 }
 
-/// Labels pens for people, without digits: vpype takes the digits of a layer's label for its number, so `#ff0000` and
-/// `#000000` would be one pen. Digits are left out of names, and an ink that is named by its colour gets a word for it.
-/// Labels that would be alike get a letter each.
+/// Makes readable labels of pens, without digits. The plotter program vpype reads the digits in the label of a layer as
+/// the layer's number, so `#ff0000` and `#000000` might become the same pen. Digits are removed from names. An ink
+/// whose name is its colour gets the name of the nearest common colour. Equal labels are distinguished by letters.
 ///
-/// @returns  [inks]; UTF-8 as the names are
+/// @returns  [inks]; valid UTF-8 if the names are
 std::vector<std::string> pen_labels(std::span<const Ink> inks);
 
 }  // namespace ccdt::api

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Base of the writers: text, and a page whose y runs up.
+/// Base of the writers. Appends text, and converts points to coordinates with the y axis pointing up.
 class PlotterFile {
 public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
@@ -33,7 +33,8 @@ protected:
 private:
     void append(std::string_view words) { body_.text() += words; }
 
-    /// Appends micrometres at most, a hundredth of what machines resolve.
+    /// Appends a length in millimetres with four decimals. Machines have a resolution of about a hundredth of a
+    /// millimetre.
     void append(double length) { append_fixed(body_.text(), length, 4); }
 
     void append(long long whole) { body_.text() += std::to_string(whole); }
@@ -48,7 +49,8 @@ void trace(const Plot& plot, const Pen& pen, Medium& medium) {
     for (const PenRun& run : pen.runs) trace(plot, pen, run, medium);
 }
 
-/// Keeps letters of ASCII, and writes a low line for all else: labels go into languages with words of their own.
+/// Converts a label to upper-case ASCII letters, with underscores for all other bytes. Digits and punctuation may have
+/// a meaning in the languages of machines.
 std::string plain(std::string_view label) {
     constexpr std::size_t kLongest = 24;
     std::string text(label.substr(0, kLongest));
@@ -125,7 +127,7 @@ public:
     void end() { write(up_); }
 
 private:
-    /// Commands that move the pen, and the time that it takes.
+    /// Returns the commands that raise or lower the pen, and the dwell that follows them.
     static std::string movement(std::string commands, double dwell) {
         std::ranges::replace(commands, '|', '\n');
         commands += '\n';
@@ -140,13 +142,13 @@ private:
         write(command, " X", p.x, " Y", p.y);
     }
 
-    double feed_;  ///< mm a minute
+    double feed_;  ///< mm per minute
     std::string down_;
     std::string up_;
     bool is_feed_told_ = false;
 };
 
-/// Colour of AutoCAD's palette that is nearest; 7 is black on a white ground.
+/// Returns the index of the nearest colour in AutoCAD's palette. Colour 7 is black on a white ground.
 int index_of(const Colour& colour) {
     constexpr std::array<Colour, 9> kIndexed = {{{255, 0, 0},
                                                  {255, 255, 0},

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
 constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a comma and a line break
-constexpr std::size_t kUsualName = 8;       ///< of an ink, with its comma
-constexpr std::size_t kNpyAlignment = 64;   ///< of the offset of the first number
+constexpr std::size_t kUsualName = 8;       ///< usual bytes of an ink's name and a comma
+constexpr std::size_t kNpyAlignment = 64;   ///< alignment of the offset of the first number
 
 /// @param ranks  of the points; may be empty
 /// @param end    end of each line
@@ -68,7 +68,7 @@ unsigned inks_below(unsigned white, const Grounds& grounds) {
     return ~white & ((1U << grounds.inks.size()) - 1);
 }
 
-/// Joins the names of the inks whose bits are set, or returns "paper" if there are none.
+/// Joins the names of the inks whose bits are set. Returns "paper" if no bit is set.
 std::string names_of(unsigned bits, const Grounds& grounds) {
     std::string names;
     for_channels(
@@ -76,8 +76,8 @@ std::string names_of(unsigned bits, const Grounds& grounds) {
     return names.empty() ? "paper" : names;
 }
 
-/// Writes a line for each dot, with its radius and its side or, with several channels, the channels that it flips and
-/// its ground.
+/// Writes a line for each dot, with its radius and its side. With several channels, the flipped channels and the inks
+/// of the ground take the place of the side.
 void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop_token& stop) {
     const bool named = are_named(kinds);
     std::string& out = body.text();
@@ -112,8 +112,8 @@ std::string quoted(std::string_view text) {
     return out + '"';
 }
 
-/// Appends the columns of a feature's properties: text as it is, other values as JSON, and nothing for null or a
-/// missing property.
+/// Appends the columns of a feature's properties: text as it is, other values as JSON. A null or missing property gives
+/// an empty field.
 void append_columns(std::string& out, const CarriedProperties& properties, std::size_t feature) {
     std::size_t column = 0;
     for (const auto& [name, is_text, value] : properties.of_feature[feature]) {

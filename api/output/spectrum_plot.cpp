@@ -28,8 +28,8 @@ constexpr std::string_view kTickLine = R"(stroke="#000")";
 constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")";
 constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
 
-constexpr double kMostShown = 2500;  // points; more would look grey
-constexpr double kWhitest = 3;       // power that is drawn white
+constexpr double kMostShown = 2500;  // maximum number of points; more points would look grey
+constexpr double kWhitest = 3;       // smallest power that is drawn white
 
 std::string decimal(double value) {
     char digits[32];
@@ -51,9 +51,9 @@ double middle(double a, double b) {
 struct Axis {
     double min;
     double max;
-    double step;  ///< between ticks
+    double step;  ///< distance of ticks
 
-    /// Returns an axis that contains [min, max] and ends at ticks, of which it has a handful.
+    /// Returns an axis that contains [min, max]. It begins and ends at ticks, and has about five ticks.
     static Axis around(double min, double max) {
         const double raw = (max - min) / 4;
         const double decade = std::pow(10, std::floor(std::log10(raw)));
@@ -118,7 +118,7 @@ void draw_curve(SvgDrawing& svg, const Chart& chart, const std::vector<double>& 
     svg.end_clip();
 }
 
-/// Draws a line at a level for comparison with the curve.
+/// Draws a horizontal line, with a label, for comparison with the curve.
 void draw_reference(SvgDrawing& svg, const Chart& chart, double level, std::string_view words) {
     const Point end = chart.at(chart.x.max, level);
     svg.line(chart.at(chart.x.min, level), end, kReference);
@@ -128,7 +128,7 @@ void draw_reference(SvgDrawing& svg, const Chart& chart, double level, std::stri
 /// Part of the domain that is shown, and its scale.
 struct View {
     Box shown;
-    Point centre;  ///< of the panel
+    Point centre;  ///< centre of the panel
     double scale;
 
     bool holds(Point p) const {
@@ -172,13 +172,13 @@ void draw_points(SvgDrawing& svg, const Analysis& analysis, std::span<const Poin
     draw_caption(svg, frame, 22, caption);
 }
 
-/// The spectrum as grey levels, with light in proportion to the power; y points down.
+/// The spectrum as a grey picture, with light in proportion to power; y points down.
 struct Periodogram {
     Raster raster;
-    Point size;  ///< in frequencies; may reach beyond the spectrum
+    Point size;  ///< size in frequencies; may extend beyond the spectrum
 };
 
-/// Averages the power of the frequencies that share a pixel.
+/// Returns the mean power of the frequencies that one pixel shows.
 /// @param column, row  of the pixel
 /// @param shrink       frequencies per pixel along each axis
 double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
@@ -192,8 +192,8 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
     return sum / count;
 }
 
-/// Draws the spectrum. Pixels of a large one show several frequencies. In a small one, each frequency has several
-/// pixels, because some viewers blur pictures when they enlarge them.
+/// Draws the spectrum. If the spectrum is large, a pixel shows the mean of several frequencies. If it is small, a
+/// frequency has several pixels, because some viewers blur pictures when they enlarge them.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
     constexpr int kMostPixels = 640, kFewestPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);

@@ -11,12 +11,13 @@
 
 namespace ccdt::api {
 
-/// Draws an analysis as SVG, in the style of Xu et al. 2011, figure 4: points, spectrum, radially averaged power and
+/// Draws an analysis as SVG, in the style of figure 4 of Xu et al. 2011: points, spectrum, radially averaged power and
 /// anisotropy.
 ///
-/// @param points         of the first set; if there are very many, only those in the middle of the domain are shown
+/// @param points         points of the first set; if there are very many, only points in the middle of the domain are
+///                       drawn
 /// @param domain         domain that was analysed
-/// @param max_frequency  end of the frequency axes
+/// @param max_frequency  last frequency on the frequency axes
 /// Same input, same bytes. Errors: Internal if memory runs out.
 Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, const Domain& domain,
                                   double max_frequency);

@@ -68,7 +68,7 @@ void SvgDrawing::rectangle(const Box& box, std::string_view style) {
 }
 
 void SvgDrawing::dots(std::span<const Point> centres, double radius) {
-    // Subpaths of zero length with round caps take a third of the bytes of circles.
+    // Discs are subpaths of zero length with round caps, which take a third of the bytes of circles.
     write("<path stroke=\"#000\" stroke-linecap=\"round\" stroke-width=\"", 2 * radius, "\" d=\"");
     for (const Point& centre : centres) write("M", centre.x, " ", centre.y, "h0");
     write("\"/>\n");

@@ -18,7 +18,7 @@ public:
     /// Begins a document with a white background.
     SvgDrawing(double width, double height);
 
-    /// @param words  XML text, in which the caller has escaped `<` and `&`
+    /// @param words  XML text: the caller must have escaped `<` and `&`
     void text(Point at, Anchor anchor, double size, std::string_view words);
 
     /// @param style  SVG attributes
@@ -32,11 +32,11 @@ public:
     /// Stretches a picture over a box, with sharp, square pixels.
     void picture(const Box& box, std::string_view png);
 
-    /// Clips to a box everything that is drawn before the matching end. Coordinates stay the same.
+    /// Clips all shapes to a box until end_clip() is called. Coordinates stay the same.
     void begin_clip(const Box& box);
     void end_clip();
 
-    /// Returns the document. Nothing can be drawn after it.
+    /// Returns the document. Must be the last call.
     std::string finish();
 
 private:

@@ -8,10 +8,10 @@
 
 namespace ccdt::api {
 
-/// Renders one of our SVG documents as a PNG file, by librsvg and cairo.
+/// Renders an SVG document that this project has written, as a PNG file, by librsvg and cairo. Not for SVG of clients.
 ///
 /// @param scale  pixels per user unit
-/// Same input, same bytes, with the same fonts installed. Errors: Internal if it is not SVG or memory runs out.
+/// Same input, same bytes, with the same fonts installed. Errors: Internal if the text is not SVG or memory runs out.
 Result<std::string> render_svg(std::string_view svg, double scale);
 
 }  // namespace ccdt::api

@@ -17,8 +17,8 @@ Result<void> check_stop(const std::stop_token& stop);
 /// Checks that a distribution is complete, or that a partial one is accepted. Errors: Stopped.
 Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
 
-/// Returns the token that stops the writing of an answer. It never stops if partial results are accepted, which are
-/// written in full.
+/// Returns the token that stops the writing of an answer. If partial results are accepted, the token never stops,
+/// because a partial result is written in full.
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop);
 
 }  // namespace ccdt::api

@@ -10,54 +10,54 @@
 
 namespace ccdt::api {
 
-/// Limits on what one request may ask for.
+/// Limits on a request.
 struct Limits {
     std::size_t max_sites = 2'000'000;
-    std::size_t max_pixels = 64'000'000;  ///< of a decoded picture, and of one that is drawn
+    std::size_t max_pixels = 64'000'000;  ///< limit of a decoded picture, and of a drawing in pixels
 };
 
-/// Estimate of what computing takes.
+/// Estimated cost of computing an answer.
 struct Cost {
-    std::size_t memory = 0;  ///< bytes at most, the answer among them; not those that the request holds itself
-    double seconds = 0;      ///< about, on one core of 2020 or so
-    std::size_t answer = 0;  ///< bytes of the answer's body at least, as far as that is known
+    std::size_t memory = 0;  ///< peak memory in bytes, including the answer but not the request
+    double seconds = 0;      ///< approximate, on one core of a computer of about 2020
+    std::size_t answer = 0;  ///< known lower bound of the size of the answer's body, bytes
 };
 
-/// Option that came as text: a query parameter or a form field.
+/// Option given as text: a query parameter or a form field.
 struct TextOption {
     std::string name;
     std::string value;
 };
 
-/// Milliseconds spent, for Server-Timing.
+/// Milliseconds spent in each stage, for Server-Timing.
 struct Timings {
     double decode = 0;
     double optimise = 0;
     double encode = 0;
-    double processor = 0;       ///< of all threads, but for decoding; filled, as the next one, by whoever has them
-    std::uint32_t threads = 0;  ///< that have worked at once, at most; 0: nothing was computed
+    double processor = 0;  ///< processor time of all threads, without decoding; set by the caller that runs the threads
+    std::uint32_t threads = 0;  ///< maximum number of threads at work; 0: nothing was computed; set by the same caller
 };
 
-/// Dots of a halftone, for whoever draws them himself.
+/// Size of the dots of a halftone, for clients that draw the dots.
 struct DotSize {
     double radius = 0;  ///< pixels of the picture
-    double tone = 1;    ///< what they cover over what they should
+    double tone = 1;    ///< area that the dots cover over the area that they should cover
 };
 
-/// Answer to a request, as it goes back to the client.
+/// Answer to a request, as sent to the client.
 struct Answer {
     std::string media_type;
     std::string body;
-    bool streamed = false;             ///< the body was taken piece by piece: see BodyTaker
-    std::string coding = {};           ///< in which the body is compressed; empty: not
-    std::size_t sites = 0;             ///< placed for it
-    std::size_t pixels = 0;            ///< of a picture decoded for it
-    std::string repaired = {};         ///< what was wrong with a polygon, as JSON; empty: nothing, or the body tells
-    std::string warnings = {};         ///< about the request, in the same way
-    bool partial = false;              ///< of a run that was stopped, which the request allows
-    bool repeats = true;               ///< to the byte, however often it is computed
-    std::optional<DotSize> dots = {};  ///< of a halftone
-    std::optional<double> plot_seconds = {};  ///< that a plotter draws it
+    bool streamed = false;      ///< whether the body went to a BodyTaker in pieces
+    std::string coding = {};    ///< compression of the body; empty: none
+    std::size_t sites = 0;      ///< number of sites that were placed
+    std::size_t pixels = 0;     ///< number of pixels that were decoded
+    std::string repaired = {};  ///< repairs of polygons, as JSON; empty if there are none or the body lists them
+    std::string warnings = {};  ///< warnings about the request, as JSON; empty if there are none or the body lists them
+    bool partial = false;       ///< whether the run was stopped early, as the request allows
+    bool repeats = true;        ///< whether the same request always gets the same bytes
+    std::optional<DotSize> dots = {};         ///< size of the dots of a halftone
+    std::optional<double> plot_seconds = {};  ///< estimated time in which a plotter draws the answer
 };
 
 }  // namespace ccdt::api

@@ -8,7 +8,7 @@ namespace ccdt::api {
 /// Measures the time of the stages of a computation.
 class Stopwatch {
 public:
-    /// Returns the milliseconds since the last lap, or since construction.
+    /// Returns the milliseconds since the previous call, or since construction, and starts the next lap.
     double lap() {
         const auto now = Clock::now();
         const std::chrono::duration<double, std::milli> elapsed = now - start_;

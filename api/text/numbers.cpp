@@ -31,7 +31,7 @@ void append_rounded(std::string& out, double value, int decimals) {
 
 void append_fixed(std::string& out, double value, int decimals) {
     const double unit = std::pow(10, decimals);
-    char digits[400];                                              // those of the largest double
+    char digits[400];                                              // enough for the digits of the largest double
     const double rounded = std::round(value * unit) / unit + 0.0;  // no -0
     out.append(digits, std::to_chars(digits, digits + sizeof digits, rounded, std::chars_format::fixed).ptr);
 }

@@ -5,17 +5,18 @@
 
 namespace ccdt::api {
 
-/// Writes the shortest decimal number that reads back to the same double; "nan" and "inf" for what is no number.
+/// Appends the shortest decimal number that reads back to the same double. NaN and infinity are written as "nan" and
+/// "inf".
 void append_shortest(std::string& out, double value);
 
-/// Writes the shortest decimal number that reads back to the same float.
+/// Appends the shortest decimal number that reads back to the same float.
 void append_shortest(std::string& out, float value);
 
-/// Writes a number rounded to so many decimals, without trailing zeros.
-/// @param value  finite, also times 10^decimals
+/// Appends a number rounded to the given number of decimals, without trailing zeros.
+/// @param value  finite, also after multiplication by 10^decimals
 void append_rounded(std::string& out, double value, int decimals);
 
-/// Writes as append_rounded() does, but never with an exponent, which the languages of machines do not have.
+/// Appends a number like append_rounded(), but never with an exponent. Plotters, among others, cannot read exponents.
 void append_fixed(std::string& out, double value, int decimals);
 
 }  // namespace ccdt::api

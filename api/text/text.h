@@ -10,7 +10,7 @@
 
 namespace ccdt::api {
 
-/// Removes the blanks at both ends.
+/// Removes blanks at both ends.
 inline std::string_view trim(std::string_view text, std::string_view blanks = " \t") {
     const auto first = text.find_first_not_of(blanks);
     if (first == std::string_view::npos) return {};
@@ -25,8 +25,8 @@ inline std::string_view take_until(std::string_view& text, std::string_view sepa
     return part;
 }
 
-/// Parses a number that makes up the whole text, the same in any locale.
-/// @param form  base of an integer, std::chars_format of a floating-point number
+/// Parses a text that consists of one number, independently of the locale. Returns none for any other text.
+/// @param form  base of an integer, or std::chars_format of a floating-point number
 template <class T, class... Form>
 std::optional<T> parse_number(std::string_view text, Form... form) {
     T value{};
@@ -36,8 +36,8 @@ std::optional<T> parse_number(std::string_view text, Form... form) {
     return value;
 }
 
-/// Returns whether a text has only letters, digits, dots, underscores and dashes, which are safe in headers, logs and
-/// labels, and is neither empty nor too long.
+/// Returns whether a text is safe in headers, logs and labels: it has only letters, digits, dots, underscores and
+/// dashes, and is neither empty nor longer than `longest`.
 inline bool is_plain_name(std::string_view text, std::size_t longest) {
     const auto is_plain = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.' || c == '_' ||
