@@ -29,7 +29,7 @@ public:
     enum class Credential {
         None,      ///< none; the request is not counted
         Key,       ///< an API key, if any are configured
-        Signature  ///< the signature of a signing key, if any are configured; otherwise the same as Key
+        Signature  ///< a signed URL, if signing keys are configured; otherwise the same as Key
     };
 
     /// Source of the signing keys: a file or a single key. If both are empty, there are no signing keys.
@@ -40,7 +40,8 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Minimum length of a signing key, in characters. Whoever has a signed URL can try keys offline.
+    /// Minimum length of a signing key, in characters. It is longer than that of an API key, because whoever has a
+    /// signed URL can try keys offline.
     static constexpr std::size_t kShortestSigningKey = 32;
 
     struct Verdict {
@@ -51,7 +52,8 @@ public:
     };
 
     /// @param key_file  empty: no key is needed
-    /// @param shared    Redis in which several servers count together; must outlive the gate; null: counts are local
+    /// @param shared    Redis in which several servers share their counts; must outlive the gate; null: counts are
+    ///                  local
     Gate(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr, SigningKeys signing = {})
         : key_file_(std::move(key_file)), signing_(std::move(signing)), limiter_(rate) {
         if (shared != nullptr) shared_.emplace(*shared, rate);

@@ -12,7 +12,7 @@ namespace ccdt::server {
 
 /// A token bucket for each client. A request takes one token; tokens are refilled at a constant rate.
 ///
-/// Stores the 65,536 clients of the most recent requests. The bucket of a client that was dropped is full again.
+/// Stores the 65,536 clients with the most recent requests. If a dropped client returns, its bucket is full.
 /// Thread-safe.
 class RateLimiter {
 public:
@@ -43,7 +43,7 @@ private:
     const Rate rate_;
     const std::size_t most_clients_;
 
-    mutable std::mutex mutex_;   ///< guards the rest
+    mutable std::mutex mutex_;   ///< guards the members below
     std::list<Bucket> buckets_;  ///< most recent client first
     std::unordered_map<std::string, std::list<Bucket>::iterator> by_client_;
 };

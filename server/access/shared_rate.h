@@ -10,8 +10,7 @@
 
 namespace ccdt::server {
 
-/// Token buckets in Redis, one for each client of all servers. They have the same rules as those of RateLimiter.
-/// Thread-safe.
+/// Token buckets in Redis, one for each client of all servers, with the rules of RateLimiter. Thread-safe.
 class SharedRate {
 public:
     /// `client` must outlive this object.

@@ -15,8 +15,8 @@ namespace ccdt::server {
 /// The path and query of a URL that may be signed, such as
 /// `/halftone/cat.jpg?sites=500&expires=1800000000&signature=...`. The views point into the text that was parsed.
 ///
-/// The signature is the value of the last parameter. `sign` makes it from everything before that parameter, byte for
-/// byte as sent, including percent-encoding. So the signed text has only one interpretation.
+/// The signature is the value of the last parameter. `sign` makes the signature from everything before that parameter,
+/// byte for byte as sent, including percent-encoding. So the signed text has only one interpretation.
 struct SignedUrl {
     std::string_view text;                      ///< the signed text
     std::optional<std::string_view> signature;  ///< none: the last parameter is not `signature`

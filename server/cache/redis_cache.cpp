@@ -12,7 +12,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Before the names; the number is the version of what is kept.
+/// Prefix of the keys. The number is the version of the stored layout.
 constexpr std::string_view kPrefix = "ccdt:2:answer:";
 
 constexpr std::string_view kSecondsKept = "86400";
@@ -62,7 +62,7 @@ std::optional<api::Answer> RedisCache::find(const std::string& name) {
     return answer;
 }
 
-/// Reports and removes an entry that others have written over.
+/// Reports and removes an entry that another program has overwritten.
 std::nullopt_t RedisCache::drop_damaged(const std::string& key) {
     client_.report_damage(key, "it is computed again");
     (void)client_.run(RedisCommand{"UNLINK", key});
@@ -95,7 +95,7 @@ void RedisCache::keep(const std::string& name, const api::Answer& answer) {
     const std::string text = digest.finish();
     store.insert(store.end(), {"digest", text});
     const std::vector<RedisCommand> commands{std::move(store), {"EXPIRE", key, kSecondsKept}};
-    (void)client_.run(commands);  // if it is not kept it is computed again next time
+    (void)client_.run(commands);  // an answer that could not be stored is computed again
 }
 
 }  // namespace ccdt::server

@@ -11,9 +11,9 @@
 
 namespace ccdt::server {
 
-/// Answers in Redis, shared by servers. Redis decides which answers it drops when its memory is full; all expire after
-/// a day. An answer that cannot be retrieved, for whatever reason, counts as absent. Entries have digests, so an entry
-/// that was overwritten by something else is detected and removed. Thread-safe.
+/// Answers in a Redis that servers share. When its memory is full, Redis decides which answers it drops; all answers
+/// expire after a day. An answer that cannot be retrieved, for whatever reason, counts as absent. Entries have digests,
+/// so an entry that another program has overwritten is detected and removed. Thread-safe.
 class RedisCache {
 public:
     /// `client` must outlive this object.

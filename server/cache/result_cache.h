@@ -60,7 +60,7 @@ private:
 
     const std::size_t most_;
     std::optional<RedisCache> shared_;
-    mutable std::mutex mutex_;  ///< guards the rest
+    mutable std::mutex mutex_;  ///< guards the members below
     std::list<Entry> entries_;  ///< most recently used first
     std::unordered_map<std::string_view, std::list<Entry>::iterator>
         by_name_;  ///< keys are views of the entries' names

@@ -14,11 +14,11 @@ using Computer = std::function<Result<api::Answer>(const ComputeRequest& request
                                                    const api::Limits& limits, const api::Decode& decode,
                                                    const Control& control, api::Timings& timings)>;
 
-/// Answers calls on the channel, one at a time, until the other end is closed. Then the process ends at once, whatever
-/// it is doing. See compute_protocol.h.
+/// Answers calls on the channel, one at a time. Once the other end of the channel is closed, the process ends at once,
+/// even during a computation. See compute_protocol.h.
 ///
-/// A computation gets as many threads as the server lends it. They start when they are first needed and end with the
-/// computation.
+/// A computation gets as many threads as the server lends it. The threads start when they are first needed and end with
+/// the computation.
 [[noreturn]] void run_compute_process(ComputeFiles files, const Computer& compute);
 
 }  // namespace ccdt::server

@@ -14,63 +14,66 @@
 
 namespace ccdt::server {
 
-/// Messages between the server, the fork server and the processes that compute. They are built together, so
-/// structs travel as they are.
+/// Messages between the server, the fork server and the processes that compute. All three are built together, so
+/// structs are sent as they are in memory.
 ///
-/// A process has two sockets. Over its channel, a stream, come calls and go replies. Over the other one, which keeps
-/// messages apart, go its orders to the decoder, as decoder_protocol.h has them, and, when it has ended, comes from the
-/// fork server how. How many threads it may have it reads in memory that it shares with the server.
+/// A process that computes has two sockets. The channel is a stream that carries calls and replies. The events socket
+/// preserves message boundaries. It carries the process' orders to the decoder (see decoder_protocol.h) and, when the
+/// process has ended, the fork server's report of its end. The process reads its number of threads from memory that it
+/// shares with the server.
 
-/// What a process that computes has of the server.
+/// The files that a process that computes receives from the server.
 struct ComputeFiles {
     UniqueFd channel;
     UniqueFd events;
-    UniqueFd threads;  ///< of a SharedNumber: how many a computation may have now
+    UniqueFd threads;  ///< file of a SharedNumber: number of threads that a computation may use now
 };
 
-/// Order to the fork server, with the files: another process is wanted.
+/// Order to the fork server to fork a process. The files of ComputeFiles are sent with it.
 struct ForkOrder {
-    std::int32_t nice = 0;  ///< how much it gives way to others
+    std::int32_t nice = 0;  ///< nice value of the process
 };
 
-/// News from the fork server: the process has ended, or there was none.
+/// Report of the fork server that a process has ended or could not be forked.
 struct ChildEnd {
-    std::int32_t fork_error = 0;  ///< errno for why there was none; 0: there was
-    std::int32_t status = 0;      ///< as waitpid tells it
+    std::int32_t fork_error = 0;  ///< errno of fork; 0: the process was forked
+    std::int32_t status = 0;      ///< status of waitpid
 };
 
-/// Message to a process that computes. Kind Ask is followed by the texts of the request.
+/// Message to a process that computes. The texts of the request follow a message of kind Ask.
 struct Call {
     enum class Kind : std::uint32_t { Ask, Stop };
-    static constexpr std::size_t kTexts = 5;  ///< path, query, content type, accept, body
+    static constexpr std::size_t kTexts = 5;  ///< path, query, content type, Accept header, body
 
     Kind kind = Kind::Ask;
     std::uint32_t compressed = 0;
-    std::uint64_t number = 0;  ///< of the computation: a stop that comes late must not end the next one
+    std::uint64_t number = 0;  ///< number of the computation: a late Stop must not stop the next one
     api::Limits limits;
     std::array<std::uint64_t, kTexts> sizes{};
 };
 
-/// Message from a process that computes, followed by texts: any number of times Step, then Answer or Failure. The body
-/// of a large answer comes before it, as Head, with all else of the answer, and any number of Pieces.
+/// Message from a process that computes, followed by texts. A process sends any number of Steps, then an Answer or a
+/// Failure. A large body is sent before the Answer: first a Head, which has all members of the answer except the body,
+/// then any number of Pieces of the body.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Head, Piece, Answer, Failure };
-    /// Media type, coding, body or a piece of it, what was repaired, warnings; of a failure: message, field, nothing.
+    /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field, three
+    /// empty texts.
     static constexpr std::size_t kTexts = 5;
 
     Kind kind = Kind::Step;
     std::uint32_t code = 0;  ///< ErrorCode of a failure
     Progress progress;
     api::Timings timings;
-    std::uint64_t decoder_deaths = 0;  ///< of the computation
+    std::uint64_t decoder_deaths = 0;  ///< during this computation: see ComputeBox::Counts
     std::uint64_t sites = 0;
     std::uint64_t pixels = 0;
     std::uint32_t partial = 0;
     std::uint32_t repeats = 0;
     std::uint32_t streamed = 0;
-    double radius = 0;  ///< of a halftone's dots; 0: none is told
+    double radius = 0;  ///< radius of a halftone's dots; 0: unknown
     double tone = 0;
-    double plot_seconds = -1;  ///< that a plotter draws the answer; below 0: none is told
+    double plot_seconds = -1;  ///< duration of drawing the answer with a plotter; < 0: unknown
     std::array<std::uint64_t, kTexts> sizes{};
 };
 

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kFailed = 1;
 
-/// Has the kernel end this process rather than the server if the machine runs out of memory.
+/// Makes the kernel end this process before the server if the machine runs out of memory. Failures are ignored.
 void volunteer_for_out_of_memory() {
     const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
     if (file) static_cast<void>(!write(file.get(), "500", 3));
@@ -37,7 +37,7 @@ public:
     ForkServer(UniqueFd orders, const ComputeProcess& compute)
         : orders_(std::move(orders)), compute_(compute), deaths_(watch_children()) {}
 
-    /// Forks and reaps until the server ends.
+    /// Forks and reaps children until the server ends.
     void run() {
         const std::byte ready{};
         if (!deaths_ || !send_message(orders_.get(), {&ready, 1})) return;

@@ -11,12 +11,12 @@ namespace ccdt::server {
 /// The main function of a process that computes; it does not return.
 using ComputeProcess = std::function<void(ComputeFiles files)>;
 
-/// Reports that it is ready, then forks a process for each order (see compute_protocol.h) and reports how each one
-/// ended. The calling process, which must have one thread, becomes the fork server. It ends once the other end of
-/// `orders` is closed.
+/// Turns the calling process, which must have one thread, into the fork server. The fork server reports that it is
+/// ready, forks a process for each order (see compute_protocol.h), and reports how each process ended. It ends once the
+/// other end of `orders` is closed.
 ///
 /// Forked processes outlive the fork server; each ends when its own socket is closed. If the machine runs out of
-/// memory, the kernel ends them before the server.
+/// memory, the kernel kills forked processes before the server.
 [[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
 
 }  // namespace ccdt::server

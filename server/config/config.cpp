@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Connections in addition to those that compute or wait to: for health checks, refusals and slow clients.
+/// Connections in addition to those whose requests are computed or queued: for health checks, refusals and slow
+/// clients.
 constexpr std::size_t kSpareConnections = 512;
 
 /// Additional connections for health checks and metrics when all others are taken.
@@ -177,13 +178,14 @@ std::string set_bind(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// On loopback, pages of the same machine may call: nobody else can reach the server.
+/// Returns the default origins. On loopback, pages of the same machine may use the server, because nobody else can
+/// reach it.
 std::vector<std::string> default_cors_origins(std::string_view bind) {
     if (!is_loopback(bind)) return {};
     return {std::string(kLoopback)};
 }
 
-/// Adds loopback, which is always allowed: no stranger can make these names resolve to this machine.
+/// Returns the allowed hosts, including loopback. Loopback is always allowed, because no stranger can own these names.
 std::vector<std::string> all_allowed_hosts(const Draft& draft) {
     if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
     auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());
@@ -354,7 +356,7 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
     return action;
 }
 
-/// Returns the default, which ends the help in parentheses.
+/// Returns the default value, with which the help text of a setting ends, in parentheses.
 std::string default_of(const Setting& setting) {
     const auto open = setting.help.rfind('(');
     if (open == std::string_view::npos || !setting.help.ends_with(')')) return {};

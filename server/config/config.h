@@ -41,13 +41,13 @@ struct Config {
     TrustedProxies trusted_proxies;                   ///< proxies whose information about their clients is trusted
     JobLimits jobs;
     std::size_t cache = 0;                    ///< capacity for answers, in bytes; 0: no cache
-    bool cache_shared = false;                ///< an answer computed for one API key is given to all
+    bool cache_shared = false;                ///< answers computed for one API key are also given to others
     std::optional<RedisAddress> cache_redis;  ///< Redis in which servers share answers
-    std::optional<RedisAddress> rate_redis;   ///< Redis in which servers count requests together
+    std::optional<RedisAddress> rate_redis;   ///< Redis in which servers share their counts of requests
     std::string data_dir;                     ///< folder of the jobs; empty: jobs are in memory or in Redis
     std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
-    std::vector<std::string> cors_origins;    ///< origins that may call, as in cors_headers; empty: none
-    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< allowed in `Host`, as in allows_host
+    std::vector<std::string> cors_origins;    ///< origins whose pages may use the server: see cors_headers
+    std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     std::string api_key_file;                                   ///< empty: no key is needed
     std::string pictures;                                       ///< folder of pictures requested by name; empty: none
     Gate::SigningKeys signing;                                  ///< empty: pictures by name need no signature
@@ -58,7 +58,7 @@ struct Config {
 /// A flag's value and its origin.
 struct ChosenValue {
     std::string_view flag;
-    std::string value;        ///< as given, but without the password of a URL; empty: none, by default
+    std::string value;        ///< as given, but without the password of a URL; empty: no value
     std::string_view origin;  ///< name of the flag or the variable; empty: the default
 };
 

@@ -7,15 +7,15 @@
 namespace ccdt::server {
 namespace {
 
-/// Descriptors of the server itself: its programs, the log, the listening socket, the database of jobs. At rest they
-/// are 12 to 14; each computation takes three more.
+/// Descriptors of the server itself: its programs, the log, the listening socket, the database of jobs. An idle server
+/// has 12 to 14; each computation takes three more.
 constexpr std::size_t kOwn = 32;
 constexpr std::size_t kPerComputation = 4;
 
 /// Maximum of connections to one Redis, including one for notifications.
 constexpr std::size_t kPerRedis = 17;
 
-/// Minimum of connections of a useful server, unless its flags set lower limits.
+/// Minimum number of connections of a useful server, unless its flags set lower limits.
 constexpr std::size_t kLeastConnections = 16;
 constexpr std::size_t kLeastReserve = 8;
 constexpr std::size_t kLeastStreams = 4;
@@ -23,7 +23,7 @@ constexpr std::size_t kLeastRefused = 4;
 
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
-    return kOwn + kPerComputation * (config.workers + 1) + kPerRedis * redis;  // short requests have one more
+    return kOwn + kPerComputation * (config.workers + 1) + kPerRedis * redis;  // one more for short requests
 }
 
 std::size_t connections_of(const Capacity::Limits& limits) {

@@ -9,17 +9,17 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Lower limit for bodies and answers in transfer: a single large answer must not put the server under pressure.
+/// Minimum memory for bodies and answers in transfer. With less, a single large answer would shrink all time-outs.
 constexpr std::size_t kTransfers = 256 * kMebibyte;
 constexpr std::size_t kBodiesAtOnce = 4;
 constexpr std::size_t kMemoryPerTransferred = 4;
 
 constexpr std::size_t kCache = 64 * kMebibyte;
 constexpr std::size_t kJobs = 256 * kMebibyte;
-constexpr std::size_t kMemoryPerKept = 16;  ///< share of the cache, and of jobs
+constexpr std::size_t kMemoryPerKept = 16;  ///< the cache and the jobs each get the memory divided by this
 
-constexpr std::size_t kOthers = 160 * kMebibyte;  ///< decoder processes, 70 MiB at rest, and threads to come
-constexpr std::size_t kProcess = 4 * kMebibyte;   ///< of an idle computation process
+constexpr std::size_t kOthers = 160 * kMebibyte;  ///< idle decoder processes (70 MiB) and threads created later
+constexpr std::size_t kProcess = 4 * kMebibyte;   ///< an idle computation process
 constexpr std::size_t kLeast = 192 * kMebibyte;
 
 std::string mebibytes(std::size_t bytes) {

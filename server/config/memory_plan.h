@@ -12,11 +12,11 @@ namespace ccdt::server {
 ///
 /// | share | size |
 /// |---|---|
-/// | transfers | 256 MiB or four times the largest body, whichever is more, but at most a quarter |
-/// | cache | a sixteenth, at most 64 MiB |
-/// | jobs in memory | a sixteenth, at most 256 MiB |
+/// | transfers | 256 MiB or four times the largest body, whichever is more, but at most a quarter of the memory |
+/// | cache | a sixteenth of the memory, at most 64 MiB |
+/// | jobs in memory | a sixteenth of the memory, at most 256 MiB |
 ///
-/// The rest, without the memory of the program itself, is for computations: see ComputeMemory.
+/// Computations get the memory that remains after these shares and the programs themselves: see ComputeMemory.
 struct MemoryShares {
     std::size_t transfers = 0;
     std::size_t cache = 0;
@@ -31,11 +31,11 @@ MemoryShares share_memory(std::size_t memory, std::size_t max_body);
 struct ComputeMemory {
     std::size_t total = 0;
     std::size_t jobs = 0;      ///< three quarters: computations, including their answers until they are sent
-    std::size_t requests = 0;  ///< a quarter: requests, from the arrival of the body to the end
+    std::size_t requests = 0;  ///< a quarter: requests, from the arrival of the body until they are done
 };
 
-/// Computes how much memory the shares above leave for computations.
-/// @param resident  bytes of the program at the start, including libraries and decoder processes
+/// Computes how much memory the configured shares leave for computations.
+/// @param resident  resident memory of the server process at its start, in bytes
 /// Errors (Malformed): less than 192 MiB is left.
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident);
 

@@ -11,7 +11,7 @@
 namespace ccdt::server {
 
 Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell) {
-    // Later helpers say the same.
+    // Helpers that are started later report the same confinement.
     const auto confinement = std::make_shared<Confinement>();
     const auto greet = [confinement, once = std::make_shared<std::once_flag>()](int socket) {
         Hello hello;

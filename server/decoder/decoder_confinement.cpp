@@ -19,10 +19,10 @@
 namespace ccdt::server {
 namespace {
 
-/// nobody, on every distribution.
+/// User and group id of nobody on all distributions.
 constexpr unsigned kNobody = 65534;
 
-/// Names of the layers, by Layer.
+/// Names of the layers, in the order of Layer.
 constexpr std::array<std::string_view, Confinement::kLayers> kNames = {
     "no root",       "no capabilities", "network namespace", "mount namespace", "empty root directory",
     "pid namespace", "ipc namespace",   "uts namespace",     "Landlock",        "system call filter"};
@@ -41,7 +41,7 @@ int error_of(bool done) {
     return done ? 0 : errno;
 }
 
-/// Root becomes nobody.
+/// Changes the user and the group from root to nobody.
 void leave_root(Confinement& confinement) {
     if (geteuid() != 0) return;
     const bool left = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
@@ -50,7 +50,8 @@ void leave_root(Confinement& confinement) {
     if (left) confinement.user = kNobody;
 }
 
-/// Programs could get no more than this set holds. Who may not change it may start none with more, either.
+/// Empties the capability bounding set, which limits what a process can gain by executing a program. Failures are
+/// ignored: without CAP_SETPCAP the set cannot be changed.
 void empty_bounding_set() {
     for (unsigned long capability = 0; prctl(PR_CAPBSET_READ, capability, 0, 0, 0) >= 0; ++capability)
         prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
@@ -67,7 +68,7 @@ bool drop_capabilities() {
 /// not the root of a mount.
 bool empty_root() {
     constexpr unsigned long kFlags = MS_NOSUID | MS_NODEV | MS_NOEXEC | MS_RDONLY;
-    constexpr const char* kPlace = "/proc";  // any folder that is there
+    constexpr const char* kPlace = "/proc";  // any existing folder will do
     return mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
            mount("none", kPlace, "tmpfs", kFlags, "nr_inodes=1,mode=555") == 0 && chdir(kPlace) == 0 &&
            syscall(SYS_pivot_root, ".", ".") == 0 && umount2(".", MNT_DETACH) == 0 && chdir("/") == 0;
@@ -91,13 +92,13 @@ std::string Confinement::describe() const {
 
 void enter_namespaces(Confinement& confinement) {
     confinement.user = geteuid();
-    // Who may not make others may still make one of users, in which he may.
+    // A process that may not create these namespaces may still create a user namespace, and then these inside it.
     if (unshare(CLONE_NEWUTS) != 0 && errno == EPERM) {
         leave_root(confinement);
         static_cast<void>(unshare(CLONE_NEWUSER));
     }
     for (const auto& [layer, flag] : kNamespaces) {
-        const bool is_spared = layer == Layer::Mounts && !Sandbox::kIsWhole;  // sanitizers open files
+        const bool is_spared = layer == Layer::Mounts && !Sandbox::kIsWhole;  // sanitizers have to open files
         confinement.error(layer) = is_spared ? ENOSYS : error_of(unshare(flag) == 0);
     }
 }

@@ -8,43 +8,45 @@
 
 namespace ccdt::server {
 
-/// Layers that keep processes that decode from the machine. A machine, or a container around the server, may lack any.
+/// Layers of isolation between decoding processes and the machine. Any of them may be unavailable on a machine or in
+/// the container of the server.
 enum class Layer : std::uint8_t {
-    User,          ///< it is not root's
-    Capabilities,  ///< it has none
-    Network,       ///< a namespace of its own, which is empty, as those of processes, ipc and host name
-    Mounts,        ///< a namespace of its own
-    Root,          ///< an empty root directory; needs Mounts, and a server outside of chroot
-    Processes,
-    Ipc,
-    HostName,
-    Landlock,  ///< no access to files, ports, signals to others
-    Calls,     ///< the kernel filters its system calls
+    User,          ///< the process does not belong to root
+    Capabilities,  ///< the process has no capabilities
+    Network,       ///< a new, empty network namespace
+    Mounts,        ///< a new mount namespace
+    Root,          ///< an empty root directory; requires Mounts, and a server that does not run in a chroot
+    Processes,     ///< a new PID namespace
+    Ipc,           ///< a new IPC namespace
+    HostName,      ///< a new UTS namespace
+    Landlock,      ///< denies access to files and ports, and signals to processes outside
+    Calls,         ///< the kernel filters system calls
 };
 
-/// The layers that are in force, as found by trying.
+/// The layers in force, as determined by trying each one.
 struct Confinement {
     static constexpr std::size_t kLayers = 10;
 
-    std::uint32_t user = 0;                      ///< whose the processes are
-    std::array<std::int32_t, kLayers> errors{};  ///< errno for why a layer is not in force; 0: it is
+    std::uint32_t user = 0;                      ///< user id of the processes
+    std::array<std::int32_t, kLayers> errors{};  ///< by layer: 0 if it is in force, otherwise the errno of the failure
 
     std::int32_t& error(Layer layer) { return errors[static_cast<std::size_t>(layer)]; }
     bool has(Layer layer) const { return errors[static_cast<std::size_t>(layer)] == 0; }
     bool is_whole() const { return errors == std::array<std::int32_t, kLayers>{}; }
 
-    /// One line for people.
+    /// Returns one line for the log.
     std::string describe() const;
 };
 
-/// Enters the namespaces, where need be through one of users, for which root becomes nobody first. That of processes is
-/// for children: the first becomes its init, with whose end all in it end.
+/// Enters new namespaces and records which are in force. A process that may not create namespaces first enters a new
+/// user namespace; if the process belongs to root, it changes to the user nobody before.
 ///
-/// To be called by a process of one thread. Tells which are in force.
+/// The PID namespace applies to children: the first child becomes its init process, and when the init process ends, all
+/// processes in the namespace end. Must be called by a single-threaded process.
 void enter_namespaces(Confinement& confinement);
 
-/// Leaves the calling process no file, no capability, and no user's rights but those it was started with; of root's
-/// none. To be called after enter_namespaces. Tells what is in force.
+/// Replaces the root directory by an empty one, drops all capabilities, and changes from root to nobody. Records what
+/// is in force. Must be called after enter_namespaces.
 void give_up_rights(Confinement& confinement);
 
 }  // namespace ccdt::server

@@ -23,14 +23,14 @@ struct Decoder {
 
     To<Picture> grey;               ///< as api::decode_image
     To<ColourPicture> colour;       ///< as api::decode_colour_image
-    std::function<void()> warm_up;  ///< what these do but once; may be empty
-    ToMap map = {};                 ///< empty: none is decoded
+    std::function<void()> warm_up;  ///< does in advance what decoding does only once per process; may be empty
+    ToMap map = {};                 ///< empty: maps are not decoded
 };
 
-/// The helper: takes orders, and has each done by a child in the sandbox. The calling process only waits for the helper
-/// and ends as it does; of the files that it has open it keeps the standard error.
+/// Becomes the parent of the helper, which takes orders and has each carried out by a child in the sandbox. The calling
+/// process closes all files except the standard error, waits for the helper, and ends with the same status.
 ///
-/// The helper ends once the other end of `orders` is closed, and with it, however it ends, the children.
+/// The helper ends once the other end of `orders` is closed. Its children end with it, even if the helper is killed.
 [[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);
 
 }  // namespace ccdt::server

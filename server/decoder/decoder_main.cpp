@@ -9,7 +9,7 @@
 #include "server/decoder/decoder_helper.h"
 #include "server/processes/child_program.h"
 
-/// The decoder's helper as a program, which the server starts.
+/// The main function of ccdt-decoder, which the server starts: the decoder's helper.
 int main() {
     using namespace ccdt;
     server::UniqueFd orders(server::ChildProgram::kSocket);

@@ -23,22 +23,22 @@ constexpr std::size_t kLongestField = 100;
 /// Offset of the planes.
 constexpr std::size_t kHeadSize = 4096;
 
-/// The beginning of a reply; for an error its message and its field follow.
+/// The beginning of a reply. The message and the field of an error follow it.
 struct ReplyHead {
-    std::uint32_t is_product = 0;
-    std::uint32_t code = 0;  ///< of the error
+    std::uint32_t is_product = 0;  ///< 1: picture or text; 0: error
+    std::uint32_t code = 0;        ///< for an error
     std::uint64_t message_size = 0;
-    std::int32_t width = 0;  ///< of a picture, like the next two
+    std::int32_t width = 0;  ///< for a picture, like the next two members
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
-    std::uint64_t text_size = 0;  ///< of a text
+    std::uint64_t text_size = 0;  ///< for a text
 };
 static_assert(sizeof(ReplyHead) + kLongestMessage + kLongestField <= kHeadSize);
 
 UniqueFd make_reply_file(std::size_t size) {
     UniqueFd file(memfd_create("reply", MFD_CLOEXEC | MFD_ALLOW_SEALING));
-    // Shrunk under the server's eyes it would crash it.
+    // If a child could shrink the file, the server would crash when it reads the mapped memory.
     if (!file || ftruncate(file.get(), static_cast<off_t>(size)) != 0 ||
         fcntl(file.get(), F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) != 0) {
         return {};
@@ -46,14 +46,14 @@ UniqueFd make_reply_file(std::size_t size) {
     return file;
 }
 
-/// @returns  null if that failed
+/// @returns  null on failure
 std::shared_ptr<std::byte> map_reply(const UniqueFd& file, std::size_t size) {
     void* const begin = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
     if (begin == MAP_FAILED) return nullptr;
     return {static_cast<std::byte*>(begin), [size](std::byte* memory) { munmap(memory, size); }};
 }
 
-/// Writes an error behind the head, which becomes one of it.
+/// Writes an error into the head and, after it, the message and the field.
 void write_error(const Error& error, ReplyHead& head, std::byte* memory) {
     const auto message = std::string_view(error.message).substr(0, kLongestMessage);
     const auto field = std::string_view(error.field).substr(0, kLongestField);
@@ -64,7 +64,7 @@ void write_error(const Error& error, ReplyHead& head, std::byte* memory) {
     std::memcpy(memory + sizeof(head) + message.size(), field.data(), field.size());
 }
 
-/// @returns  none for what no honest child writes
+/// @returns  none if the reply is invalid
 std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std::byte* memory) {
     const bool known = head.code <= static_cast<std::uint32_t>(ErrorCode::Internal);
     if (!known || head.message_size == 0 || head.message_size > kLongestMessage || head.field_size > kLongestField)
@@ -75,7 +75,8 @@ std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std
                    {message + size, static_cast<std::size_t>(head.field_size)});
 }
 
-/// Gets the pages of values all at once, which takes half as long as by a fault each; where it fails, that way.
+/// Populates the pages of values with one system call, which takes half as long as one fault per page. If the call
+/// fails, the pages are populated by faults.
 void populate(float* values, std::size_t count, int advice) {
     const std::size_t excess = reinterpret_cast<std::uintptr_t>(values) % static_cast<std::size_t>(getpagesize());
     madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);

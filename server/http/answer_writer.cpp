@@ -96,7 +96,7 @@ private:
     }
 
     Connection& connection_;
-    const Request* request_ = nullptr;  ///< the one being answered
+    const Request* request_ = nullptr;  ///< the request that is being answered
     Response* response_ = nullptr;
     bool failed_ = false;
 };

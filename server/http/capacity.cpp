@@ -10,14 +10,16 @@
 namespace ccdt::server {
 namespace {
 
-/// Time that a new connection has for its first request before it counts as idle. Newcomers wait as long for its slot.
+/// Time for which an idle connection is not closed for a new one, which waits as long for the slot. So a client that
+/// has just connected can send its first request.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Time that the head of a request has: several packets, of which one was lost.
+/// Time for the head of a request to arrive before its connection may be closed for a new one: enough for several
+/// packets, one of which is lost.
 constexpr std::chrono::milliseconds kLeastForHead{300};
 
-/// Time that newcomers wait for idle connections to end, and time after which another one is closed. Only a busy
-/// machine needs so long.
+/// Time that new connections wait for closed ones to release their slots, and time after which one more connection is
+/// closed. Only a busy machine needs so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
@@ -74,6 +76,7 @@ void Capacity::close_locked(IdleConnections::iterator idle) {
 }
 
 /// Closes idle connections of a class until a slot is free.
+/// @returns  false if no slot became free
 bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;
     while (!has_slot_locked(connection_class)) {
@@ -90,7 +93,8 @@ bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std:
     return true;
 }
 
-/// @returns  none if both classes for newcomers are full and have no idle connection
+/// Finds a class with a free slot for a new connection.
+/// @returns  none if the common class and the reserve are full and no slot became free
 std::optional<ConnectionClass> Capacity::find_class(std::unique_lock<std::mutex>& lock) {
     for (const ConnectionClass connection_class : {ConnectionClass::Common, ConnectionClass::Reserve}) {
         if (free_slot(connection_class, lock)) return connection_class;

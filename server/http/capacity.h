@@ -19,14 +19,14 @@ class ConnectionSlot;
 /// The class of a connection. Each class has slots of its own, so that none takes the slots of another.
 enum class ConnectionClass {
     Common,   ///< any request
-    Reserve,  ///< health checks and metrics, which need almost nothing, when the common slots are taken
+    Reserve,  ///< health checks and metrics when the common slots are taken
     Streams,  ///< event streams, which last long
 };
 
 /// Counts the resources that clients take: connections, and memory for data in transfer to or from them.
 ///
-/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections without a whole request
-/// head do not keep others out: at the limit, one of them is closed. Thread-safe.
+/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections that wait for a request
+/// head do not keep new ones out: at the limit, one of them is closed. Thread-safe.
 class Capacity {
 public:
     struct Limits {
@@ -75,13 +75,13 @@ private:
 
     using Clock = std::chrono::steady_clock;
 
-    /// A connection that waits for a request, for the rest of a request's head, or for its client to leave.
+    /// A connection that waits for a request, for the rest of a request head, or for its client to close it.
     struct Idle {
         ConnectionSlot* slot = nullptr;
         int socket = -1;
-        bool has_begun = false;  ///< a request of which the head is incomplete; it can still be answered
+        bool has_begun = false;  ///< part of a request head has arrived; the request can still be answered
     };
-    /// [time from which it may be closed for a newcomer]
+    /// Idle connections by the time from which each may be closed for a new one.
     using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
     IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
@@ -101,7 +101,7 @@ private:
     std::atomic<std::size_t> bytes_ = 0;
     std::array<std::atomic<std::size_t>, 3> taken_{};  ///< taken slots of each class; written while `mutex_` is held
 
-    mutable std::mutex mutex_;      ///< guards the rest
+    mutable std::mutex mutex_;      ///< guards the members below
     std::condition_variable left_;  ///< a slot has become free
     IdleConnections idle_;
     std::map<std::string, std::size_t> by_address_;
@@ -115,15 +115,15 @@ class ConnectionSlot {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
-    /// Takes a common slot or, if there is none, one of the reserve. If all are taken, closes an idle connection and
-    /// waits for a moment until it has released its slot.
+    /// Takes a common slot or, if that fails, one of the reserve. If all slots of a class are taken, closes an idle
+    /// connection of that class and waits for a moment until its slot is free.
     /// @param address  empty: not counted by address
     ConnectionSlot(Capacity& capacity, std::string address);
     ~ConnectionSlot();
     ConnectionSlot(const ConnectionSlot&) = delete;
     ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
-    /// Whether the connection is admitted; only then it has a slot.
+    /// The decision about the connection. Only an admitted connection has a slot.
     Entry entry() const { return entry_; }
 
     /// The current class. May be called by the thread that calls move_to().
@@ -133,17 +133,17 @@ public:
     /// @returns  false if that class is full; the slot then stays where it was
     bool move_to(ConnectionClass connection_class);
 
-    /// Marks the connection as idle unless it is already. Until `end_idle`, the socket may be shut down to make way for
-    /// another connection, unless it has unread bytes. The socket must stay open until then.
+    /// Marks the connection as idle unless it is already. The socket must stay open until `end_idle`. Until then it may
+    /// be shut down to make way for another connection, unless it has unread bytes.
     /// @param head_begun  time at which an incomplete request head began; none: no request has begun. A connection with
-    ///                    such a head has more time, and its socket is shut down for receiving only
+    ///                    an incomplete head has more time, and its socket is shut down for receiving only
     void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
     void end_idle();
 
     /// Whether the socket was shut down to make way for another connection.
     bool is_closed() const;
 
-    /// Counts the connection by another address from now on; an empty one: by none.
+    /// From now on, counts the connection for another address; for none if `address` is empty.
     /// @returns  false if that address is at its limit; the connection then counts as before
     bool count_by(const std::string& address);
 
@@ -154,7 +154,7 @@ private:
     std::string address_;
     Entry entry_ = Entry::Full;
     ConnectionClass class_ = ConnectionClass::Common;
-    bool closed_ = false;  ///< to make way for another; guarded by the capacity's mutex
+    bool closed_ = false;  ///< the socket was shut down for another; guarded by the capacity's mutex
     std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
 

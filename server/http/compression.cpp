@@ -24,7 +24,7 @@ std::string_view take_item(std::string_view& list, std::string_view separator) {
     return api::trim(api::take_until(list, separator));
 }
 
-/// The weight among a coding's parameters; one that cannot be read counts as 0.
+/// Returns the weight (`q`) of a coding from its parameters; 0 if the weight is malformed.
 double weight_of(std::string_view parameters) {
     while (!parameters.empty()) {
         auto value = take_item(parameters, ";");
@@ -52,7 +52,7 @@ Gzip::~Gzip() {
 
 void Gzip::add(std::string_view piece, bool last, std::string& target) {
     auto& [state, buffer] = *stream_;
-    // zlib's interface is older than const; it does not write there.
+    // zlib takes a pointer to non-const, but does not write to the input.
     state.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(piece.data()));
     state.avail_in = static_cast<uInt>(piece.size());
     do {

@@ -28,7 +28,7 @@ public:
 
     /// Compresses a piece.
     /// @param last    whether the piece ends the text
-    /// @param target  receives the compressed bytes that are ready, at its end
+    /// @param target  the compressed bytes that are ready are appended to it
     void add(std::string_view piece, bool last, std::string& target);
 
 private:
@@ -37,7 +37,7 @@ private:
 };
 
 /// Compresses for speed rather than size: about 50 MB of JSON per second, to less than half.
-/// @returns  none if it was stopped; checked every 256 KiB
+/// @returns  none if a stop was requested, which is checked every 256 KiB
 std::optional<std::string> gzip(std::string_view text, const std::stop_token& stop = {});
 
 }  // namespace ccdt::server

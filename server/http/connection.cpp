@@ -176,7 +176,8 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
     return true;
 }
 
-/// Computes the deadline of a transfer: after a pause, or once its rate has been too low for the same time.
+/// Computes the deadline of a transfer: one pause after its latest progress or, if that is earlier, one pause after the
+/// time by which the minimum rate would have carried its bytes.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -184,8 +185,8 @@ Connection::Clock::time_point Connection::deadline(const Transfer& transfer) con
     return std::min(transfer.moved + pause, transfer.begun + pause + milliseconds(transfer.bytes * 1000 / rate));
 }
 
-/// Waits for an event on the socket. The deadline may move during the wait. Once it has passed, even an event that has
-/// already occurred does not count; otherwise a client that sends one byte at a time would never be late.
+/// Waits for an event on the socket. The deadline may move during the wait. After the deadline, the result is false
+/// even if an event has already occurred; otherwise a client that sends one byte at a time would never be late.
 bool Connection::wait(short events, const Deadline& deadline) const {
     while (true) {
         const auto now = Clock::now();
@@ -207,8 +208,8 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes the function that receives more of a head, whose first byte has arrived. Meanwhile the connection may be
-/// closed for a newcomer; then the client is told that it was too slow.
+/// Makes the function that receives more of a head, whose first byte has arrived. While it waits, the connection may be
+/// closed for a new one; the client is then told that it was too slow.
 Connection::Fill Connection::fill_head() {
     const auto start = Clock::now();
     const auto deadline = [this, start] {
@@ -222,7 +223,7 @@ Connection::Fill Connection::fill_head() {
     };
 }
 
-/// Receives more of a body, of which `body` has arrived.
+/// Receives more of a body. `body` is the part that has arrived.
 HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
     body_.move_to(body.size());
     held.resize(body.size());
@@ -240,12 +241,12 @@ std::string_view Connection::use(std::size_t size) {
     return used;
 }
 
-/// Looks for the end of a line in the received bytes, and receives more until it arrives.
+/// Looks for the end of a line in the received bytes, and receives more bytes until the end has arrived.
 /// @param begin  start of the line
 /// @param limit  last position that its CRLF may have
 /// @returns      position of the CRLF; npos: beyond the limit
-/// Problems, in addition to those of receiving: 400 a NUL, or a CR or LF alone, which other programs might take for the
-/// end of a line.
+/// Problems, in addition to those of receiving: 400 if the line contains a NUL, or a CR or LF outside a CRLF. Other
+/// programs might take these for the end of a line.
 HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();
@@ -286,8 +287,8 @@ HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     return body;
 }
 
-/// Reads chunks. Those that have arrived already are read without waiting, counting or checking the clock, because
-/// chunks may be small.
+/// Reads chunks. Chunks that have arrived already are read without waiting, counting memory or checking the clock,
+/// because chunks may be small.
 HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
     HeldBytes held(capacity_);

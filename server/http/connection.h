@@ -18,7 +18,8 @@ namespace ccdt::server {
 /// Time-outs of a client. Under pressure they are shorter: see Capacity.
 struct Patience {
     std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
-    /// For a pause within a body or an answer, and for the time beyond the one at the minimum rate, 32 KiB/s.
+    /// Longest pause within a body or an answer. Also the time that a transfer may take in excess of its size divided
+    /// by the minimum rate, 32 KiB/s.
     std::chrono::milliseconds body{30'000};
     std::chrono::milliseconds idle{
         60'000};  ///< between two requests; also the time that an idle thread waits for another connection
@@ -27,8 +28,8 @@ struct Patience {
 /// A client's socket, and the bytes received from it that are not processed yet.
 ///
 /// Belongs to the thread that serves the client. Requests are read one after another: the head, then, if the handler
-/// asks for it, the body. If a body was not read to its end, no further request is read: the rest of the body must
-/// never be taken for a request. No wait exceeds the client's time-outs, whatever it sends or receives.
+/// asks for it, the body. If a body was not read to its end, no further request is read, because the rest of the body
+/// must never be taken for a request. Whatever the client sends or receives, no wait exceeds its time-outs.
 class Connection {
 public:
     using Milliseconds = std::chrono::milliseconds;
@@ -42,7 +43,7 @@ public:
     /// @returns        false if the client closed the connection, or `give_up` returned true
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
 
-    /// Reads the PROXY header, if there is one; then the peer is the client that it names. Requires that the first
+    /// Reads the PROXY header. If there is one, the client that it names becomes the peer. Requires that the first
     /// bytes have arrived.
     /// Problems: 400 malformed, 408 too slow. Afterwards the connection is unusable.
     HttpResult<void> read_proxy_header();
@@ -61,18 +62,20 @@ public:
     /// Whether the current request is the connection's first.
     bool is_on_first_request() const { return heads_ <= 1; }
 
-    /// Whether the last request was read completely, so that the next byte begins another.
+    /// Whether the last request was read completely, so that the next byte begins another request.
     bool between_requests() const { return between_requests_; }
 
-    /// Whether the client closed its side. Half-closed counts: browsers and proxies close both.
+    /// Whether the client closed its side, even if it still receives: browsers and proxies close both directions at
+    /// once.
     bool client_gone() const;
 
     /// Sends bytes; returns false if the client has closed the connection or receives too slowly.
     bool write(std::string_view bytes);
 
     /// Closes our side. If unread bytes of the client are left, they are read and discarded for a while: closing a
-    /// socket with unread bytes resets the connection, and the client would lose the answer. The connection of a client
-    /// that received its answer too slowly is reset; otherwise the system would keep the rest of the answer.
+    /// socket with unread bytes resets the connection, and the client would lose the answer. If the client received its
+    /// answer too slowly, the connection is reset; otherwise the system would keep the unsent part of the answer in
+    /// memory.
     void close_gently();
 
     /// Has the connection reset when it is closed, so that the client does not mistake a partial answer for a whole
@@ -92,7 +95,7 @@ public:
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
-    /// Name of the sender for fair queueing: the address unless a better one is known.
+    /// Name of the sender for fair queueing: its address, unless name_client() has set a name.
     const std::string& client_name() const { return client_name_.empty() ? client_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
@@ -160,7 +163,7 @@ private:
     Transfer body_;            ///< of the current request
     std::uint64_t heads_ = 0;  ///< number of heads that were read or attempted
     bool between_requests_ = true;
-    bool too_slow_ = false;  ///< the client, at receiving an answer
+    bool too_slow_ = false;  ///< the client received an answer too slowly
     bool resets_ = false;
     std::uint64_t bytes_in_ = 0;
     std::uint64_t bytes_out_ = 0;

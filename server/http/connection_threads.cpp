@@ -55,7 +55,8 @@ void ConnectionThreads::work(Threads::iterator self) {
         idle_.splice(idle_.end(), busy_, self);
     }
     if (closing_) return;
-    // A thread cannot join itself. Until the next one joins it, it keeps its stack; so at most one stack is kept.
+    // A thread cannot join itself, so the next thread that ends joins it. Until then its stack stays allocated. So
+    // there is at most one such stack.
     const auto before = std::exchange(ended_, std::move(self->handle));
     idle_.erase(self);
     const bool last = idle_.empty();

@@ -45,7 +45,8 @@ private:
 
     const std::chrono::milliseconds idle_timeout_;
 
-    mutable std::mutex mutex_;  ///< guards the rest; after closing_ is set, the threads belong to the destructor
+    /// Guards the members below. After closing_ is set, the threads belong to the destructor.
+    mutable std::mutex mutex_;
     bool closing_ = false;
     std::jthread ended_;  ///< the thread that ended last; joined by the next one that ends
     Threads busy_;

@@ -9,7 +9,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Takes the host out of an origin of the web, `http://host:port`; nothing if it is no such, or has anything else.
+/// Returns the host of an origin of the form `http://host:port` or `https://host:port`; none for any other form.
 std::optional<std::string_view> host_of(std::string_view origin) {
     const auto scheme_end = origin.find("://");
     if (scheme_end == std::string_view::npos) return std::nullopt;
@@ -39,7 +39,9 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
         "X-Repaired, X-Request-ID, X-Warnings, "
         "X-Tone"};
     if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
-    // Caches must not give one origin's answer to another, not even one without permission.
+    // Caches must not give the answer for one origin to another one. So Vary is also needed in answers without
+    // permission.
+    // permission.
     std::vector<Header> headers{{"Vary", "Origin"}};
     if (!allows_origin(allowed, origin)) return headers;
     headers.push_back({"Access-Control-Allow-Origin", std::string(origin)});

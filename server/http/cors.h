@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// Whether pages of an origin may call the server.
+/// Whether pages of an origin may send requests to the server and read the answers.
 /// @param allowed  origins, kLoopback, or kAny
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
@@ -18,7 +18,7 @@ bool allows_origin(const std::vector<std::string>& allowed, std::string_view ori
 /// @param origin   origin of the calling page; empty: not a browser, or one of our own pages
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Makes the headers of the answer to an OPTIONS preflight, by which pages of other origins may send requests.
+/// Makes the headers that answer an OPTIONS preflight: they permit pages of other origins to send requests.
 std::vector<Header> preflight_headers(std::string_view methods);
 
 /// Whether a browser sends this request for a page of another origin, as a preflight or as a simple request. Such

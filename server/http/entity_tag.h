@@ -8,8 +8,8 @@
 
 namespace ccdt::server {
 
-/// Finds the tag of an answer in an If-None-Match header, as a weak or strong tag and in any of its content codings
-/// (RFC 9110, 13.1.2). `*` does not match.
+/// Finds the tag of the answer `name` in an If-None-Match header. The tag may be weak or strong, and of any content
+/// coding of the answer (RFC 9110, 13.1.2). `*` does not match.
 /// @returns  the tag as it appears in the header
 std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
 

@@ -22,10 +22,12 @@ bool is_loopback(std::string_view host);
 /// @returns  none if the authority is malformed
 std::optional<std::string_view> host_of_authority(std::string_view authority);
 
-/// Whether requests for an authority, as in a Host header, are answered. Requests without an authority always are.
+/// Whether requests for an authority, as in a Host header, are answered. Requests without an authority are always
+/// answered.
 ///
 /// A stranger's page can reach a server on loopback by a name of the stranger's domain that resolves to 127.0.0.1 (DNS
-/// rebinding). To the browser, that is the page's own origin. The name in Host distinguishes such requests.
+/// rebinding). To the browser, such a request goes to the page's own origin. The server recognises it by the name in
+/// Host.
 /// @param allowed  hosts in lower case without port and brackets, kLoopback, or kAny
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
 

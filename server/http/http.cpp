@@ -16,8 +16,8 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";  ///< separates scheme and authority
 constexpr std::size_t kLongestTarget = 8'192;
 
-/// Fields that the server reads and that take one value, not a list. Of several values, a proxy may use another one
-/// than the server. Content-Length and Transfer-Encoding are checked where they are read.
+/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy might use
+/// a different one than the server. Content-Length and Transfer-Encoding are checked where they are read.
 constexpr std::array<std::string_view, 6> kSingleFields{
     "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
 
@@ -74,7 +74,7 @@ std::string decode_percent(std::string_view text, bool plus_is_space) {
 
 /// The parts of a request target.
 struct Target {
-    std::string_view authority;  ///< of an absolute-form target, which proxies may send; otherwise empty
+    std::string_view authority;  ///< authority of an absolute-form target, which proxies may send; otherwise empty
     std::string_view resource;   ///< path and query
 };
 
@@ -143,14 +143,14 @@ std::string_view skip_blanks(std::string_view text) {
     return text.substr(std::min(text.find_first_not_of(" \t"), text.size()));
 }
 
-/// @returns  none if the text does not begin with a token
+/// Returns the text after the token at its beginning; none if it does not begin with a token.
 std::optional<std::string_view> after_token(std::string_view text) {
     const auto* const end = std::ranges::find_if_not(text, is_token_character);
     if (end == text.begin()) return std::nullopt;
     return std::string_view(end, text.end());
 }
 
-/// @returns  none if the text does not begin with a complete quoted string
+/// Returns the text after the quoted string at its beginning; none if it does not begin with a complete quoted string.
 std::optional<std::string_view> after_quoted(std::string_view text) {
     bool escaped = false;
     for (std::size_t i = 1; i < text.size(); ++i) {
@@ -161,7 +161,7 @@ std::optional<std::string_view> after_quoted(std::string_view text) {
     return std::nullopt;
 }
 
-/// Whether a text consists of chunk extensions, any number of them: RFC 9112, section 7.1.1.
+/// Whether a text consists of zero or more chunk extensions: RFC 9112, section 7.1.1.
 bool are_extensions(std::string_view text) {
     while (!text.empty()) {
         text = skip_blanks(text);

@@ -15,8 +15,8 @@ namespace ccdt::server {
 /// Parses the head of a request, from the request line to the empty line, including both.
 ///
 /// Stricter than most servers, because two servers that parse the same bytes differently can be exploited. Lines end in
-/// CRLF; names are tokens; there is one Content-Length of digits or one `Transfer-Encoding: chunked`, but not both. The
-/// target is a path, an `http` or `https` URL with a host, or `*` for OPTIONS.
+/// CRLF. Names are tokens. There is at most one Content-Length of digits or one `Transfer-Encoding: chunked`, but not
+/// both. The target is a path, an `http` or `https` URL with a host, or `*` for OPTIONS.
 HttpResult<Request> parse_head(std::string_view head);
 
 /// Parses the line before a chunk, without its CRLF: the chunk's size in bytes, and extensions, which are ignored.

@@ -38,7 +38,7 @@ constexpr milliseconds kTimeToRead{500};
 /// Pause after accepting failed because of missing descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Time limit for idle connections to end their threads for a new connection.
+/// Time that a new connection waits until the end of an idle connection frees a thread.
 constexpr milliseconds kTimeToMakeRoom{500};
 
 /// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
@@ -59,8 +59,7 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task whose failure affects one client only. Most likely it runs out of memory; other clients are not
-/// affected.
+/// Runs a task and contains its failure, most likely for lack of memory, so that only one client is affected.
 template <class Task>
 void contain(const Task& task) {
     try {
@@ -77,8 +76,8 @@ tl::unexpected<Problem> refusal(ConnectionSlot::Entry entry) {
     return busy(503, reason, std::chrono::seconds(1));
 }
 
-/// Sends a body while it is produced, in chunks or, if its length is known, without. For clients without chunked
-/// encoding the body ends with the connection.
+/// Sends a body while it is produced. Without a known length, the body is sent in chunks or, to clients that do not
+/// support chunks, ends with the connection.
 /// @returns  false if not everything was sent, or the client did not receive all of it
 bool stream_body(Connection& connection, Response& response, bool chunked) {
     bool taken = true;
@@ -182,7 +181,7 @@ HttpServer::Next HttpServer::accept_next(ConnectionThreads& threads, RefusedClie
     return Next::Nobody;
 }
 
-/// Closes an idle connection, after accept() failed because of missing descriptors or memory.
+/// Closes an idle connection and pauses, after accept() failed for lack of descriptors or memory.
 void HttpServer::recover(int accept_error) {
     capacity_.close_first_idle();
     std::this_thread::sleep_for(kRecovery);
@@ -191,7 +190,7 @@ void HttpServer::recover(int accept_error) {
           "; idle connections are closed to make room. Further failures of this kind are not logged");
 }
 
-/// Accepts clients that had connected, or almost, when the socket began to refuse new connections.
+/// Accepts clients that had connected, or had begun to connect, when the socket began to refuse new connections.
 void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
     const auto end = Clock::now() + kHandshake;
     for (int left = ListeningSocket::kBacklog; left > 0; --left) {
@@ -284,13 +283,14 @@ HttpResult<void> HttpServer::count(const Peer& client, ConnectionSlot& slot) con
     return {};
 }
 
-/// Returns the address by which limits of connections count; empty: none. Proxies are not limited: the load balancer's
-/// health checks must not fail because of its clients.
+/// Returns the address for which a connection counts towards the limit per address; empty: none. Connections of proxies
+/// do not count: the health checks of a load balancer must not fail because of its clients.
 std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }
 
-/// @param last  whether this is the connection's last request, regardless of the answer
+/// Handles a request and writes the answer.
+/// @param last  whether this is the last request of the connection, regardless of the answer
 /// @returns     whether another request may follow
 bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
                         bool last) {
@@ -312,6 +312,7 @@ bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request re
     return written && !last;
 }
 
+/// Calls the handler.
 /// @returns  none if the handler threw, for lack of memory
 std::optional<Response> HttpServer::handle(const Request& request, const HttpResult<void>& received,
                                            Connection& connection) const {

@@ -36,10 +36,12 @@ struct Exchange {
 ///
 /// Every connection has its own thread from the start, and there may be as many threads as open connections. An idle
 /// thread is kept for the same time as an idle connection. So no connection waits for a thread: clients that send
-/// nothing, or send or receive slowly, delay nobody. They only take a slot each (some 40 kB), whose number per address
-/// is limited, and whose time-outs shrink as slots become scarce. An event loop would hold more connections. But it
-/// would need a state machine for every body and answer, and handlers could not simply read and write. The accepting
-/// thread refuses connections beyond the limits.
+/// nothing, or send or receive slowly, delay nobody. Each of them only takes a slot (some 40 kB). The number of slots
+/// per address is limited, and time-outs shrink as slots become scarce. The accepting thread refuses connections beyond
+/// the limits.
+///
+/// An event loop would hold more connections. But it would need a state machine for every body and answer, and handlers
+/// could not simply read and write.
 class HttpServer {
 public:
     /// Answers a request. If the request was incomplete or malformed, `received` says why, and the request contains
@@ -49,7 +51,7 @@ public:
     using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  socket on which clients wait until `serve` is called
-    /// @param proxies   proxies whose clients count in their place
+    /// @param proxies   trusted proxies; connections through them are counted for their clients
     /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
@@ -58,11 +60,12 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain`. Returns once every connection made until then is closed, with an answer to each request.
-    /// @returns  false if accepting failed for any other reason
+    /// Serves until `drain` is called. Returns once every connection made before that is closed, with an answer to each
+    /// request.
+    /// @returns  false if it ended because accepting connections failed
     bool serve();
 
-    /// Makes `serve` end; new connections are refused. May be called from any thread, at any time.
+    /// Makes `serve` end: new connections are refused. May be called from any thread, at any time.
     void drain();
 
     /// Numbers of open and refused connections.

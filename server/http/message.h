@@ -63,16 +63,16 @@ struct Record {
     Stages stages;
     std::string_view cancelled;  ///< why a computation was cancelled: client_gone, deadline or shutdown
     std::optional<Computed> computed;
-    bool cached = false;  ///< the answer had been computed before
+    bool cached = false;  ///< the answer was taken from the cache
 };
 
 /// Sends a piece of a body immediately.
 /// @returns  false if the client no longer receives
 using Send = std::function<bool(std::string_view piece)>;
 
-/// Sends a body while it is produced, and adds the outcome to the record.
-/// @returns  whether everything was sent, or the client no longer receives; otherwise the connection is closed so that
-///           the client notices
+/// Sends a body while it is produced, and adds to the record how that ended.
+/// @returns  false if part of the body could not be sent although the client still receives; the connection is then
+///           closed so that the client notices
 using Stream = std::function<bool(const Send& send, Record& record)>;
 
 /// Status of an answer whose client has closed the connection. Nothing is sent; the status is for the log.
@@ -85,9 +85,9 @@ struct Response {
     std::string media_type;
     std::string body;
     Stream stream;                      ///< null: `body` has the whole body; not called for HEAD
-    std::optional<std::size_t> length;  ///< of a streamed body, if it is known
+    std::optional<std::size_t> length;  ///< length of a streamed body, if it is known
     std::string coding;                 ///< content coding of the body; empty: none
-    std::string tag;                    ///< entity tag, a strong one before compression; empty: none
+    std::string tag;                    ///< entity tag; a strong one names the body before compression; empty: none
     std::shared_ptr<const void> lease;  ///< reserved memory, released when the answer has been sent
     Record record;
 };

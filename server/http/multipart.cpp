@@ -41,7 +41,7 @@ HttpResult<std::string> part_name(std::string_view headers) {
     return *std::move(name);
 }
 
-/// Finds the beginning of a part's content.
+/// Finds the beginning of the content of a part, after its headers.
 /// @param at  position after the preceding boundary
 HttpResult<std::size_t> skip_headers(std::string_view body, std::size_t at) {
     const auto window = body.substr(at, kLargestHeaders);
@@ -62,7 +62,7 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
     if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary, or more than one");
     if (!is_boundary(boundary))
         return problem(400, "the form's boundary must have 1 to 70 of the characters that RFC 2046 allows");
-    // Only the first character is a CR, so a search reads each byte of the body at most twice.
+    // Only the first character of the delimiter is a CR, so a search reads each byte of the body at most twice.
     const std::string delimiter = "\r\n--" + boundary;
     const auto truncated = [] { return problem(400, "the form ends before its last boundary"); };
 

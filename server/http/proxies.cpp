@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestPort = 5;
 
-/// Addresses in a header field as proxies wrote them, in order; none for malformed ones.
+/// Addresses in a header field, in the order in which proxies wrote them. A malformed address is none.
 using Hops = std::vector<std::optional<IpAddress>>;
 
 bool is_port(std::string_view text) {
@@ -23,7 +23,7 @@ bool is_port(std::string_view text) {
            std::ranges::all_of(text, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-/// Parses an address, optionally followed by a port; then an IPv6 address must be in brackets.
+/// Parses an address with an optional port. An IPv6 address with a port must be in brackets.
 std::optional<IpAddress> parse_node(std::string_view text) {
     if (text.starts_with('[')) {
         const auto end = text.find(']');

@@ -20,10 +20,10 @@ struct TrustedProxies {
 /// Finds the client of a request by the addresses that proxies write to X-Forwarded-For or Forwarded (RFC 7239).
 ///
 /// Each proxy appends the address of its client to the addresses that it received. The search starts with the peer. As
-/// long as an address belongs to a trusted proxy, the address before it is examined. So addresses written by an
-/// untrusted client are never used. A malformed, `unknown` or hidden address ends the search at the proxy that wrote
-/// it. A proxy that sets one of the headers forwards the other one unchanged. If both are present, they must name the
-/// same client; otherwise the peer is returned.
+/// long as the current address belongs to a trusted proxy, the search goes on to the address before it. So addresses
+/// written by an untrusted client are never used. A malformed, `unknown` or hidden address ends the search at the proxy
+/// that wrote it. A proxy that sets one of the two headers forwards the other one unchanged. If both are present, they
+/// must name the same client; otherwise the peer is returned.
 Peer client_of(const Request& request, const Peer& peer, const TrustedProxies& proxies);
 
 }  // namespace ccdt::server

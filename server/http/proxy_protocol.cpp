@@ -19,7 +19,7 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLongestLine = 107;  ///< including its CRLF
 
 constexpr std::string_view kVersion2{"\r\n\r\n\0\r\nQUIT\n", 12};
-constexpr std::size_t kFixedSize = 16;  ///< signature, version and command, family and transport, length of the rest
+constexpr std::size_t kFixedSize = 16;  ///< signature, version and command, family and transport, remaining length
 constexpr std::uint8_t kLocal = 0x20;   ///< version and command
 constexpr std::uint8_t kProxied = 0x21;
 constexpr std::uint8_t kTcpVersion4 = 0x11;  ///< family and transport

@@ -19,7 +19,7 @@ struct ProxyHeader {
     };
     State state = State::None;
     std::size_t size = 0;        ///< bytes of the header, if it is complete
-    std::optional<Peer> client;  ///< none: the proxy connected for itself, or the client has no address
+    std::optional<Peer> client;  ///< none: the proxy connected on its own behalf, or the client has no IP address
 };
 
 /// Parses the header from the first bytes of a connection.

@@ -50,15 +50,15 @@ public:
     /// @param longest  none: no time limit
     void wait(std::optional<std::chrono::milliseconds> longest) const;
 
-    /// Stops new connections; those made already can still be accepted. May be called from any thread.
+    /// Refuses new connections; connections made before can still be accepted. May be called from any thread.
     ///
     /// Shutting the socket down instead would reset the connections in the backlog, whose requests may have arrived
-    /// already. A load balancer could not know that no server has read them. For TCP only: on Unix sockets, new clients
-    /// wait until `shut_down`. A client that tries to connect meanwhile retries after a second, and then finds that
-    /// nobody listens.
+    /// already. A load balancer could not know that no server has read these requests. For TCP, a client that tries to
+    /// connect meanwhile tries again after a second, and then finds that nobody listens. On Unix sockets this function
+    /// has no effect: new clients wait until `shut_down`.
     void refuse_newcomers() const;
 
-    /// Resets connections that still wait; further attempts to connect fail.
+    /// Resets connections that still wait to be accepted; further attempts to connect fail.
     void shut_down() const;
 
     int descriptor() const { return descriptor_.get(); }  ///< nonblocking

@@ -27,7 +27,7 @@ inline bool is_finished(JobStatus status) {
     return status != JobStatus::Queued && status != JobStatus::Running;
 }
 
-/// A point in time as clients see it and stores keep it.
+/// A point in time in milliseconds, the precision that clients see and stores keep.
 using Time = std::chrono::sys_time<std::chrono::milliseconds>;
 
 inline Time time_now() {
@@ -40,26 +40,26 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// A request whose client does not wait, without the body.
+/// A request that is computed while its client does not wait. The request itself is stored separately.
 struct Job {
     std::string id;
     std::string owner;        ///< name of the API key of the request; empty: none
-    std::string client;       ///< client by which queueing is fair
+    std::string client;       ///< name of the client for fair queueing
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;           ///< runs that ended with their server, and the current one
+    int starts = 0;           ///< runs that were cut off when their server ended, and the current run
     std::uint64_t claim = 0;  ///< number of the latest claim, greater than all earlier ones
     Time created;
     std::optional<Time> started;
     std::optional<Time> finished;
     JobProgress progress;
-    std::optional<Problem> failure;  ///< why it failed, as a synchronous answer would report it
+    std::optional<Problem> failure;  ///< why the job failed, as a synchronous answer would report it
 
     // Members of jobs that have succeeded:
     std::string media_type;
     std::size_t result_bytes = 0;
-    bool partial = false;         ///< the state reached by the deadline
+    bool partial = false;         ///< whether the result is the state reached at the deadline
     std::vector<Header> headers;  ///< headers with information that the body lacks
     bool dropped = false;         ///< the result was deleted to free space
 };

@@ -13,7 +13,7 @@ struct JobLimits {
     std::chrono::milliseconds ttl{3'600'000};    ///< time that a job is kept after its end
     std::chrono::milliseconds timeout{600'000};  ///< from the start of a run to its result
     std::chrono::milliseconds lease{
-        15'000};  ///< time for which a server keeps the jobs that it runs without renewing them
+        15'000};  ///< time after which other servers may take a job whose claim was not renewed
     std::chrono::milliseconds ping{15'000};  ///< longest time between two messages of an event stream
 };
 

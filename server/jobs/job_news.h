@@ -23,7 +23,7 @@ public:
     }
 
 private:
-    std::mutex mutex_;  ///< guards the rest
+    std::mutex mutex_;  ///< guards the members below
     JobListener* listener_ = nullptr;
 };
 

@@ -25,13 +25,13 @@ public:
     virtual void missed() = 0;                        ///< some of these notifications may have been lost
 };
 
-/// Stores jobs with their requests and, after the end, their results. Also keeps the queue, and which server runs which
-/// job.
+/// Stores jobs: their requests and, after the end, their results. Also keeps the queue, and records which server runs
+/// which job.
 ///
-/// A server claims a job before it runs it. The claim holds for a limited time, its lease, which `hold` renews. Once
-/// the lease has expired, another server may claim the job, with a number greater than all earlier ones (`Job::claim`).
-/// A call with any but the latest number reports that the job is lost, and changes nothing. So each job ends once, even
-/// if servers crash. The queue is fair between clients, like FairQueue.
+/// A server claims a job before it runs it. The claim holds for a limited time, the lease, which `hold` renews. Once
+/// the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
+/// (`Job::claim`). A call with an older number than the latest reports that the job is lost, and changes nothing. So
+/// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
 ///
 /// All times are those of the store's clock, which all servers share. Changes are durable when a call returns, except
 /// for the progress of a running job. Thread-safe. The time of a call does not depend on the number of finished jobs.
@@ -42,7 +42,7 @@ public:
     /// Whether a job was added, or why not.
     enum class Added { Accepted, QueueFull, NoRoom };
 
-    /// The state of a claim: still valid, the job was cancelled, or the job was claimed by another server.
+    /// The state of a claim: it is still valid, the job was cancelled, or another server has claimed the job.
     enum class Owned { Still, Cancelled, Lost };
 
     struct Hold {
@@ -72,16 +72,17 @@ public:
     /// Whether other servers may use the same storage.
     virtual bool is_shared() const { return false; }
 
-    /// Whether the queue is full for this client. As in the pool, a client with no queued job is admitted although
-    /// others have filled the queue, until it is twice as long.
+    /// Whether the queue is full for this client. As in WorkerPool, a client without a queued job is admitted to a full
+    /// queue, until the queue is twice as long as its limit.
     virtual Result<bool> is_full(std::string_view client) = 0;
 
-    /// Adds a job and sets its time of creation, unless its id exists already. If capacity is missing, results of
-    /// finished jobs are dropped, oldest end first, and then these jobs themselves.
+    /// Adds a job and sets its time of creation; does nothing if a job with this id exists. If space is lacking,
+    /// results of finished jobs are deleted, starting with the jobs that ended first. If that is not enough, finished
+    /// jobs are removed entirely.
     virtual Result<Added> add(Job& job, const ComputeRequest& request) = 0;
 
     /// Claims the next job in the queue, or one whose lease has expired, and counts a start.
-    /// @param memory  limit in bytes; jobs that need more are left to others
+    /// @param memory  limit in bytes; jobs that need more are left to other servers
     /// @returns       none if there is no such job
     virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
 
@@ -96,14 +97,14 @@ public:
     virtual Result<void> give_back(const Job& job) = 0;
 
     /// Appends a piece to the result of a claimed job, and frees space as `add` does (LimitExceeded). May be repeated
-    /// after an error. The pieces are deleted with the claim, unless `finish` ends it with a result.
+    /// after an error. If the claim ends in any other way than by `finish` with a result, the pieces are deleted.
     /// @param before  what this claim has stored already
     /// @param piece   1 to kPiece bytes
     /// @returns       false if the job was lost or cancelled
     virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;
 
-    /// Stores the end of a claimed job: deletes its request, keeps its result. Frees space as `add` does
-    /// (LimitExceeded), which a job without a result does not need. May be repeated after an error.
+    /// Stores the end of a claimed job: deletes its request, keeps its result. For a result, frees space as `add` does
+    /// (LimitExceeded); the end of a job without a result needs no space. May be repeated after an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) = 0;
@@ -160,9 +161,9 @@ public:
     }
 };
 
-/// Returns the digest of a piece of a stored body, by which the stores recognise damage.
-/// @param id      of its job
-/// @param number  of the piece in the body, from 0
+/// Returns the digest of a piece of a stored body. Stores compare it to detect damage.
+/// @param id      id of the job
+/// @param number  number of the piece in the body, from 0
 std::string digest_of_piece(std::string_view id, std::size_t number, std::string_view piece);
 
 }  // namespace ccdt::server

@@ -23,13 +23,15 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 /// against unforeseen faults.
 constexpr int kMostStarts = 3;
 
-/// Longest time until an expired lease of another server's job is noticed, or that a store can be reached again.
+/// Longest time until the server notices that the lease of another server has expired, or that the store can be reached
+/// again.
 constexpr std::chrono::milliseconds kLook{1000};
 
 /// Interval at which a run's progress is stored.
 constexpr std::chrono::milliseconds kTell{100};
 
-/// Bounds of the interval between deletions of expired jobs. Expired jobs cannot be found even before.
+/// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job, even before it is
+/// deleted.
 constexpr std::chrono::milliseconds kLeastForgetting{100};
 constexpr std::chrono::milliseconds kMostForgetting{60'000};
 
@@ -46,7 +48,7 @@ std::string new_id() {
     return id;
 }
 
-/// Makes a problem of a failure of the store. If the client's own data is damaged, the client is told.
+/// Makes a problem of a failure of the store. The client is told the cause only if the data of its own job is damaged.
 tl::unexpected<Problem> store_problem(const Error& error) {
     if (error.code == ErrorCode::Stopped) {
         auto away = busy(503, "the store of jobs cannot be reached", std::chrono::ceil<std::chrono::seconds>(kLook));
@@ -69,7 +71,7 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
-/// Makes the request to compute from the one that a store has found.
+/// Returns the request that a store has found. Errors: Internal if the store failed or has no such request.
 Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
     if (!stored) return failure(ErrorCode::Internal, stored.error().message);
     if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
@@ -126,7 +128,7 @@ public:
         return {};
     }
 
-    /// The stored part, the rest, and the error if the result could not be stored.
+    /// The part of the result that is stored, the part after it, and the error if storing failed.
     const JobStore::Taken& taken() const { return taken_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
@@ -299,6 +301,7 @@ void Jobs::release_locked() {
     idle_.notify_all();
 }
 
+/// Marks a run as started, here and in the store.
 /// @returns  false if the job must not be run any more
 bool Jobs::begin(const RunPointer& run) {
     Job job;
@@ -315,7 +318,7 @@ bool Jobs::begin(const RunPointer& run) {
     const auto held = store_.hold(job);
     const std::lock_guard lock(mutex_);
     if (run->settling || (held && !keep_locked(run, held->owned))) return false;
-    // If the store fails, the job runs nevertheless: no other server can claim it before its lease expires.
+    // If the store fails, the job runs nevertheless: no other server can claim the job before the lease expires.
     run->job.status = JobStatus::Running;
     run->job.started =
         held ? held->now : std::max(time_now(), job.created);  // the store's clock, which set job.created, may be ahead
@@ -326,8 +329,8 @@ bool Jobs::begin(const RunPointer& run) {
     return true;
 }
 
-/// Gives up a run if this server no longer owns its job.
-/// @returns  false if it was given up
+/// Gives up a run if this server no longer owns the job.
+/// @returns  false if the run was given up
 bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || run->settling) return true;
     if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
@@ -336,7 +339,7 @@ bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
     return false;
 }
 
-/// Drops a run. If its end is just being stored, the store will refuse it.
+/// Drops a run. If another thread is storing the end of the job at this moment, the store will refuse that end.
 void Jobs::drop_locked(const RunPointer& run) {
     if (run->settling) {
         run->stop = Stop::Gone;
@@ -352,8 +355,8 @@ void Jobs::forget_locked(const RunPointer& run) {
     if (found != runs_.end() && found->second == run) runs_.erase(found);
 }
 
-/// Removes a run from the pool's queue, or requests it to stop.
-/// @returns  whether it had not started
+/// Removes a run from the queue of the pool, or requests it to stop if it has started.
+/// @returns  true if it had not started
 bool Jobs::stop_locked(Run& run, Stop why) {
     run.stop = why;
     if (!run.handed || pool_.cancel(*run.handed) != WorkerPool::Cancelled::Queued) return false;
@@ -361,6 +364,7 @@ bool Jobs::stop_locked(Run& run, Stop why) {
     return true;
 }
 
+/// Computes the result of a job.
 /// @returns  none if this run does not end the job
 std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_token& stop) {
     Stages stages;
@@ -459,7 +463,7 @@ void Jobs::settle(const RunPointer& run, End end) {
     logger_(end.told);
 }
 
-/// Stores the end of a job. If the result cannot be stored, the job fails, which needs no space.
+/// Stores the end of a job. If the result cannot be stored, the job is stored as failed, which needs no space.
 Result<std::optional<Time>> Jobs::store_end(End& end) {
     auto stored = store_.finish(end.told.job, end.result, end.before);
     const bool has_result = end.told.job.result_bytes > 0;
@@ -473,7 +477,7 @@ void Jobs::publish_locked(const Job& job) {
     if (const auto followed = find_followed_locked(job.id)) advance_locked(*followed, job);
 }
 
-/// Fails all jobs that nobody runs.
+/// Fails all jobs that no server runs.
 void Jobs::fail_all() {
     while (auto job = store_.claim(std::numeric_limits<std::size_t>::max()).value_or(std::nullopt)) {
         const auto run = std::make_shared<Run>();
@@ -711,6 +715,7 @@ void Jobs::keep_time(const std::stop_token& closing) {
     }
 }
 
+/// Stops the runs whose deadlines have passed.
 /// @returns  the next deadline of a run
 Jobs::Clock::time_point Jobs::stop_overdue_locked() {
     auto next = Clock::time_point::max();
@@ -755,7 +760,7 @@ void Jobs::renew_leases() {
     }
 }
 
-/// Tries again to store the ends of jobs.
+/// Tries again to store the ends of jobs that could not be stored before.
 void Jobs::settle_what_is_left() {
     std::vector<std::pair<RunPointer, End>> left;
     {

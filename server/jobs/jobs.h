@@ -39,10 +39,11 @@ struct JobEnd {
 
 /// Runs jobs: requests whose clients do not wait.
 ///
-/// Accepted jobs are in the store, and so is their end: a result, a failure or a cancellation. A job waits in the
-/// store, whose queue is fair between clients. It is claimed and passed to the pool when it is next and the pool can
-/// take it. In the pool it competes with requests whose clients wait. Jobs use at most all workers but one, and at
-/// least one. If servers share a store, each runs the jobs that it has claimed, and answers requests about all jobs.
+/// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. A job waits in the
+/// queue of the store, which is fair between clients. When the job is next and the pool has room for it, it is claimed
+/// and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers, fewer jobs
+/// than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store, each runs
+/// the jobs that it has claimed, and answers requests about all jobs.
 ///
 /// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
@@ -58,7 +59,7 @@ public:
         std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
     };
 
-    /// @param survives  the store outlives the process; jobs not finished at shutdown are left to the next one
+    /// @param survives  whether the store outlives the process; if so, unfinished jobs are left to the next process
     /// The references must outlive this object. The store must have no other listener.
     Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger);
 
@@ -77,13 +78,14 @@ public:
     /// Accepts a job. Once this returns, the job will not be lost.
     ///
     /// @param job  with owner and cost; the cost must fit into the pool
-    /// Problems: 413 the job or its result exceeds the store's capacity, 429 the queue is full or the store is full of
-    /// waiting jobs, 503 the server shuts down, 507 and 500 the store fails.
+    /// Problems: 413 the job or its result exceeds the capacity of the store; 429 the queue is full, or waiting jobs
+    /// fill the store; 503 the server is shutting down, or the store cannot be reached; 507 the store has no space; 500
+    /// the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
     /// Finds a job.
     /// Problems, also of the functions below: 404 the job does not exist or has another owner; 503 the store cannot be
-    /// reached; 500 it fails.
+    /// reached; 500 the store fails.
     HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
     /// Reads the result of a job that has succeeded.
@@ -100,15 +102,15 @@ public:
     /// Follows a job's progress.
     class Watch {
     public:
-        /// Waits for the next state: the current one first, then each iteration, finally the end. If another server
-        /// runs the job, some iterations may be skipped.
-        /// @returns  none if there was no news until then
+        /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last
+        /// one the end. If another server runs the job, some iterations may be skipped.
+        /// @returns  none if there is no new state by then
         std::optional<Job> next(Clock::time_point until);
 
-        /// Makes the next call ask the store, which may have lost the job without a notification.
+        /// Makes the next call of next() ask the store, from which the job may have disappeared without a notification.
         void look_again();
 
-        /// Whether there will be no further states: the job has ended, or it is gone.
+        /// Whether there will be no further states: the job has ended or no longer exists.
         bool is_over() const { return over_; }
 
     private:
@@ -122,12 +124,12 @@ public:
     };
     HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
 
-    /// Stops all runs; returns at once. If the store survives, unfinished jobs are left to the next process or to other
-    /// servers. Otherwise they fail, and no more jobs are accepted.
+    /// Stops all runs, and returns at once. If the store survives, unfinished jobs are left to the next process or to
+    /// other servers. Otherwise unfinished jobs fail, and no more jobs are accepted.
     void drain();
     bool is_draining() const;
 
-    /// Counts the jobs of all servers that share the store; none if it cannot be reached.
+    /// Counts the jobs of all servers that share the store; none if the store cannot be reached.
     std::optional<JobStore::Load> load() const;
     Counts counts() const;
 
@@ -146,7 +148,7 @@ private:
     /// A job that this server has claimed.
     struct Run {
         Job job;
-        std::optional<WorkerPool::JobId> handed;  ///< its id in the pool
+        std::optional<WorkerPool::JobId> handed;  ///< id of the job in the pool; none: not in the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
         std::stop_source gone;    ///< stopped once nobody needs the result
@@ -219,8 +221,8 @@ private:
     std::condition_variable idle_;
     std::condition_variable_any wake_claimer_;
     std::condition_variable_any wake_timekeeper_;
-    bool has_work_ = false;  ///< for the claimer
-    bool news_ = false;      ///< for the timekeeper
+    bool has_work_ = false;  ///< the claimer should look for a job in the store
+    bool news_ = false;      ///< the timekeeper should look at the runs again
     std::map<std::string, RunPointer> runs_;
     mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
     std::size_t handed_ = 0;  ///< number of jobs in the pool

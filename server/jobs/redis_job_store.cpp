@@ -18,8 +18,9 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size of a body that is part of the call that needs it, in bytes. That saves one round trip and one wait for
-/// the disk. Larger bodies would be copied several more times while Redis serves nobody else.
+/// Maximum size, in bytes, of a body that is sent within the call that uses it, which saves one round trip and one wait
+/// for the disk. Larger bodies are sent by earlier calls, because within that call Redis would copy them several more
+/// times and serve nobody else meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
 /// Seconds after which unused pieces expire.
@@ -180,7 +181,7 @@ RedisSubscription::Callbacks RedisJobStore::callbacks() {
 void RedisJobStore::listen(JobListener* listener) {
     news_.listen(listener);
     if (subscribed_since_.load() != Clock::time_point::max())
-        news_.tell([](JobListener& now) { now.missed(); });  // otherwise it is notified once the subscription begins
+        news_.tell([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
 }
 
 void RedisJobStore::tell(std::string_view news) {
@@ -249,7 +250,7 @@ Result<RedisReply> RedisJobStore::read(const std::string& key, RedisCommand comm
 }
 
 /// Reads a piece of a body.
-/// @returns  none if it does not exist
+/// @returns  none if the piece does not exist
 Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& key, const std::string& id,
                                                              std::size_t number) {
     const std::string name = std::to_string(number), digest = name_of_digest(number);
@@ -282,7 +283,7 @@ Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::str
 }
 
 /// Reads the pieces of a body after the first.
-/// @returns  none if they no longer exist
+/// @returns  none if the pieces no longer exist
 Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, const std::string& id,
                                                            std::string first, std::size_t size) {
     std::string body = std::move(first);

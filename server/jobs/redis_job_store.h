@@ -20,13 +20,14 @@
 
 namespace ccdt::server {
 
-/// Jobs in a Redis, which servers share.
+/// Jobs in a Redis that servers share.
 ///
-/// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. Large bodies are sent
-/// in pieces of 1 MiB, so that other calls are not delayed, and renamed to their final key once they are complete. All
-/// keys begin with the version of their layout, `ccdt:1:`. A job whose lease expired is claimed only after this server
-/// has been subscribed for the duration of a lease. So after an outage of Redis, all servers have time to renew their
-/// leases.
+/// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. All keys begin with
+/// the version of their layout, `ccdt:1:`. Large bodies are sent to a temporary key, in pieces of 1 MiB so that other
+/// calls are not delayed. A complete body is renamed to its final key.
+///
+/// A server claims a job with an expired lease only after it has been subscribed to the notifications for the duration
+/// of a lease. So after an outage of Redis, all servers have time to renew their leases.
 ///
 /// Other programs may overwrite keys. A damaged key is reported and repaired by the call that finds it: see repair.lua.
 /// A damaged request fails its job, and a damaged result is an error (Unusable); bodies have digests.
@@ -39,7 +40,8 @@ public:
         std::function<void(const std::string&)> error;
     };
 
-    /// Does not wait until Redis can be reached. Then it logs warnings about settings by which jobs may be lost.
+    /// Does not wait until Redis can be reached. Once it can, warnings are logged about settings by which jobs may be
+    /// lost.
     /// `client` must outlive this object.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 

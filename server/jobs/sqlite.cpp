@@ -16,7 +16,7 @@ Database::Database(const std::string& path) {
     sqlite3_extended_result_codes(handle, 0);
 }
 
-/// Also maps an exceeded quota or file size limit to SQLITE_FULL, as SQLite does for ENOSPC.
+/// Throws if a call failed. An exceeded quota or file size limit counts as SQLITE_FULL, like ENOSPC.
 void Database::check(int code) const {
     if (code == SQLITE_OK) return;
     int told = code & 0xff;

@@ -34,7 +34,7 @@ public:
     std::int64_t value_of(const char* statement);
 
     /// Reserves disk space for the first `bytes` of the file, so that writing them cannot fail later. Does nothing for
-    /// a database in memory. SQLITE_FULL if there is no space.
+    /// a database in memory. Throws SQLITE_FULL if there is no space.
     void allocate(std::size_t bytes);
 
     /// Reserves disk space for the write-ahead log, which must exist: the database must have been read before.
@@ -43,7 +43,7 @@ public:
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
-    /// Writes the blob `body` of a row without an intermediate copy. The blob must have that size already.
+    /// Writes the blob `body` of a row without an intermediate copy. The blob must already have the size of `body`.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
     /// @param most  limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
@@ -91,7 +91,7 @@ public:
     double real(int column) const { return sqlite3_column_double(handle_.get(), column); }
     std::string text(int column) const;
 
-    /// Returns a value with its type as text; different values have different texts.
+    /// Returns a value with its type, as text. Different values have different texts.
     std::string image(int column) const;
 
     bool is_null(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }

@@ -25,10 +25,10 @@ constexpr std::int64_t kApplication = 0x63636474;
 constexpr std::int64_t kVersion = 1;
 
 /// Bytes on disk that the log keeps, so that jobs can be deleted when the disk is full. Deleting a result of 36 MiB
-/// needs 0.1 MB of it; returning `kGivenBack` pages needs 4.2 MB.
+/// needs 0.1 MB in the log; returning `kGivenBack` pages needs 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
-/// Number of free pages that are returned to the disk at a time, and that are kept.
+/// Number of free pages that the database keeps. If it has more, this many pages are returned to the disk at a time.
 constexpr std::int64_t kGivenBack = 1024;
 
 /// Number of jobs that one call deletes; more would delay other calls.
@@ -38,7 +38,7 @@ constexpr const char* kFile = "/jobs.sqlite";
 
 constexpr const char* kDamagedJob = "the stored data of this job is damaged";
 
-/// Every row has a digest of what was written, so that bytes that the disk has changed are recognised.
+/// Every row has a digest of the data that was written, so that corruption by the disk is detected.
 constexpr const char* kTables = R"(
     CREATE TABLE jobs (
         row INTEGER PRIMARY KEY,
@@ -115,7 +115,8 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Selects the columns that `job_at` reads, then the columns above. The last one is the digest of all others.
+/// Returns a query for the columns that `job_at` reads, followed by the columns above. The last column is the digest of
+/// all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -158,7 +159,8 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// The digest includes the id of the job, so that a request cannot be mistaken for that of another job.
+/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for that of
+/// another job.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :
@@ -331,7 +333,7 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
 template <class Do>
 auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
-    if (!done && done.error().code == ErrorCode::LimitExceeded) done = attempt(act);  // the log has been emptied
+    if (!done && done.error().code == ErrorCode::LimitExceeded) done = attempt(act);  // attempt() has emptied the log
     if (done) give_back();
     return done;
 }
@@ -403,7 +405,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
     return added;
 }
 
-/// Drops the oldest results; once there are none, removes the jobs that finished first.
+/// Frees space: drops the oldest results and, if that is not enough, removes the jobs that finished first.
 bool SqliteJobStore::make_room(std::size_t bytes) {
     const auto is_enough = [&] { return bytes_ + bytes <= limits_.bytes; };
     const auto drop = [&] {
@@ -463,7 +465,7 @@ void SqliteJobStore::take_back_lost() {
 }
 
 /// Starts a job that was taken from the queue.
-/// @returns  none if it cannot be run, because its data is damaged
+/// @returns  none if the job cannot be run, because its data is damaged
 std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
     try {
         auto kept = look_up(entry.item.id);
@@ -750,7 +752,7 @@ void SqliteJobStore::remove_bodies(std::int64_t row) {
 }
 
 /// Removes one row of jobs.
-/// @returns  bytes that it took
+/// @returns  bytes that the row took
 std::size_t SqliteJobStore::remove_row(std::int64_t row) {
     remove_bodies(row);
     Statement removed(database_, "DELETE FROM jobs WHERE row = ? RETURNING bytes", row);

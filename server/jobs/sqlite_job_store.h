@@ -24,17 +24,17 @@ namespace ccdt::server {
 /// Jobs in a SQLite database, in a file or in memory.
 ///
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
-/// machine. One server at a time uses it, and keeps the claims in memory. When a file is opened, unfinished jobs are
-/// queued in their original order. All stored data has digests, which are checked when it is read: corruption by the
-/// disk is reported as an error, never returned as data. The file reserves disk space, so that jobs can be removed when
-/// the disk is full, and returns free pages to the disk. One thread at a time uses the database; the others wait while
-/// a large request, or a piece of a result, is written.
+/// machine. Only one server at a time uses the file, and this server keeps the claims in memory. When a file is opened,
+/// unfinished jobs are queued in their original order. All stored data has digests, which are checked when the data is
+/// read: corruption by the disk is reported as an error, never returned as data. Some disk space is reserved in
+/// advance, so that jobs can be removed when the disk is full. Free pages of the file are returned to the disk. One
+/// thread at a time uses the database; other threads wait while a large request, or a piece of a result, is written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  folder of the database's files, created if it is missing; empty: in memory
-    /// Errors (Unusable): the folder cannot be used; another server uses it; the file is damaged in more than single
-    /// jobs, belongs to another program, or has another version of the tables. The message names the folder or file.
-    /// Damaged jobs fail.
+    /// Errors (Unusable): the folder cannot be used; another server uses it; the file belongs to another program or has
+    /// another version of the tables; the file is damaged beyond single jobs. Single damaged jobs are marked as failed
+    /// instead. The message names the folder or file.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
     Result<bool> is_full(std::string_view client) override;

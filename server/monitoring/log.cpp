@@ -18,7 +18,7 @@ namespace {
 /// Maximum length of a logged request target, in bytes; the beginning identifies it.
 constexpr std::size_t kLongestTarget = 512;
 
-/// Replaces values that clients sent and that must not be logged.
+/// Text that replaces values that clients sent and that must not be logged.
 constexpr std::string_view kHidden = "***";
 
 std::string member(LogFormat format, std::string_view message) {

@@ -35,8 +35,8 @@ private:
     std::shared_ptr<spdlog::logger> logger_;
 };
 
-/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. Of the query it contains options
-/// only, because clients may have put an API key there, under any name.
+/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. Of the query, the line contains
+/// only known options, because clients may have put an API key there, under any name.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);

@@ -51,7 +51,7 @@ public:
         ResultCache::Load cache;
     };
 
-    /// Sets the source of these metrics. Must be called before any thread calls text().
+    /// Sets the function that returns the `Watched` metrics. Must be called before any thread calls text().
     void watch(std::function<Watched()> figures);
 
     /// Counts a request that was answered, or whose client closed the connection.

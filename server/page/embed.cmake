@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Writes a source with files in it: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
-# Each is served at its path.
+# Generates a C++ source file that contains other files: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
+# Each file is served at its path.
 
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")

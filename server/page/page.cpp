@@ -11,7 +11,8 @@
 namespace ccdt::server {
 namespace {
 
-/// Policy of the page: nothing from other hosts, nothing inline, no frames around it.
+/// Content security policy of the page: forbids content from other hosts, inline scripts and styles, and embedding in
+/// frames.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

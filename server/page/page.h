@@ -7,18 +7,19 @@
 
 namespace ccdt::server {
 
-/// A file of the page, as the build embedded it.
+/// A file of the page, which the build has embedded in the program.
 struct PageFile {
-    std::string_view path;  ///< at which it is served
+    std::string_view path;  ///< path of the URL
     std::string_view media_type;
-    std::string_view digest;  ///< of the content
+    std::string_view digest;  ///< digest of the content, used as its entity tag
     std::string_view content;
 };
 
-/// @returns  the file served at that path; null: there is none
+/// Finds the file that is served at a path.
+/// @returns  null if there is none
 const PageFile* find_page_file(std::string_view path);
 
-/// The file, or 304 if one of the entity tags in `if_none_match` is the file's.
+/// Returns the answer with the file, or with status 304 if `if_none_match` contains the file's entity tag.
 Response page_response(const PageFile& file, std::string_view if_none_match);
 
 }  // namespace ccdt::server

@@ -7,7 +7,7 @@
 
 namespace ccdt::server {
 
-/// Files of the page, all of them. The source is written by the build; see embed.cmake.
+/// Returns all files of the page. The build generates the source file: see embed.cmake.
 std::span<const PageFile> page_files();
 
 }  // namespace ccdt::server

@@ -25,7 +25,7 @@ public:
     std::size_t size() const { return size_; }
 
     /// Reads the whole file and closes it. Must be called at most once.
-    /// Problems: 503 the file's size has changed, 500 it cannot be read.
+    /// Problems: 503 the size of the file has changed, 500 the file cannot be read.
     HttpResult<std::string> read();
 
 private:

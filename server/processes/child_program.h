@@ -45,7 +45,8 @@ private:
 /// (Killed)".
 std::string describe_end(int status);
 
-/// Blocks SIGCHLD and returns a descriptor that reports it instead, for single-threaded processes that fork.
+/// Blocks SIGCHLD and returns a descriptor that reports the end of children instead, for single-threaded processes that
+/// fork.
 /// @returns  nonblocking, readable once a child has ended; none if the system has no more descriptors
 UniqueFd watch_children();
 

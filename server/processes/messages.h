@@ -31,23 +31,24 @@ std::optional<SocketPair> make_sockets(int type);
 /// @returns  false if the other end is closed
 bool send_message(int socket, std::span<const std::byte> bytes, std::span<const int> files = {});
 
-/// Waits for a message of send_message.
-/// @param bytes  filled from the beginning; an excess is lost
+/// Waits for a message that was sent by send_message.
+/// @param bytes  receives the message, from the beginning; a longer message is cut off
 /// @param files  files of the message, in order; elements without a file stay unchanged
 /// @returns      number of bytes received; 0: the other end is closed
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files = {});
 
-/// Size of the message by which the server asks a program whether it is alive. It carries a socket for the reply.
+/// Size of the message by which the server asks a program whether it is alive. The message carries a socket for the
+/// reply.
 inline constexpr std::size_t kProbeSize = 1;
 
 /// Sends a probe without waiting.
 /// @returns  our end of the reply socket, on which one byte is the reply; none if the probe could not be sent now
 UniqueFd send_probe(int socket);
 
-/// Replies to a probe through its socket.
+/// Replies to a probe through the socket that it carried.
 void answer_probe(const UniqueFd& answer);
 
-/// Whether a probe was answered. To be called once our end is readable.
+/// Whether a probe was answered. To be called once our end of the reply socket is readable.
 bool is_answered(const UniqueFd& answer);
 
 /// Sends texts one after another over a stream.
@@ -55,10 +56,10 @@ bool is_answered(const UniqueFd& answer);
 bool send_texts(int socket, std::initializer_list<std::string_view> texts);
 
 /// Waits until `bytes` is filled from a stream.
-/// @returns  false if the stream ends before
+/// @returns  false if the stream ends before that
 bool receive_all(int socket, std::span<char> bytes);
 
-/// Returns a time-out for `poll`.
+/// Returns the time-out for `poll` that ends at a point in time.
 /// @param time  none: no time-out
 int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time);
 

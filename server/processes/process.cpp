@@ -43,7 +43,7 @@ std::filesystem::path group(std::string_view controllers) {
     return {};
 }
 
-/// Returns the lowest limit of a group and those around it.
+/// Returns the lowest limit of a control group and the enclosing groups.
 std::size_t limit_of_groups(const std::filesystem::path& root, std::string_view controllers, const char* name) {
     std::size_t limit = limit_in(root / name);
     auto inner = group(controllers).relative_path();

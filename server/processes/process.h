@@ -9,7 +9,8 @@ namespace ccdt::server {
 /// Resident memory of this process in bytes; 0 if it is unknown.
 std::size_t resident_bytes();
 
-/// Memory limit of this process in bytes: that of the machine, or of its control group and those around it, if lower.
+/// Memory limit of this process in bytes: the lowest among the memory of the machine and the limits of its control
+/// group and the enclosing groups.
 std::size_t available_memory();
 
 /// Limit of the address space in bytes (ulimit -v); none if there is no limit.

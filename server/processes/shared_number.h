@@ -25,7 +25,7 @@ private:
     void* page_ = nullptr;
 };
 
-/// A number that one process writes, from any of its threads, and others read. Neither needs a system call.
+/// A number that one process writes, from any of its threads, and others read. Writing and reading need no system call.
 class SharedNumber {
 public:
     /// Errors: Internal.
@@ -34,7 +34,7 @@ public:
     void store(std::uint32_t value);
     std::uint32_t load() const;
 
-    /// A file by which another process can only read the number.
+    /// A file through which another process can read the number, but not write it.
     const UniqueFd& file() const { return file_; }
 
 private:

@@ -17,8 +17,8 @@ inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SI
 
 void ignore_signals(std::span<const int> numbers);
 
-/// Ignores all signals that others than the server may send to a program that it has started: the server acts on them,
-/// and its programs end with it.
+/// Makes a program that the server has started ignore the signals that a terminal or an operator may send to it. The
+/// server itself acts on these signals, and its programs end with it.
 void leave_signals_to_server();
 
 }  // namespace ccdt::server

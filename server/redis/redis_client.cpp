@@ -13,7 +13,7 @@ constexpr std::size_t kMostConnections = 16;
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMostPause{1'000};
 
-/// Errors of a Redis that cannot run commands at present, but will again, or another server will in its place.
+/// Errors of a Redis that cannot run commands now, but may recover or be replaced by another server.
 constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
 
 Error error_of(const RedisReply& reply, const RedisAddress& address) {
@@ -109,7 +109,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
         auto replies = connection->run(commands, deadline);
         if (replies) keep(std::move(connection));
         if (replies) return replies;
-        drop_idle();  // the others were probably lost, too
+        drop_idle();  // the other idle connections were probably lost, too
         if (Clock::now() >= deadline) return late(replies.error());
     }
     auto connection = connect(deadline);
@@ -120,7 +120,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     return replies;
 }
 
-/// Makes other calls fail at once instead of waiting as well.
+/// Returns the error of a failed call, and makes other calls fail at once for a while, instead of waiting as well.
 tl::unexpected<Error> RedisClient::late(const Error& error) {
     const std::lock_guard lock(mutex_);
     pause_locked(error);

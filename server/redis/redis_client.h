@@ -22,10 +22,10 @@ namespace ccdt::server {
 
 /// Runs commands of a Redis. Thread-safe; each call uses a connection of its own.
 ///
-/// A lost connection is replaced. If the connection had been idle, its commands are sent once more, so they should be
-/// idempotent. While Redis cannot be reached or does not reply in time, calls fail at once, except for one attempt
-/// after each pause of up to a second. If Redis reports that it is a replica, all connections are replaced: by then,
-/// its address may belong to another server.
+/// A lost connection is replaced. If the connection had been idle before the call, the commands of the call are sent
+/// once more, so they should be idempotent. While Redis cannot be reached or does not reply in time, calls fail at
+/// once. After each pause of up to a second, one call tries again. If Redis reports that it is a replica, all
+/// connections are replaced, because the address may lead to another server by then.
 /// Errors of all calls: Stopped if Redis cannot be reached within the deadline; LimitExceeded if its memory is full;
 /// Unusable if a key has a value of another type; Internal for all other errors.
 class RedisClient {
@@ -34,7 +34,7 @@ public:
 
     struct Counts {
         std::uint64_t calls = 0;
-        std::uint64_t failures = 0;  ///< failed ones among these
+        std::uint64_t failures = 0;  ///< calls that failed
         std::uint64_t damages = 0;   ///< keys that were reported as damaged
         double seconds = 0;          ///< duration of all calls
     };
@@ -46,7 +46,7 @@ public:
     /// @param warn      receives reports of damaged keys, from any thread; may be empty
     explicit RedisClient(RedisAddress address, std::chrono::milliseconds deadline = kDeadline, Warn warn = {});
 
-    /// @returns  a reply for each command, none of which is an error
+    /// @returns  one reply for each command; none of the replies is an error
     Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands);
     Result<RedisReply> run(RedisCommand command);
 
@@ -84,7 +84,7 @@ private:
     const std::chrono::milliseconds deadline_;
     const Warn warn_;
 
-    mutable std::mutex mutex_;  ///< guards the rest
+    mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable free_;
     std::size_t in_use_ = 0;
     std::vector<Connection> idle_;

@@ -77,14 +77,14 @@ public:
         return bytes.empty() || SSL_write(tls_.get(), bytes.data(), static_cast<int>(bytes.size())) > 0;
     }
 
-    /// Takes the bytes to be sent.
+    /// Takes the encrypted bytes that are to be sent.
     std::string take_to_send() {
         std::string bytes(BIO_ctrl_pending(SSL_get_wbio(tls_.get())), '\0');
         if (!bytes.empty()) BIO_read(SSL_get_wbio(tls_.get()), bytes.data(), static_cast<int>(bytes.size()));
         return bytes;
     }
 
-    /// Appends the received bytes, decrypted.
+    /// Decrypts the received bytes, and appends them to `bytes`.
     /// @returns  false if it failed, or the other end closed the connection
     bool decrypt(std::string& bytes) {
         char part[16'384];
@@ -220,7 +220,7 @@ Result<void> RedisConnection::send_bytes(std::string_view bytes, Clock::time_poi
     return {};
 }
 
-/// @returns  the received bytes; empty if none arrived until then
+/// @returns  the received bytes; empty if none have arrived by then
 Result<std::string_view> RedisConnection::receive_bytes(Clock::time_point until) {
     if (!wait(POLLIN, until)) return std::string_view();
     received_.resize(kReadAtOnce);

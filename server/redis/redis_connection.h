@@ -33,10 +33,10 @@ struct RedisReply {
     bool is_error(std::string_view code) const { return kind == Kind::Error && text.starts_with(code); }
 };
 
-/// A connection to a Redis, used by one thread at a time. After an error, it must be discarded.
+/// A connection to a Redis, used by one thread at a time. After an error, the connection must be discarded.
 ///
 /// Errors of all functions: Stopped if Redis cannot be reached or does not reply in time; Internal if a reply is
-/// malformed. hiredis formats commands and parses replies; the socket is our own, because of deadlines and TLS.
+/// malformed. hiredis formats commands and parses replies. This class handles the socket, because of deadlines and TLS.
 class RedisConnection {
 public:
     using Clock = std::chrono::steady_clock;
@@ -52,7 +52,7 @@ public:
     Result<void> send(const RedisCommand& command, Clock::time_point deadline);
 
     /// Waits for the next reply or message.
-    /// @returns  none if nothing arrived until then
+    /// @returns  none if nothing has arrived by then
     Result<std::optional<RedisReply>> receive(Clock::time_point until);
 
     /// Sends commands, and waits for the reply to each.

@@ -9,7 +9,7 @@ namespace ccdt::server {
 /// A program in Lua that Redis runs atomically.
 class RedisScript {
 public:
-    /// @param parts  of the program, in order; they declare functions or execute statements
+    /// @param parts  parts of the program, in order; each declares functions or executes statements
     /// @param flags  flags of Redis that say what the program may do, such as `no-writes`. Without flags, a program
     ///               that is started while the memory is full fails at once.
     RedisScript(std::string_view flags, std::initializer_list<std::string_view> parts);

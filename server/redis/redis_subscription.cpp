@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kMostPause{1'000};
 /// Interval at which the thread checks whether it should end.
 constexpr std::chrono::milliseconds kPollInterval{100};
 
-/// Silence after which Redis is asked whether it is alive.
+/// Time without a message after which Redis is asked whether it is alive.
 constexpr std::chrono::milliseconds kSilence{1'000};
 
 }  // namespace

@@ -43,7 +43,7 @@ std::string cache_key(const std::string& name, bool compressed, const std::strin
     return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
 
-/// Finds the tag of an answer among those that the client sent.
+/// Finds the tag of an answer among the tags that the client sent.
 std::optional<std::string_view> known_tag(const Incoming& incoming, const std::string& name) {
     return find_tag(incoming.request.header("If-None-Match"), name);
 }
@@ -60,7 +60,7 @@ tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view ca
     return why;
 }
 
-/// @param name  name of the answer; used unless the answer is partial
+/// @param name  name of the answer, used as its tag unless the answer is partial
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
     response.headers = answer_headers(answer);
@@ -82,7 +82,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
-    std::string name;  ///< of the answer
+    std::string name;  ///< name of the answer
     MemoryBudget::Lease lease;
 };
 
@@ -90,7 +90,7 @@ struct Computing::AcceptedRequest {
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<BodyPipe> pipe = {};  ///< the rest of a large body that is still being written
+    std::shared_ptr<BodyPipe> pipe = {};  ///< remaining part of a large body, which is still being computed
 };
 
 /// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
@@ -136,14 +136,15 @@ private:
     const Clock::time_point submitted_ = Clock::now();
     std::stop_source unwanted_;
 
-    mutable std::mutex mutex_;  ///< guards the rest
+    mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
     bool finished_already_ = false;  ///< stays true when the result is taken
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection, and copies it for the cache unless it is too large.
+/// Passes a large body from its computation to the connection, and copies the body for the cache unless it is too
+/// large.
 class Computing::TeeWriter : public api::BodyTaker {
 public:
     /// @param largest  size limit of cached bodies, in bytes
@@ -225,7 +226,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     if (!lease) return tl::unexpected(lease.error());
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
-    // All browsers then share an answer whose format is given, regardless of their Accept headers.
+    // If the query names the format, all browsers share the answer, regardless of their Accept headers.
     const bool has_format = std::ranges::any_of(parse_query(options),
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
@@ -235,7 +236,8 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     return respond(*asked, incoming);
 }
 
-/// Returns an answer that the client already has, one from the cache, or one that is computed while the client waits.
+/// Answers with a 304 if the client has the answer already, otherwise with a cached answer or with one that is computed
+/// while the client waits.
 HttpResult<Response> Computing::respond(const AcceptedPointer& asked, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
@@ -263,7 +265,7 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     return response;
 }
 
-/// Makes the function that sends a large body while it is written.
+/// Makes the function that sends a large body while it is computed.
 /// @param latest  time by which the computation must have ended
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
     return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
@@ -289,13 +291,13 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
     };
 }
 
-/// Returns the owner of a cached answer. With a shared cache, the response time reveals to one key what another
-/// requested.
+/// Returns the owner of a cached answer: the API key or, if the cache is shared, nobody. A shared cache reveals to one
+/// key, by its response time, what another has requested.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
-/// Finds the answer of that name if it is cached and there is memory to send it.
+/// Returns the answer of that name if it is cached and there is memory to send it.
 std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
@@ -307,8 +309,8 @@ std::optional<Response> Computing::find_cached(const std::string& name, bool com
     return response;
 }
 
-/// Refuses to compute while the server shuts down, except for connections made before. Clients of kept connections know
-/// to retry on another one.
+/// Refuses computations while the server shuts down, except for the first request of each connection. Clients that
+/// reuse a connection know to retry on another one.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
@@ -328,7 +330,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Reserves memory for a request until it is done.
+/// Reserves memory for a request until the request is done.
 HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.take(size);
@@ -401,8 +403,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. The record gets the stages so far, and how long this and earlier
-/// tasks have waited in the queue.
+/// Has a worker run a task, and waits for the result. Writes to the record the stages up to now, including the total
+/// time that this task and earlier ones of the request have waited in the queue.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {
@@ -433,7 +435,7 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, cons
 }
 
 /// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace have
-/// passed. A computation that is still running then ends in the background.
+/// passed. If the computation is still running then, it ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {

@@ -44,10 +44,10 @@ public:
 
     const ResultCache& cache() const { return cache_; }
 
-    /// From now on, computes only for the first request of a connection, and refuses others.
+    /// From now on, computes only for the first request of each connection, and refuses later ones.
     void drain() { draining_ = true; }
 
-    /// From now on, answers all clients that wait for a result that the server shuts down.
+    /// From now on, tells all clients that wait for a result that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
     /// Makes a refusal of a request that may succeed once the backlog is done.
@@ -70,11 +70,12 @@ private:
 
     /// Limits on the wait for a result.
     struct TimeLimit {
-        Clock::time_point deadline;                 ///< when the computation is told to stop
-        Clock::duration grace = Clock::duration();  ///< extra time for a result that is valid even if stopped
+        Clock::time_point deadline;  ///< when the computation is told to stop
+        Clock::duration grace =
+            Clock::duration();  ///< extra time in which a stopped computation may return a valid result
     };
 
-    /// A task for a worker. It may deliver its result before it returns; then the returned result is ignored.
+    /// A task for a worker. The task may deliver its result before it returns; then the returned result is ignored.
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
 

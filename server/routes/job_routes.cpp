@@ -38,7 +38,7 @@ Response document(const Job& job) {
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
-        Problem failed{job.failure->status, job.failure->error};  // the same as in the job's document
+        Problem failed{job.failure->status, job.failure->error};  // as in the status document of the job
         if (failed.status == 500) failed.cause = failed.error.message;
         return tl::unexpected(std::move(failed));
     }

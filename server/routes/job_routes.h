@@ -35,7 +35,7 @@ private:
     const std::chrono::milliseconds ping_;
 };
 
-/// Makes the answer that a job was accepted.
+/// Makes the answer that says that a job was accepted.
 Response accepted(const Job& job);
 
 }  // namespace ccdt::server

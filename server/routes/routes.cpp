@@ -78,7 +78,7 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
     return name;
 }
 
-/// Whether a request's method is that of the route, or HEAD instead of GET.
+/// Whether a route with the method `of_route` takes a request with this method: the two are equal, or GET and HEAD.
 bool is_taken(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
@@ -210,7 +210,8 @@ Routes::Found Routes::find(const Request& request) {
     return found;
 }
 
-/// Returns the credential that a request needs. Unknown paths below /health/ are answered with 404 without a key, too.
+/// Returns the credential that a request needs. Unknown paths below /health/ need none, so that they are answered with
+/// 404.
 Gate::Credential Routes::needed(const Found& found, const Request& request) {
     const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
     if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
@@ -363,7 +364,7 @@ Response Routes::describe(Problem problem, Record& record) {
     return response;
 }
 
-/// Compresses a text if the client accepts it, unless a worker has done so.
+/// Compresses a text if the client accepts gzip, unless a worker has already compressed it.
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
     const bool told = response.status == 304;  // has the headers that the full answer would have had
@@ -379,7 +380,8 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
     if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
 }
 
-/// Warns once, about the first page that may not call, which flag would allow it. Browsers do not show the reason.
+/// When a page of another origin is refused for the first time, logs a warning that names the flag to allow it.
+/// Browsers do not show the reason to the user.
 void Routes::warn_of_refused_origin(const Request& request) {
     const auto origin = request.header("Origin").substr(0, kLongestOrigin);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;

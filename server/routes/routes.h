@@ -27,7 +27,7 @@ namespace ccdt::server {
 /// Maps paths and methods to handlers. Thread-safe.
 class Routes {
 public:
-    /// Returns what prevents computations now, as a message; empty: nothing.
+    /// Returns a message that says what prevents computations now; empty if nothing does.
     using Missing = std::function<std::string()>;
 
     /// Parts that answer requests. All of them must outlive the routes.
@@ -46,7 +46,7 @@ public:
 
     Routes(const Config& config, Parts parts);
 
-    /// Answers a request. If it could not be received, answers why.
+    /// Answers a request. If the request could not be received, the answer says why.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
 
     const ResultCache& cache() const { return computing_.cache(); }
@@ -57,7 +57,7 @@ public:
         computing_.drain();
     }
 
-    /// From now on, answers all clients that wait for a result that the server shuts down.
+    /// From now on, tells all clients that wait for a result that the server is shutting down.
     void abandon() { computing_.abandon(); }
 
 private:

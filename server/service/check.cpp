@@ -93,7 +93,7 @@ Found check_files(const Config& config) {
     return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
 }
 
-/// Asks a Redis for faults. Without it, the server starts nevertheless.
+/// Looks for faults of a Redis. The server starts even if this Redis cannot be reached.
 template <class FindFaults>
 Found check_redis(const RedisAddress& address, const char* does, FindFaults find_faults) {
     RedisClient client(address);

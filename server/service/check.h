@@ -12,7 +12,7 @@ namespace ccdt::server {
 struct Finding {
     enum class State {
         Good,
-        Weak,   ///< the server starts, but something is not as it should be
+        Weak,   ///< the server starts, but with a fault
         Wrong,  ///< the server does not start
     };
     std::string part;

@@ -12,10 +12,11 @@
 namespace ccdt::server {
 namespace {
 
-/// Time to answer waiting clients that there will be no result.
+/// Time for telling waiting clients that there will be no result.
 constexpr std::chrono::milliseconds kTimeToAnswer{1'000};
 
-/// @returns  false if the time has passed
+/// Waits for a stop request.
+/// @returns  false if there was none within the time
 bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) {
     std::mutex mutex;
     std::unique_lock lock(mutex);

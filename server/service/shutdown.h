@@ -16,8 +16,8 @@ namespace ccdt::server {
 /// The signals that the server handles: SIGINT, SIGTERM and SIGQUIT end it, SIGHUP reloads.
 class ServerSignals {
 public:
-    /// Blocks these signals, and ignores those that would end the program without a reason. Must be constructed before
-    /// any thread is created: threads inherit the mask, and only the waiting thread receives the signals.
+    /// Blocks these signals, and ignores kSignalsWithoutMeaning. Must be constructed before any thread is created:
+    /// threads inherit the mask, so only the thread that waits for the signals receives them.
     ServerSignals();
 
     /// Reloads on each SIGHUP, and returns on the first other signal. After that, another such signal ends the program
@@ -31,7 +31,7 @@ private:
 /// Ends the program in time even if a request does not end: first cancels all waiting requests, then exits.
 class ShutdownDeadline {
 public:
-    /// Creates the thread, for which there may be no memory later.
+    /// Creates the thread now, because memory for it may be lacking later.
     /// @param abandon  called shortly before the end
     ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log);
 

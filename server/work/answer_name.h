@@ -10,9 +10,9 @@
 
 namespace ccdt::server {
 
-/// Computes a name for the answer to a request before the answer exists. Different requests have different names, and
-/// so have servers with other limits or versions. The same picture and options in a form have one name, whatever the
-/// boundary.
+/// Computes a name for the answer to a request before the answer exists. Different requests have different names. The
+/// names also differ between servers with different limits or versions. Two forms with the same fields have the same
+/// name, whatever their boundaries.
 ///
 /// @param fields  fields of the request's form, if it is one
 /// @returns       24 characters that are valid in an entity tag

@@ -20,14 +20,16 @@ namespace ccdt::server {
 /// A pipe that passes a body in pieces from the worker that computes it to the connection that sends it.
 ///
 /// If the client receives fast enough, almost nothing is buffered. A slow client makes the worker wait for a few
-/// seconds at most. Then the rest is buffered, in the memory reserved for the computation, and the worker becomes free.
-/// Both threads may call it.
+/// seconds in total at most. After that, the remaining body is buffered in the memory that was reserved for the
+/// computation, and the worker becomes free. Both threads may call all members.
 class BodyPipe {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Number of buffered bytes at which the worker waits, and its total waiting time.
+    /// Number of buffered bytes at which the worker waits.
     static constexpr std::size_t kMostHeld = std::size_t{4} << 20;
+
+    /// Limit of the worker's total waiting time.
     static constexpr std::chrono::seconds kPatience{5};
 
     explicit BodyPipe(Clock::duration patience = kPatience) : patience_(patience) {}
@@ -40,7 +42,7 @@ public:
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 
     /// Waits for a piece.
-    /// @returns  none if none arrived until then, or the body has ended
+    /// @returns  none if no piece has arrived by then, or if the body has ended
     std::optional<std::string> pop(Clock::time_point until);
 
     /// Whether the body has ended and all pieces were taken.
@@ -57,7 +59,7 @@ public:
     std::stop_source& stop() { return stop_; }
 
 private:
-    mutable std::mutex mutex_;  ///< guards the rest
+    mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable came_;
     std::condition_variable went_;
     std::deque<std::string> pieces_;

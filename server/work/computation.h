@@ -15,17 +15,17 @@ namespace ccdt::server {
 
 /// The form of delivery of an answer, in addition to what the request says.
 struct Delivery {
-    bool compressed = false;          ///< if compression is worthwhile
+    bool compressed = false;          ///< compress the body if that is worthwhile
     api::BodyTaker* taker = nullptr;  ///< receives a large body in pieces; null: the body is returned whole
     std::stop_token unwanted = {};    ///< stopped once nobody needs the answer, not even a partial one
 };
 
 /// Computes the answer to a valid request. May take any time.
 ///
-/// When `control` requests a stop, it ends within a pass, with the error Stopped or, if the request allows that, a
-/// partial answer.
-/// Errors: those of the path, and Internal if the computation failed. An error may occur after pieces of the body were
-/// delivered, which are then useless. `timings` has the stages up to the end.
+/// When `control` requests a stop, the computation ends within a pass. It then returns the error Stopped or, if the
+/// request allows that, a partial answer.
+/// Errors: those of the operation, and Internal if the computation failed. If pieces of the body were delivered before
+/// an error, they are useless. `timings` has the stages up to the end.
 using Compute = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                   const Control& control, api::Timings& timings)>;
 

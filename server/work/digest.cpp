@@ -42,7 +42,7 @@ std::string sign(std::string_view key, std::string_view text) {
         throw std::bad_alloc();
     std::array<unsigned char, (kSha256Bytes + 2) / 3 * 4 + 1> encoded{};
     EVP_EncodeBlock(encoded.data(), bytes.data(), kSha256Bytes);
-    std::string signature(encoded.begin(), encoded.end() - 2);  // there is one character of padding
+    std::string signature(encoded.begin(), encoded.end() - 2);  // without the padding and the NUL
     std::ranges::replace(signature, '+', '-');
     std::ranges::replace(signature, '/', '_');
     return signature;

@@ -18,7 +18,7 @@ public:
     void add(std::string_view text);
 
     /// Finishes the digest. Must be called at most once.
-    /// @returns  the first 18 bytes of the digest in base64, 24 characters: enough to make collisions infeasible
+    /// @returns  the first 18 bytes of the digest in base64 (24 characters), enough to make collisions infeasible
     std::string finish();
 
 private:

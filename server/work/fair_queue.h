@@ -13,8 +13,9 @@
 
 namespace ccdt::server {
 
-/// A fair queue for items of several clients, by cost: the next item belongs to the client that has received the least
-/// service. An idle client gains no credit, and when the queue is empty all accounts are cleared.
+/// A fair queue for items of several clients. The next item belongs to the client that has received the least service,
+/// measured by the cost of its items. An idle client gains no credit, and when the queue is empty all accounts are
+/// cleared.
 ///
 /// Not thread-safe. O(items) per operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
@@ -24,7 +25,7 @@ public:
     struct Entry {
         std::string client;
         double cost = 0;
-        double start_tag = 0;  ///< service that its client will have received before it
+        double start_tag = 0;  ///< service that the client will have received before this item
         Item item;
     };
 
@@ -73,7 +74,7 @@ public:
         entries_.push_front(std::move(entry));
     }
 
-    /// Removes the first item that passes a test, as if it finish_tag never been added.
+    /// Removes the first item that passes a test, as if it had never been added.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Item> withdraw(Test test) {

@@ -15,12 +15,12 @@ namespace ccdt::server {
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Converts a request with a form to one with a body. The part of that name or `file` becomes the body; the other
-/// fields are added to the query. Other requests stay as they are.
+/// Converts a request with a form to one with a plain body. The field named `part` or `file` becomes the body; the
+/// other fields are added to the query. Requests without a form stay as they are.
 ///
 /// @param fields  the fields of this request
-/// @param part    name of the part
-/// Errors (Malformed): no such part, or several.
+/// @param part    name of the field that becomes the body
+/// Errors (Malformed): there is no such field, or more than one.
 Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part = "image");
 
 }  // namespace ccdt::server

@@ -27,7 +27,7 @@ bool is_zip(std::string_view type) {
     return type == "application/zip" || type == "application/x-zip-compressed";
 }
 
-/// Whether programs send JSON with this content type, when they do not specify a type.
+/// Whether a body of this content type may be JSON: the type is JSON, or one of those that programs send by default.
 bool may_hold_json(std::string_view type) {
     constexpr auto kUnspecific = std::to_array<std::string_view>(
         {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"});
@@ -73,7 +73,7 @@ Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limit
     return api::run_analyze(request, control, timings);
 }
 
-/// A request of api, by the functions above.
+/// A parsed request of api. The functions above do the work for each type.
 template <class Request>
 class Parsed : public ParsedRequest {
 public:

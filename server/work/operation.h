@@ -31,16 +31,16 @@ public:
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 
-/// A row of the table of operations. All differences between them are here, or in the object that `parse` makes.
+/// A row of the table of operations. All differences between operations are here, or in the object that `parse` makes.
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
     bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies, which become JSON
     bool takes_query;       ///< accepts options in the query
-    /// Part of a form that becomes the body, as `file` does; empty: forms are not accepted.
+    /// Name of the form field that becomes the body; a field named `file` does, too. Empty: forms are not accepted.
     std::string_view form_part;
 
-    /// Errors: those of the path's parser.
+    /// Errors: those of the parser of the operation.
     Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
 };
 
@@ -62,7 +62,7 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks everything except the body. Errors: those that do not depend on the body.
+/// Checks everything except the body. Errors: those that the body cannot cause.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
 /// Whether the body is a zipped shapefile, which only the decoder reads.

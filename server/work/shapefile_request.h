@@ -14,21 +14,21 @@
 
 namespace ccdt::server {
 
-/// Reads a zipped shapefile to GeoJSON, in the decoder: see DecoderClient.
+/// Converts a zipped shapefile to GeoJSON, in the decoder: see DecoderClient.
 using ReadShapefile = std::function<Result<std::string>(std::string_view archive, const api::ShapefileReading& reading,
                                                         const std::stop_token& stop)>;
 
-/// Finds the most bytes that a shapefile may have, inflated or as GeoJSON.
-/// @param max_body  bytes of the largest body
-/// @param memory    bytes for all that is computed, which reading a shapefile must fit into
+/// Returns the maximum size of a shapefile, inflated and as GeoJSON, in bytes.
+/// @param max_body  maximum size of a body, in bytes
+/// @param memory    memory limit of all computations together, in bytes, which the cost of reading must not exceed
 std::size_t max_shapefile_bytes(std::size_t max_body, std::size_t memory);
 
-/// Estimates the cost of reading a shapefile, its text included.
+/// Estimates the cost of converting a shapefile, including the memory of the resulting text.
 api::Cost cost_of_shapefile(std::string_view archive, std::size_t max_bytes);
 
-/// Makes of a request whose body is a zipped shapefile the same request with GeoJSON as the body. The option `object`
-/// of its query chooses a shapefile, and is not passed on.
-/// Errors: those of `read`; Malformed for two such options.
+/// Converts a request whose body is a zipped shapefile to one with GeoJSON as the body. The query's option `object`
+/// selects a shapefile of the archive and is removed.
+/// Errors: those of `read`; Malformed if `object` is given twice.
 Result<ComputeRequest> with_geojson(const ComputeRequest& request, std::size_t max_bytes, const ReadShapefile& read,
                                     const std::stop_token& stop);
 

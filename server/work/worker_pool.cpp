@@ -31,7 +31,8 @@ bool is_short(const api::Cost& cost) {
     return cost.seconds <= WorkerPool::kShort;
 }
 
-/// Lowers the priority of the calling thread below those that read requests, answer at once or run short jobs.
+/// Lowers the priority of the calling thread, so that it does not delay threads that read requests, answer at once or
+/// run short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -73,7 +74,7 @@ WorkerPool::JobId WorkerPool::submit_always(const std::string& client, Job job, 
 WorkerPool::JobId WorkerPool::push_locked(const std::string& client, Job job, const api::Cost& cost) {
     assert(cost.memory <= memory_.total());
     (is_short(cost) ? short_ : long_).push(client, cost.seconds, {++last_id_, cost, Clock::now(), std::move(job)});
-    job_waits_.notify_all();  // notify_one might wake a thread that cannot run it
+    job_waits_.notify_all();  // notify_one might wake a thread that may not run this job
     return last_id_;
 }
 
@@ -158,7 +159,8 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-/// Jobs that an idle thread will take at once do not count as waiting.
+/// Whether a queue has room for a job of this client. Jobs that an idle thread will take at once do not count as
+/// waiting.
 bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
@@ -168,8 +170,8 @@ bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
     return queue.size() < 2 * capacity_ + free && !queue.has(client);
 }
 
-/// Prefers long jobs, because short ones have a thread of their own. Only the next job of each queue is considered:
-/// while it waits for memory, so do the jobs behind it.
+/// Takes the next job that a thread may run, with its memory. Long jobs come first, because short ones have a thread of
+/// their own. Only the next job of each queue is considered: while it waits for memory, the jobs behind it wait, too.
 std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
     for (Queue* queue : {&long_, &short_}) {
         if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
@@ -207,7 +209,7 @@ double WorkerPool::waiting_seconds_locked() const {
     double pace = pace_;
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);
-        // A running job that exceeds the average already is more significant than finished ones.
+        // A running job that already takes longer than the average says more about the present pace than finished jobs.
         if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMostPace));
         expected += std::max(job.expected - gone / pace, 0.0);
     }

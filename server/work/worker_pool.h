@@ -25,12 +25,12 @@ namespace ccdt::server {
 /// A fixed number of threads for all computations, with bounded queues.
 ///
 /// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
-/// although others have filled the queue, until it is twice as long. So the only job of one client does not wait for a
-/// hundred jobs of another, only for the running ones. Short jobs do not even wait for these: they have their own queue
-/// and one additional thread that runs nothing else.
+/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred jobs waiting, the
+/// only job of another one waits just for the running jobs. Short jobs do not wait for running long ones: they have
+/// their own queue and one additional thread that runs nothing else.
 ///
-/// A job starts only when its estimated memory is available. Jobs behind it in the same queue wait, too; otherwise it
-/// might never start.
+/// A job starts only when its estimated memory is available. Until then, the jobs behind it in the same queue wait,
+/// too; otherwise a large job might never start.
 ///
 /// Thread-safe; jobs may call all members.
 class WorkerPool {
@@ -57,7 +57,7 @@ public:
     static constexpr double kShort = 0.02;
 
     /// @param workers   >= 1
-    /// @param capacity  limit of waiting jobs when all workers are busy, for short jobs and others separately
+    /// @param capacity  limit of waiting jobs when all workers are busy, for short and long jobs separately
     /// @param memory    limit of the estimated memory of running jobs, in bytes
     WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory = std::numeric_limits<std::size_t>::max());
 
@@ -81,8 +81,8 @@ public:
     /// Whether a job submitted by this client would be refused now: any job or, if `may_be_short` is false, a long one.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
-    /// Sets a function that is called with the number of running jobs whenever it changes. It must return quickly. Must
-    /// be called before the first job is submitted.
+    /// Sets a function that is called with the number of running jobs whenever that number changes. The function must
+    /// return quickly. Must be called before the first job is submitted.
     void on_change(std::function<void(std::size_t running)> tell) { tell_ = std::move(tell); }
 
     /// The memory budget of running jobs.

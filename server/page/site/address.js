@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The address: which panel is shown, and its settings, to be shared and to survive a reload.
+// Keeps the panel and its settings in the address of the page, so that they can be shared and survive a reload.
 
-/** @returns  {panel, settings}: its name, empty if the address has none, and texts by name */
+/**
+ * Reads the address.
+ * @returns  {panel, settings}: name of the panel, empty if the address has none; settings as texts by name
+ */
 export function readAddress() {
   const [, panel, query] = location.hash.match(/^#?([^?]*)\??(.*)$/s);
   return { panel, settings: Object.fromEntries(new URLSearchParams(query)) };
 }
 
-/** Notes what is shown: as a step that one may go back from, or in the place of what was noted last. */
+/**
+ * Writes a panel and its settings to the address: as a new entry of the history if `isStep`, else into the current
+ * entry.
+ */
 export function writeAddress(panel, settings, isStep) {
   const query = new URLSearchParams(settings).toString();
   const hash = `#${panel}${query && `?${query}`}`;
   if (hash === location.hash) return;
-  if (isStep) history.pushState(null, "", hash);  // following an anchor would take the focus away
+  if (isStep) history.pushState(null, "", hash);  // assigning location.hash would move the focus
   else history.replaceState(null, "", hash);
 }

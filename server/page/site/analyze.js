@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How even what was made is, beside each method's points.
+// Measures how evenly points are spread, and compares them with the points of each method.
 
 import { capabilities, postJson } from "./api.js";
 import { chart } from "./chart.js";
@@ -8,13 +8,16 @@ import { postPatiently } from "./jobs.js";
 import { Panel } from "./panel.js";
 import { largestSquare, unitTorus } from "./shape.js";
 
-const methods = capabilities.sample.methods.toReversed();  // the one that this server is for comes last
-const mostInSpectrum = 131072;  // points; 8 million values
-const digits = 11;  // of coordinates, over the domain's side: two million points stay below 64 MiB
-const mostToCompare = 1024;  // CCVT takes a second for these
-const whitest = 2.5;  // power
+const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
+const mostInSpectrum = 131072;  // points; their spectrum has 8 million values
+const digits = 11;  // significant digits of the longest coordinates; two million points then take less than 64 MiB
+const mostToCompare = 1024;  // points; CCVT takes a second for so many
+const whitest = 2.5;  // power that is drawn white
 
-/** The points in the largest square that fits into a shape, as they are shown, from its corner on. */
+/**
+ * Returns the projected points in the largest square inside a shape, relative to its lower left corner. If the shape is
+ * a rectangle or a torus, returns all points.
+ */
 function windowOf({ points, shape, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
   const { x, y, side } = largestSquare(outline.rings);
@@ -44,7 +47,7 @@ export class Analyze extends Panel {
     return this.source.value === "halftone" ? this.halftone : this.sample;
   }
 
-  /** With what was made goes how it was made. */
+  /** Returns the settings of the analyzed panel, too, so that the address reproduces its points. */
   state() {
     const source = this.source.value;
     return { ...(source === "sample" ? { shape: this.sample.shapeName } : { source }), ...this.#made.state() };
@@ -59,7 +62,10 @@ export class Analyze extends Panel {
     this.refresh();
   }
 
-  /** @returns  {points, domain, note} of what was made */
+  /**
+   * Fetches the points of the analyzed panel.
+   * @returns  {points, domain, note}
+   */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
       const { points, inks, kinds, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
@@ -123,7 +129,10 @@ function row(result) {
   return make("tr", {}, make("th", { scope: "row", textContent: result.name }), ...cells.map((textContent) => make("td", { textContent })));
 }
 
-/** Black is no power, white `whitest`; frequency 0 is in the middle. Without a spectrum it is the key to the curve. */
+/**
+ * Draws a spectrum with frequency 0 in the middle. Power 0 is black; `whitest` and more is white. Without a spectrum,
+ * the figure is only the key to the curve.
+ */
 function spectrumFigure({ name, spectrum }, index) {
   const caption = make("figcaption", { textContent: name });
   if (!spectrum) return make("figure", { className: `curve-${index}` }, caption);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Requests to the server that the page came from.
+// Sends requests to the server that the page came from.
 
 const keyName = "ccdt-key";
 
-/** A refusal: what the server said, in words, and which options it said it about. */
+/** An error response of the server: its message, and the options that it is about. */
 export class Problem extends Error {
   constructor(status, detail, errors = []) {
     super(detail);
@@ -12,7 +12,7 @@ export class Problem extends Error {
   }
 }
 
-/** Whether the server has asked for a key. */
+/** Whether the user has entered an API key in this session. */
 export const hasKey = () => sessionStorage.getItem(keyName) !== null;
 export const setKey = (key) => sessionStorage.setItem(keyName, key);
 
@@ -31,7 +31,7 @@ async function problemOf(response) {
   return new Problem(response.status, told.detail, told.errors);
 }
 
-/** Returns the response if it is a good one; else throws a Problem. */
+/** Sends a request and returns the response. Throws a Problem if the status is an error. */
 export async function ask(method, path, { body, signal, keepalive, ...told } = {}) {
   let response;
   try {
@@ -44,7 +44,7 @@ export async function ask(method, path, { body, signal, keepalive, ...told } = {
   return response;
 }
 
-/** What the server offers: formats, options, methods, limits, as `/capabilities` tells it. */
+/** Formats, options, methods and limits of the server, from `/capabilities`. */
 export const capabilities = await (await ask("GET", "/capabilities")).json();
 
 export const post = (path, body, options) => ask("POST", path, { body, ...options });
@@ -53,8 +53,8 @@ export const postJson = async (path, body, signal) =>
   (await post(path, JSON.stringify(body), { type: "application/json", signal })).json();
 
 /**
- * Runs the newest of many wishes. A draft lets the draft before it end, so that something is seen while a slider
- * moves; anything else cancels what is under way.
+ * Runs only the newest of several tasks. A draft starts after a running draft has ended, so that results appear while a
+ * slider moves. In all other cases, a new task cancels the running one.
  */
 export class Newest {
   #running = null;
@@ -75,13 +75,13 @@ export class Newest {
     this.#run(work, draft);
   }
 
-  /** Nothing is wished for any more. */
+  /** Cancels all tasks, and reports the end. */
   cancel() {
     this.abandon();
     this.ended(null);
   }
 
-  /** Ends what is under way, since something else is about to be wished for. */
+  /** Cancels all tasks without reporting the end, because another task will follow. */
   abandon() {
     this.#next = null;
     this.#running?.cancel.abort();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Curves as SVG.
+// Draws curves as SVG.
 
 const namespace = "http://www.w3.org/2000/svg";
 const edges = { left: 56, right: 12, top: 10, bottom: 26 };
@@ -12,10 +12,9 @@ export function element(tag, attributes, ...children) {
 }
 
 /**
- * A chart that fills its place.
- *
- * @param options  label, what a screen reader says; size {width, height}; x and y, {min, max, ticks, log};
- *                 curves, each {points: [[x, y], ...], name, mark: [x, y] or nothing}
+ * Returns a chart as an SVG element.
+ * @param options  label for screen readers; size {width, height}; axes x and y, each {min, max, ticks, log}; curves,
+ *                 each {points: [[x, y], ...], name, mark}, where mark is an optional position [x, y]
  */
 export function chart({ label, size, x, y, curves }) {
   const { width, height } = size;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Making elements and files.
+// Creates elements, saves files, and formats numbers.
 
-/** An element with properties, attributes under `attributes`, and children. */
+/** Creates an element with properties, attributes and children. */
 export function make(tag, { attributes = {}, ...properties } = {}, ...children) {
   const element = Object.assign(document.createElement(tag), properties);
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
@@ -11,14 +11,17 @@ export function make(tag, { attributes = {}, ...properties } = {}, ...children) 
 
 let saved = null;
 
-/** What was saved before is let go only now: some browsers begin to save after this has returned. */
+/**
+ * Saves a file. Its URL is revoked at the next call, because some browsers start saving after this function has
+ * returned.
+ */
 export function save(blob, name) {
   if (saved) URL.revokeObjectURL(saved);
   saved = URL.createObjectURL(blob);
   make("a", { href: saved, download: name }).click();
 }
 
-/** Hands over files that are dropped on an element. */
+/** Passes the first of the files dropped on an element to `take`. */
 export function acceptDrops(element, take) {
   const mark = (over) => (event) => {
     event.preventDefault();

@@ -1,27 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drawing rings on a viewport: press for a corner, press the first one to close, drag corners of what is there.
+// Draws rings on a viewport. A press adds a corner, or closes the ring at its first corner. Existing corners can be
+// dragged.
 
-const reach = 12;  // CSS pixels to a corner
+const reach = 12;  // CSS pixels within which a press hits a corner
 
 export class Drawing {
   #ring = null;
 
   /**
-   * @param toScreen  a corner's place in CSS pixels
-   * @param toShape   the corner at a place, rounded
-   * @param grasped   called before a corner of what is there is moved
-   * @param changed   called while rings change, with whether they are still on the move
+   * @param toScreen  returns the position of a corner, in CSS pixels
+   * @param toShape   returns the corner at a position, rounded
+   * @param grasped   called before an existing corner moves
+   * @param changed   called when rings change; its argument tells whether the change is still going on
    */
   constructor({ toScreen, toShape, grasped, changed }) {
     Object.assign(this, { toScreen, toShape, grasped, changed });
   }
 
-  /** The ring that is being drawn; null if none is. */
+  /** Ring being drawn; null if there is none. */
   get ring() {
     return this.#ring;
   }
 
-  /** `done(ring)` is called with the closed ring. */
+  /** Starts a ring. `done` receives the ring once it is closed. */
   start(done) {
     this.#ring = [];
     this.done = done;
@@ -51,7 +52,10 @@ export class Drawing {
     return Math.hypot(place.x - at.x, place.y - at.y) < reach;
   }
 
-  /** @returns  what takes the moves that follow; null: the press is not for us */
+  /**
+   * Handles a press at a position.
+   * @returns  a function to call with each position that follows and then with null; null if the press hits no corner
+   */
   press(at, rings) {
     if (this.#ring) return this.#add(at);
     for (const ring of rings) {

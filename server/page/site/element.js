@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A picture as dots in anybody's page: <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
+// Custom element that shows a picture as dots, in pages of any origin:
+// <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
 //
-// Asks the server that this module came from. Until that has answered, and if it does not, dots are shown that are drawn
-// here: a screen as printers had it.
+// The server is the one that this module was loaded from. Until it has answered, and if the request fails, the element
+// shows a conventional halftone screen that it draws itself.
 
 const server = new URL("/", import.meta.url);
 
-/** Options of /halftone that are attributes; of the flags it is enough that they are there. */
+/** Attributes that are options of /halftone. Flags need no value. */
 const options = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot", "scale",
   "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
-const mostJobs = 2;  // at once, of all elements: browsers have six connections to a server, and a job takes one
-const mostMisses = 5;  // of a stream of events that breaks off
-const patience = 250;  // ms for which a size has to stay before dots are made for it
-const leastPitch = 4;  // of a drawing, pixels
+const mostJobs = 2;  // of all elements; browsers open six connections to a server, and each job occupies one
+const mostMisses = 5;  // failed attempts in a row to reconnect to a stream of events
+const patience = 250;  // ms without a change of size before new dots are requested
+const leastPitch = 4;  // pixels; least distance of dots that the element draws itself
 
 let jobs = 0;
 const waiting = [];
@@ -36,7 +37,7 @@ async function bodyOf(response) {
   throw new Error(detail ?? `${response.url} was answered ${response.status}`);
 }
 
-/** Waits for the end of a job. */
+/** Waits for the end of a job. `told` receives the progress, from 0 to 1. */
 function follow(job, signal, told) {
   const events = new EventSource(`${job}/events`);
   return new Promise((resolve, reject) => {
@@ -52,8 +53,8 @@ function follow(job, signal, told) {
 }
 
 /**
- * Has the server make dots, as a job. That one has begun is waited for even if it is not wanted any more: only then it
- * can be ended.
+ * Requests dots from the server as a job. Waits for the address of the job even after an abort, because a job without
+ * an address cannot be cancelled.
  * @param told  called with the progress, from 0 to 1
  */
 async function askForDots(picture, query, signal, told) {
@@ -74,7 +75,10 @@ const darkness = (...light) => 1 - Math.max(...light);
 const share = (channel) => (...light) => (1 - darkness(...light) - light[channel]) / Math.max(1 - darkness(...light), 1e-6);
 const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 
-/** The paper, how inks mix on it, and of each its colour, the angle of its screen, and its share of some light. */
+/**
+ * Returns the colour of the paper, the blending mode of the inks, and for each ink [colour, angle of its screen,
+ * function from light to the covered share].
+ */
 function screensOf(wish) {
   if (wish.get("color") === "cmyk") {
     return { paper: "#fff", mixing: "multiply",
@@ -93,13 +97,16 @@ function screensOf(wish) {
 const decoded = (value) => (value <= 10.31 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4);
 const encoded = Uint8ClampedArray.from({ length: 256 }, (_, i) => (i === 0 ? 0 : 255 * (1.055 * (i / 255) ** (1 / 2.4) - 0.055)));
 
-/** A colour whose numbers are light. */
+/** Returns a CSS colour whose components are linear light instead of sRGB values. */
 function lightOfColour(context, colour) {
   context.fillStyle = colour;
   return `rgb(${[1, 3, 5].map((at) => 255 * decoded(parseInt(context.fillStyle.slice(at, at + 2), 16)))})`;
 }
 
-/** The mean light of each square of a picture, on white, by its place as a share of each side. */
+/**
+ * Returns a function from a position to the mean light of the picture in a grid cell, on a white ground. Positions are
+ * shares of the sides, from 0 to 1.
+ */
 function lightOf(bitmap, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
   const context = canvas.getContext("2d");
@@ -115,7 +122,10 @@ function lightOf(bitmap, width, height) {
   };
 }
 
-/** Radius of dots on a square grid, in its pitches, by the share that they cover; from pi / 4 on they overlap. */
+/**
+ * Returns the radius of dots on a square grid, in pitches, that cover a share of the area. From pi / 4 on, they
+ * overlap.
+ */
 function radiusOf(covered) {
   const alone = Math.PI / 4;
   if (covered < alone) return Math.sqrt(covered / Math.PI);
@@ -140,7 +150,9 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
   context.fill();
 }
 
-/** Draws as if the canvas held light: where rims of dots are mixed, light is. In the end it is encoded. */
+/**
+ * Draws the screens of all inks in linear light, so that antialiased edges mix light. Encodes the pixels at the end.
+ */
 function draw(canvas, width, bitmap, wish) {
   canvas.width = width;
   canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
@@ -173,14 +185,14 @@ class Halftone extends HTMLElement {
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
   #progress = Object.assign(document.createElement("progress"), { hidden: true, ariaLabel: "Dots" });
   #width = new CSSStyleSheet();
-  #fit = new CSSStyleSheet();  // one pixel of the picture for each of the device
+  #fit = new CSSStyleSheet();  // maps one pixel of the picture to one device pixel
   #observer = new ResizeObserver(() => this.#resized());
   #timer = null;
-  #loaded = {};  // {source, picture}: what was read last
-  #pixels = 0;  // of the device, that dots were asked for last
+  #loaded = {};  // {source, picture}: the picture that was loaded last
+  #pixels = 0;  // width of the last request, in device pixels
   #run = null;
-  #wish = null;  // what is shown, or on its way
-  #drawn = null;  // the source of the drawing
+  #wish = null;  // source and options that are shown or requested
+  #drawn = null;  // source of the drawing, which the element makes itself
 
   constructor() {
     super();
@@ -197,7 +209,7 @@ class Halftone extends HTMLElement {
   connectedCallback() {
     queueMicrotask(() => this.#refresh());
     try {
-      this.#observer.observe(this, { box: "device-pixel-content-box" });  // which changes with the device's pixels, too
+      this.#observer.observe(this, { box: "device-pixel-content-box" });  // also reports changes of devicePixelRatio
     } catch {
       this.#observer.observe(this);
     }
@@ -205,7 +217,7 @@ class Halftone extends HTMLElement {
   attributeChangedCallback() { queueMicrotask(() => this.#refresh()); }
   disconnectedCallback() { queueMicrotask(() => this.#leave()); }
 
-  /** Ends what is under way, on the server, too. What is shown stays. */
+  /** Cancels the running request, on the server, too. The shown picture stays. */
   abort() {
     if (!this.#run) return;
     this.#cancel();
@@ -218,7 +230,7 @@ class Halftone extends HTMLElement {
     this.#progress.hidden = true;
   }
 
-  /** Ends what nobody will see, unless it was but moved to another place. */
+  /** Cancels the request of a removed element. An element that was only moved keeps its request. */
   #leave() {
     if (this.isConnected) return;
     clearTimeout(this.#timer);
@@ -238,7 +250,7 @@ class Halftone extends HTMLElement {
     return Math.round(this.getBoundingClientRect().width * devicePixelRatio);
   }
 
-  /** Has the dots made anew for another size, once it stays. */
+  /** Requests dots for a new size, once the size has not changed for `patience`. */
   #resized() {
     if (!this.#wish || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
     this.#fit.replaceSync("");
@@ -250,7 +262,10 @@ class Halftone extends HTMLElement {
     }, patience);
   }
 
-  /** The options of a request: the width in pixels of the device, in which lengths then are. Dots of a scale have their own. */
+  /**
+   * Returns the options of a request, with the width in device pixels and `dot` converted to these. With `scale`, the
+   * options stay as they are.
+   */
   #sized(wish) {
     const query = new URLSearchParams(wish);
     this.#pixels = this.#pixelsNow;
@@ -261,7 +276,7 @@ class Halftone extends HTMLElement {
     return query;
   }
 
-  /** Makes the dots, unless what is wanted is there or under way. */
+  /** Requests dots, unless these are already shown or requested. */
   #refresh() {
     const alt = this.getAttribute("alt");
     this.#picture.alt = alt ?? "";
@@ -297,7 +312,7 @@ class Halftone extends HTMLElement {
     }
   }
 
-  /** Draws dots here; of the same picture the better ones that there are stay, as long as others may come. */
+  /** Draws dots in the browser. Dots from the server stay visible if they show the same picture. */
   async #draw(picture, source, wish, signal) {
     const bitmap = await createImageBitmap(picture).catch(() => null);
     signal.throwIfAborted();
@@ -333,7 +348,7 @@ class Halftone extends HTMLElement {
     this.#drawing.hidden = true;
   }
 
-  /** Shows the drawing or, of what could not be read here, the picture itself. */
+  /** Shows the drawing or, if the browser could not decode the picture, the picture itself. */
   #fall(source) {
     const isDrawn = this.#drawn === source;
     this.#drawing.hidden = !isDrawn;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The options of a request as labelled inputs, each with a line of help where it is not plain, and the place where the
-// server's objection to it is shown.
+// Labelled inputs for the options of a request, with help texts and the error messages of the server.
 
 import { make } from "./dom.js";
 
 let made = 0;
 
-/** A slider beside a number. Numbers beyond the slider's ends may be typed; the server is asked whether it takes them. */
+/**
+ * Creates a slider and a number input. Numbers outside the range of the slider can be typed; the server validates them.
+ */
 function numberInputs(field, id) {
   const number = make("input", { id, type: "number", value: field.value, step: field.step ?? "any" });
   const toSlider = field.log ? Math.log : (x) => x;
@@ -29,7 +30,10 @@ function numberInputs(field, id) {
   return { number, slider, all: [number, slider], put, limit };
 }
 
-/** With `field.auto` a box that leaves the number to the server; `field.free` is then the word for that. */
+/**
+ * Creates a field for a number. With `field.auto`, a checkbox leaves the number to the server; its label is
+ * `field.free`.
+ */
 function numberField(field, id, change) {
   const { number, slider, all, put: putNumber, limit } = numberInputs(field, id);
   const entry = make("div", { className: "entry" });
@@ -67,7 +71,7 @@ function numberField(field, id, change) {
   return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit };
 }
 
-/** Several numbers side by side, each with a label of its own; their value has commas between them. */
+/** Creates number inputs side by side, each with its own label. The value joins the numbers with commas. */
 function numbersField(field, id, change) {
   const inputs = field.numbers.map(({ value, min, max, step }, index) =>
     make("input", { id: index === 0 ? id : `${id}-${index}`, type: "number", value, min, max, step }));
@@ -98,7 +102,7 @@ function checkField(field, id, change) {
   return { input: box, parts: [box], value: () => box.checked, text: () => String(box.checked), put: (text) => { box.checked = text === "true"; } };
 }
 
-/** Boxes for any of a few choices, of which `field.checked` are checked at first; their value lists them. */
+/** Creates checkboxes, of which `field.checked` lists those checked at first. The value lists the checked ones. */
 function severalField(field, id, change) {
   const boxes = field.choices.map(([value, text], index) => {
     const box = make("input", { type: "checkbox", value, checked: field.checked.includes(value), ...(index === 0 && { id }) });
@@ -131,7 +135,10 @@ function colourField(field, id, change) {
   return { input: well, parts: [entry], value, text: value, put };
 }
 
-/** One well for each of 1 to as many colours as `field.colours` has, of which `field.number` are there at first. */
+/**
+ * Creates colour inputs, from one to as many as `field.colours` lists. The first `field.number` of these are the
+ * initial ones.
+ */
 function paletteField(field, id, change) {
   const wells = [];
   const place = make("div", { className: "wells", attributes: { role: "group", "aria-label": field.label } });
@@ -176,14 +183,14 @@ function paletteField(field, id, change) {
   return { input: wells[0], parts: [place], value, text: value, put };
 }
 
-/** A line of text; an empty one is left out of requests. */
+/** Creates an input for a line of text. Requests omit an empty one. */
 function textField(field, id, change) {
   const input = make("input", { id, type: "text", value: field.value ?? "", spellcheck: false, autocomplete: "off" });
   input.addEventListener("change", () => change(false));
   return { input, parts: [input], value: () => input.value || undefined, text: () => input.value, put: (text) => { input.value = text; } };
 }
 
-/** A text that is JSON. One that is not goes to the server as it is, which objects. */
+/** Creates a text area for JSON. A text that is not JSON is sent as a string, which the server rejects. */
 function jsonField(field, id, change) {
   const area = make("textarea", { id, rows: 2, spellcheck: false });
   area.addEventListener("change", () => change(false));
@@ -198,7 +205,7 @@ function jsonField(field, id, change) {
   return { input: area, parts: [area], value, text: () => area.value, put: (text) => { area.value = text; } };
 }
 
-/** A picture that is chosen, as {image: base64}. No state holds it. */
+/** Creates an input for a picture, whose value is {image: base64}. The state does not contain it. */
 function pictureField(field, id, change) {
   let image = null;
   const input = make("input", { id, type: "file", accept: "image/*" });
@@ -224,7 +231,7 @@ function pictureField(field, id, change) {
 
 const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, text: textField, json: jsonField, picture: pictureField };
 
-/** A button that shows and hides a line of help: {button, line}. */
+/** Creates a button that shows and hides a help text: {button, line}. */
 function helpFor(label, text, id) {
   const line = make("p", { id, className: "help", textContent: text, hidden: true });
   const button = make("button", {
@@ -238,7 +245,7 @@ function helpFor(label, text, id) {
   return { button, line };
 }
 
-/** Puts a button with a line of help after an element's text. */
+/** Adds a button and a help text to an element. */
 export function explain(element, text) {
   const { button, line } = helpFor(element.textContent, text, `help-${++made}`);
   element.append(" ", button);
@@ -246,9 +253,9 @@ export function explain(element, text) {
 }
 
 /**
- * Fields in a form. `change(draft)` is called while a slider moves, with true, and when it rests.
- * A field has `name`, `label`, `kind`, `value` (what it is at first), `standard` (the server's default, which is left out
- * of requests) and perhaps `help`.
+ * Fields in a form. `change` is called with true while a slider moves, and with false when a value is final. A field
+ * has `name`, `label`, `kind`, `value` (the initial value), `standard` (the default of the server, which requests omit)
+ * and optionally `help`.
  */
 export class Fields {
   #entries = [];
@@ -281,19 +288,22 @@ export class Fields {
     return this.#entries.filter(({ element }) => !element.hidden);
   }
 
-  /** What differs from the server's defaults, by name, of what is offered. */
+  /** Returns the values that differ from the defaults of the server, by name. Hidden fields are left out. */
   values() {
     const all = this.#offered.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
     return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
   }
 
-  /** What is not as it was at first, by name, as texts that `restore` takes; of what is offered. */
+  /**
+   * Returns the values that differ from the initial ones, as texts by name that `restore` accepts. Hidden fields are
+   * left out.
+   */
   state() {
     const changed = this.#offered.filter((entry) => entry.text() !== entry.first);
     return Object.fromEntries(changed.map((entry) => [entry.field.name, entry.text()]));
   }
 
-  /** Puts into each field what a state has for it, or else what it was at first. */
+  /** Sets each field to its text in a state, or to its initial value if the state has none. */
   restore(state) {
     for (const entry of this.#entries) {
       entry.put(entry.first);
@@ -302,7 +312,7 @@ export class Fields {
     }
   }
 
-  /** Puts a text into a field, as states have it. */
+  /** Sets a field to a text from a state. */
   put(name, text) {
     this.#find(name).put(text);
   }
@@ -311,7 +321,7 @@ export class Fields {
     this.#find(name).element.hidden = !offered;
   }
 
-  /** Makes another value the server's default, and puts it into the field if the default was there. */
+  /** Changes the default of the server, and sets the field to it if the field had the previous default. */
   setStandard(name, standard) {
     const entry = this.#find(name);
     const isThere = entry.text() === entry.field.standard;
@@ -324,17 +334,17 @@ export class Fields {
     this.#find(name).input.disabled = !enabled;
   }
 
-  /** Lets a choice be taken or not; where it was, the server's default is. */
+  /** Shows or hides a choice. If a hidden choice was selected, the default of the server takes its place. */
   allow(name, choice, allowed) {
     this.#find(name).allow(choice, allowed);
   }
 
-  /** Lets a slider go no farther than the server does. */
+  /** Limits the range of a slider to what the server accepts. */
   limit(name, most) {
     this.#find(name).limit(most);
   }
 
-  /** Puts each objection beside the field that it is about, if there is one here. */
+  /** Shows each error beside its field. Skips fields that are hidden or not in this form. */
   show(errors) {
     for (const entry of this.#entries) {
       entry.error.textContent = "";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// GeoJSON: what a document holds.
+// Finds the polygons and the counts in GeoJSON documents.
 
-/** Its polygons, each a list of rings of which the first is the outer one; none if it has no area. */
+/** Returns the polygons of a document, each a list of rings with the outer ring first. Skips other geometries. */
 export function polygonsOf(json) {
   switch (json?.type) {
     case "FeatureCollection": return json.features.flatMap(polygonsOf);
@@ -19,18 +19,18 @@ export function isGeojson(json) {
   return ["Feature", "FeatureCollection", ...geometries].includes(json?.type);
 }
 
-/** A number of at least 0, that may stand in a text as in files of a census; else NaN. */
+/** Returns a value as a number of at least 0, else NaN. The number may be a text, as in census files. */
 function countIn(value) {
   const number = typeof value === "string" && value.trim() !== "" ? Number(value) : value;
   return Number.isFinite(number) && number >= 0 ? number : NaN;
 }
 
-/** Names that say that a property tells features apart, as codes and numbers of rows do. */
+/** Names of properties that identify features, such as codes and row numbers. */
 const identifierName = /(^|_)(id|[fgop]id|fips|code|iso\w*|zip|key|nuts\w*|index|year)$|fips|fp$|geoid|objectid|postcode|[a-z](ID|Id|Code)$/;
 
 /**
- * Whether a property tells features apart rather than counting something: by its name, as texts of digits that are as long
- * as each other or begin with 0, or as whole numbers without a gap.
+ * Whether a property identifies features instead of counting something. Such a property has a typical name, texts of
+ * equal lengths or with leading zeros, or consecutive whole numbers.
  */
 function isIdentifier(name, values) {
   if (identifierName.test(name) || identifierName.test(name.toLowerCase())) return true;
@@ -42,8 +42,8 @@ function isIdentifier(name, values) {
 }
 
 /**
- * The properties of a collection's features that may be counts: numbers wherever they are not null.
- * @returns  [{name, sum}], as the first feature that has them has them in order; those that seem to tell features apart last
+ * Returns the properties that may be counts: those whose values are numbers of at least 0 wherever they are not null.
+ * @returns  [{name, sum}] in the order of their first occurrence, but with probable identifiers last
  */
 export function countsOf(json) {
   if (json?.type !== "FeatureCollection") return [];
@@ -62,7 +62,7 @@ export function countsOf(json) {
   return counts.sort((a, b) => rank(a) - rank(b)).map(({ name, sum }) => ({ name, sum }));
 }
 
-/** Whether all positions may be longitudes and latitudes, as RFC 7946 has them, in any turn that the server takes. */
+/** Whether a bounding box may be in longitude and latitude. The server accepts longitudes from -540 to 540 degrees. */
 export function mayBeDegrees({ minX, maxX, minY, maxY }) {
   return minX >= -540 && maxX <= 540 && minY >= -90 && maxY <= 90;
 }

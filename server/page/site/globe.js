@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The globe on the screen. Equal areas stay equal, so that points which are even on the ground look even.
+// Projects the globe onto a plane. Areas are preserved, so that points spread evenly on the ground look even.
 
 const radian = 180 / Math.PI;
-const farthest = Math.cos(120 / radian);  // from the middle of what is not a map of the world
-const longest = 1;  // degrees: edges are straight in longitude and latitude, and bent on the screen
+const farthest = Math.cos(120 / radian);  // least cosine of the angle to the middle on a regional map
+const longest = 1;  // degrees; longer edges are divided, as they are curves on the plane
 
 function directionOf([longitude, latitude]) {
   const [a, b] = [longitude / radian, latitude / radian];
   return [Math.cos(b) * Math.cos(a), Math.cos(b) * Math.sin(a), Math.sin(b)];
 }
 
-/** The middle of rings, each edge counting by its length. */
+/** Returns the direction of the middle of rings. Each edge has its length as weight. */
 function middleOf(rings) {
   const sum = [0, 0, 0];
   for (const ring of rings) {
@@ -25,7 +25,9 @@ function middleOf(rings) {
   return sum.map((value) => value / (Math.hypot(...sum) || 1));
 }
 
-/** Lambert's azimuthal projection: what lies near the middle keeps its shape. */
+/**
+ * Returns Lambert's azimuthal equal-area projection about a direction. Shapes near this direction are hardly distorted.
+ */
 function azimuthal([x, y, z]) {
   const [longitude, sine, cosine] = [Math.atan2(y, x), z, Math.hypot(x, y)];
   return ([east, north]) => {
@@ -37,7 +39,7 @@ function azimuthal([x, y, z]) {
   };
 }
 
-/** The Equal Earth projection (Savric, Patterson, Jenny 2019): the whole world. */
+/** Projects a position by the Equal Earth projection (Savric, Patterson, Jenny 2019), which shows the whole world. */
 function equalEarth([east, north]) {
   const t = Math.asin((Math.sqrt(3) / 2) * Math.sin(north / radian));
   const [a1, a2, a3, a4] = [1.340264, -0.081106, 0.000893, 0.003796];
@@ -45,7 +47,10 @@ function equalEarth([east, north]) {
   return [radian * x, radian * (a4 * t ** 9 + a3 * t ** 7 + a2 * t ** 3 + a1 * t)];
 }
 
-/** A ring without jumps: where longitudes leap by more than half a turn it goes on in the next turn of the globe. */
+/**
+ * Returns a ring with continuous longitudes: adds multiples of 360 degrees where they jump by more than 180. Closes a
+ * ring around a pole along the pole.
+ */
 function unrolled(ring) {
   const result = [];
   let shift = 0;
@@ -59,7 +64,7 @@ function unrolled(ring) {
   return [...result, [result.at(-1)[0], pole], [result[0][0], pole]];
 }
 
-/** What lies on one side of a meridian, which closes it; `side` is 1 for the east of it and -1 for the west. */
+/** Clips a ring at a meridian. Keeps the east side if `side` is 1, the west side if it is -1. */
 function cut(ring, meridian, side) {
   const inside = ([longitude]) => side * (longitude - meridian) >= 0;
   return ring.flatMap((to, i) => {
@@ -71,7 +76,7 @@ function cut(ring, meridian, side) {
   });
 }
 
-/** A part as it lies in the one turn that a map of the world shows: what is beyond comes in on the other side. */
+/** Clips a part to longitudes from -180 to 180 degrees. Pieces beyond these are shifted by 360 degrees. */
 function inOneTurn(part) {
   const rings = part.map(unrolled);
   return [-360, 0, 360].map((shift) => rings
@@ -79,7 +84,6 @@ function inOneTurn(part) {
     .filter((ring) => ring.length > 2)).filter((some) => some.length > 0);
 }
 
-/** A ring whose edges are no longer than what may be drawn straight. */
 function bent(ring) {
   return ring.flatMap((to, i) => {
     const from = ring.at(i - 1);
@@ -90,9 +94,10 @@ function bent(ring) {
 }
 
 /**
- * Lays a part of the globe, or all of it, onto a plane whose unit is a degree near the middle.
- * @param parts  lists of rings of positions in longitude and latitude, degrees
- * @returns  {parts, project}: the same on the plane, and what takes any position there
+ * Projects parts onto a plane whose unit is a degree near the middle.
+ *
+ * @param parts  lists of rings of [longitude, latitude], in degrees
+ * @returns      {parts, project}: the projected parts, and the projection for any other position
  */
 export function onMap(parts) {
   const rings = parts.flat();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The options of /halftone, as fields: what they are called, where they begin, and what helps to understand them.
+// Fields for the options of /halftone: labels, initial values and help texts.
 
 import { capabilities } from "./api.js";
 
@@ -55,7 +55,7 @@ export const moreFields = [
 
 const most = (sites) => String(Math.min(sites, mostDots));
 
-/** Settings that go well together: those that differ from what the fields have at first. */
+/** Presets. Each lists the settings that differ from their initial values. */
 export const presets = [
   { title: "Newspaper", settings: { sites: most(9000), dots: "ink", foreground: "#1d1b18", background: "#efe9dc" } },
   { title: "Ink and paper", settings: {} },

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How many dots a picture takes, about: what can be told before the server has answered.
+// Estimates how many dots a picture needs, before the server has answered.
 
 import { linear } from "./light.js";
 
-const side = 96;  // pixels that are looked at, each way
+const side = 96;  // pixels of the reduced picture along each side
 
-/** Dots that cover a share of an area, over those that would if none overlapped (core/halftone/coverage_curve.h). */
+/**
+ * Returns the area of the dots that together cover a share of the paper, overlaps included, over the area of the paper
+ * (core/halftone/coverage_curve.h).
+ */
 const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
 
 const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 const lightness = (light) => (light > 0.008856 ? 1.16 * Math.cbrt(light) - 0.16 : 9.033 * light);
 
-/** What each ink covers of a colour of light. */
+/** Returns the function from linear light to the share that each ink covers. */
 function separationOf({ color, palette, dots, tone }) {
   if (color === "rgb") return (...light) => light;
   if (color === "cmyk" || palette) {
@@ -28,10 +31,13 @@ function separationOf({ color, palette, dots, tone }) {
 }
 
 /**
- * @param picture  anything that a canvas draws
- * @param options  those of /halftone
- * @returns        for each ink {share, spread}: its dots over those that would cover the picture once without overlaps, and
- *                 the mean of the root of their density over the root of the mean, on which the length of a path depends
+ * Estimates the dots of each ink.
+ *
+ * @param picture  any image source of a canvas
+ * @param options  options of /halftone
+ * @returns        {share, spread} for each ink. `share` is the area of its dots, overlaps included, over that of the
+ *                 picture. `spread` is the mean of the root of their density over the root of the mean; the length of a
+ *                 path is proportional to it
  */
 export function inksOf(picture, options) {
   const context = new OffscreenCanvas(side, side).getContext("2d", { willReadFrequently: true });

@@ -1,34 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Long requests, asked for as jobs: how far they are can be told.
+// Sends long requests as jobs, whose progress can be shown.
 
 import { ask, capabilities, post } from "./api.js";
 
-/** Seconds of placing dots, by the server's estimate, from which on progress is shown. */
+/** Estimated seconds for placing dots above which a request is sent as a job. */
 const patience = 0.6;
 
-/** Whoever has no room for a job, or lost it, may still answer at once. */
+/** Statuses of servers that have no capacity for a job or have lost it. They may still answer a synchronous request. */
 const refusals = [404, 410, 413, 429, 503, 507];
 
-const pause = 1000;  // ms between questions
+const pause = 1000;  // ms between requests for the state of a job
 const mostMisses = 30;
-const longestSilence = 40000;  // ms; the server says something every 15 s
+const longestSilence = 40000;  // ms; the server sends something every 15 s
 const begun = new Set();
 
-/** Drafts, of one iteration, are not. */
+/** Whether a request takes long enough for a job. Drafts, which have one iteration, do not. */
 function isLong({ sites, method: name, quality = "standard", iterations = 5 }) {
   const { methods } = capabilities.sample;
   const method = methods.find((one) => one.name === name) ?? methods[0];
   return iterations > 1 && sites * method.seconds_per_site[quality] > patience;
 }
 
-/** Ends a job, or lets the server forget it; also while the page is being left. */
+/** Deletes a job, which also cancels it if it runs. The request outlives the page. */
 function remove(job) {
   begun.delete(job);
   ask("DELETE", job, { keepalive: true }).catch(() => {});
 }
 addEventListener("pagehide", () => begun.forEach(remove));
 
-/** What a job's server-sent events say, one after the other. A stream that is silent for too long is lost. */
+/** Yields the states of a job from its server-sent events. Gives up a stream that is silent for too long. */
 async function* eventsOf(job, signal) {
   const silence = new AbortController();
   let timer = null;
@@ -57,7 +57,7 @@ async function* eventsOf(job, signal) {
   }
 }
 
-/** Asks again and again where a job stands. The server may be out of reach for a while. */
+/** Yields the states of a job by polling. The server may be unreachable for a while. */
 async function* statesOf(job, signal) {
   for (let misses = 0; ; await new Promise((resume) => setTimeout(resume, pause))) {
     signal.throwIfAborted();
@@ -70,7 +70,7 @@ async function* statesOf(job, signal) {
   }
 }
 
-/** Tells where a job stands until it has ended: by its events, or once they are lost by asking. */
+/** Reports the states of a job until it has ended: from its events or, if they are lost, by polling. */
 async function follow(job, signal, told) {
   const hasEnded = async (states) => {
     for await (const state of states) {
@@ -88,7 +88,7 @@ async function follow(job, signal, told) {
   await hasEnded(statesOf(job, signal));
 }
 
-/** Waits for the answer even if it is not wanted any more: it names the job, which is to be ended then. */
+/** Starts a job. Cannot be aborted, because only the answer names the job to delete. */
 async function begin(path, body, type) {
   const response = await post(path, body, { type, prefer: "respond-async" });
   if (response.status !== 202) return { response };
@@ -110,10 +110,10 @@ async function postAsJob(path, body, { type, signal, told }) {
 }
 
 /**
- * Posts, as a job if that will take long.
+ * Sends a POST request, as a job if the answer takes long.
  *
- * @param options  what the request asks for
- * @param told     called with where the job stands, as the server says it, and in the end with null
+ * @param options  options of the request, from which its duration is estimated
+ * @param told     called with each state of the job as the server reports it, and finally with null
  */
 export async function postPatiently(path, body, options, { type, signal, told }) {
   if (isLong(options)) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures in other sizes, whose pixels are mixed as light and not as the numbers that encode it: of black and white dots
-// those numbers' mean looks far too dark.
+// Scales pictures in linear light. The mean of encoded values would make patterns of black and white dots far too dark.
 
-/** The light of a value in sRGB, from 0 to 255. */
+/** Linear light, from 0 to 1, of each sRGB value from 0 to 255. */
 export const linear = Float32Array.from({ length: 256 }, (_, value) => {
   const share = value / 255;
   return share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
@@ -13,12 +12,12 @@ const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
   return 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * light ** (1 / 2.4) - 0.055);
 });
 
-/** The light of a colour as style sheets have it, `rgb(r, g, b)`: three numbers from 0 to 1. */
+/** Returns the linear light of a computed CSS colour, `rgb(r, g, b)`: three numbers from 0 to 1. */
 export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
 
 /**
- * How a line of cells is seen in another size: the target's cells from `first` on that are seen, and of each the cells of
- * the source that it covers. Cell i covers those from starts[i] on, with the weights from offsets[i] to offsets[i + 1].
+ * Returns how a scaled line averages source cells. Lists only visible target cells, from `first` on. Target cell i
+ * averages the source cells from starts[i] on, with the weights in [offsets[i], offsets[i + 1]).
  */
 function cellsOf(length, start, size, most) {
   const first = Math.max(start, 0);
@@ -36,7 +35,7 @@ function cellsOf(length, start, size, most) {
   return { first, count, starts, offsets, weights: Float32Array.from(weights) };
 }
 
-/** Adds the light of a row of pixels, before a ground, to sums of three numbers for each pixel. */
+/** Adds the weighted light of a row of pixels, on a ground, to sums of three numbers per pixel. */
 function addRow(data, start, weight, ground, sums) {
   for (let from = start, to = 0; to < sums.length; from += 4, to += 3) {
     const alpha = data[from + 3];
@@ -52,13 +51,13 @@ function addRow(data, start, weight, ground, sums) {
 }
 
 /**
- * Scales a picture: each pixel has the mean light of what it covers.
+ * Scales a picture. Each pixel of the result has the mean light of the area that it covers.
  *
  * @param picture  a canvas
- * @param place    {x, y, width, height} of the picture, in whole pixels of a canvas; parts may be outside
- * @param seen     {width, height} of that canvas
- * @param ground   light behind what is transparent
- * @returns        {image, x, y}: the pixels that are seen, and where they belong; null if there are none
+ * @param place    {x, y, width, height} of the scaled picture, in whole pixels of a target canvas; parts may be outside
+ * @param seen     {width, height} of the target canvas
+ * @param ground   light behind transparent pixels
+ * @returns        {image, x, y}: the visible pixels and their position; null if there are none
  */
 export function scaledAsLight(picture, { x, y, width, height }, seen, ground) {
   const columns = cellsOf(picture.width, x, width, seen.width);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Puts the page together: its panels, the tabs that choose among them, the address that tells of them, the key.
+// Sets up the page: its panels, the tabs that select one, the address, and the form for the API key.
 
 import { readAddress, writeAddress } from "./address.js";
 import { setKey } from "./api.js";
@@ -32,7 +32,7 @@ async function show() {
   panel.look();
 }
 
-/** One after the other, the last of which shows what the address then says. */
+/** End of the last `show`. Calls run one after another, and each reads the address when it starts. */
 let shown = Promise.resolve();
 function showAddress() {
   shown = shown.catch(() => {}).then(show);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What a mask of thresholds is, and what it does: the tile, repeated, beside a picture and over a ramp of greys that are
-// dithered with it.
+// Shows a mask of thresholds and its effect: the repeated tile, and a picture and a ramp of greys dithered with it.
 
-const leastSide = 256;  // pixels of each square
-const gap = 8;  // between the parts, pixels
-const picture = "/assets/samples/camera.jpg";  // it has greys alone
+const leastSide = 256;  // pixels; least side of the squares that show the mask and the picture
+const gap = 8;  // pixels between the parts
+const picture = "/assets/samples/camera.jpg";  // a grey picture
 
-/** The greys of an image, row by row, stretched to a size. */
+/** Returns the grey values of an image stretched to a size, row by row. */
 function greysOf(image, width, height) {
   const context = new OffscreenCanvas(width, height).getContext("2d");
   context.drawImage(image, 0, 0, width, height);
@@ -15,9 +14,11 @@ function greysOf(image, width, height) {
 }
 
 /**
- * @param blob  a mask, as the server answers it
- * @returns     {width, height, canvas}: the tile's size in pixels, and what is to be shown, the tile's first copy in its
- *              upper left corner
+ * Draws a mask and its effect.
+ *
+ * @param blob  a mask, as the server returns it
+ * @returns     {width, height, canvas}: size of the tile in pixels, and the drawing, with the first copy of the tile in
+ *              its upper left corner
  */
 export async function showing(blob) {
   const mask = await createImageBitmap(blob);

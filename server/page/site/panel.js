@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the three panels have in common: progress, status, errors.
+// Base class of the three panels: progress, status and errors.
 
 import { hasKey, Newest } from "./api.js";
 import { make, save } from "./dom.js";
@@ -23,23 +23,23 @@ export class Panel {
     this.status.textContent = "Cancelled: what is shown was made before";
   }
 
-  /** Puts settings, as `state` tells them, into the panel; what is shown is made anew once it is looked at. */
+  /** Applies settings that `state` returned. `look` then updates what is shown. */
   async restore() {}
 
-  /** Its settings that are not as they were at first, by name, as texts. */
+  /** Returns the settings that differ from their initial values, as texts by name. */
   state() {
     return {};
   }
 
-  /** The panel is looked at: what is not there yet is made. */
+  /** Called when the panel becomes visible. Requests what is missing. */
   look() {}
 
-  /** Tells that settings have changed; a step is one to go back from. */
+  /** Reports that settings have changed. A step becomes an entry in the history of the browser. */
   note(isStep = false) {
     this.element.dispatchEvent(new CustomEvent("settings", { detail: { isStep } }));
   }
 
-  /** Shows where a job stands; null: what is under way is none. */
+  /** Shows the state of a job, or hides it if the state is null. */
   tell = (state) => {
     this.job.hidden = state === null;
     if (!state) return this.progress.removeAttribute("value");
@@ -53,7 +53,7 @@ export class Panel {
     return this.element.querySelector(selector);
   }
 
-  /** Shows a problem, or that there is none: where one looks, and at the fields that it is about. */
+  /** Shows a problem as a message and beside the fields that it is about. Null clears the message and these fields. */
   show(problem) {
     this.element.dataset.state = problem ? "failed" : "done";
     this.place(problem?.errors ?? []);
@@ -64,19 +64,18 @@ export class Panel {
     this.forget();
   }
 
-  /** Shows each error at the field that it is about, and of no other field any. */
+  /** Shows each error beside its field, and clears the errors of all other fields. */
   place() {}
 
-  /** Lets go of what was made before. */
   forget() {}
 
-  /** Asks for work; a draft while something moves. */
+  /** Starts a task. It is a draft while an input moves. */
   wish(work, draft = false) {
     this.element.dataset.state = "busy";
     this.newest.wish(work, draft);
   }
 
-  /** Adds a button that saves what `ask(format, signal)` answers, and a choice among the formats that are offered. */
+  /** Adds a button that saves the answer of `ask(format, signal)`, and a menu of formats. */
   addDownload(ask) {
     this.format = make("select", { attributes: { "aria-label": "Format" } });
     const button = make("button", { type: "button", className: "primary", textContent: "Download" });
@@ -88,8 +87,8 @@ export class Panel {
   }
 
   /**
-   * Offers formats, and keeps the one that is chosen if it is among them.
-   * @param given  names of options that are set: a format is offered if it needs no others
+   * Offers formats, and keeps the selected one if it is among them.
+   * @param given  names of the options that are set; formats that need others are left out
    */
   offerDownloads(formats, file, given = []) {
     const { value } = this.format;

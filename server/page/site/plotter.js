@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A drawing for a plotter: on what paper, with what pen, how far the pen goes and how long that takes.
+// Drawing for a plotter: paper, pen, the length of its path, and the time that it takes.
 
 import { element as shape } from "./chart.js";
 import { count, make, metres, save } from "./dom.js";
@@ -7,10 +7,10 @@ import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
 
-/** The mean way from dot to dot, over the root of the area that each has, where all have as much. */
+/** Mean distance of successive dots on a path, over the root of the area per dot, for a uniform density. */
 const meanStep = 1;
 
-/** Styles in which the pen fills dots that are wider than it. */
+/** Styles in which the pen fills dots that are wider than the pen. */
 const fillings = ["spiral", "circles"];
 
 const fields = [
@@ -34,14 +34,13 @@ const fields = [
     help: "Commands that lift the pen, with | between lines. For a Z axis: G0 Z2." },
 ];
 
-/** In hours and minutes, in minutes, or in seconds. */
+/** Formats a duration in hours and minutes, in minutes, or in seconds. */
 function duration(seconds) {
   const minutes = Math.round(seconds / 60);
   if (minutes >= 60) return `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
   return seconds >= 60 ? `${minutes} min` : `${Math.round(seconds)} s`;
 }
 
-/** Estimates the length of the stroke that fills a dot. */
 function fillLength(style, width, pen) {
   const reach = (width - pen) / 2;
   if (reach <= 0) return 0;
@@ -51,8 +50,8 @@ function fillLength(style, width, pen) {
 }
 
 /**
- * Follows the pen through a drawing.
- * @returns  {dots, strokes, path}: path is the whole way of the pen, in units of the drawing
+ * Measures the path of the pen through a drawing.
+ * @returns  {dots, strokes, path}: `path` is the length of the whole path, raised pen included, in units of the drawing
  */
 function pathOf(part, style) {
   let [strokes, corners, path, before] = [0, 0, 0, null];
@@ -66,7 +65,7 @@ function pathOf(part, style) {
   return { dots: style === "path" ? corners : strokes, strokes, path };
 }
 
-/** The layers of a drawing: [{name, colour, dots, strokes, path}]; one that has none is a layer itself. */
+/** Returns the layers of a drawing: [{name, colour, dots, strokes, path}]. A drawing without layers counts as one. */
 function layersOf(svg, style) {
   const parts = svg.split(/inkscape:groupmode="layer" inkscape:label="([^"]*)"/);
   const named = parts.length === 1 ? [["dots", svg]] : parts.slice(1).flatMap((name, i, all) => (i % 2 ? [] : [[name, all[i + 1]]]));
@@ -75,19 +74,19 @@ function layersOf(svg, style) {
 
 export class Plotter {
   #svg = null;
-  #asked = null;  // options that it was made with; null: another one is on its way, or none
+  #asked = null;  // options of the current drawing; null if there is none or another one has been requested
   #layers = [];
 
   /**
-   * @param place    where it goes, under a heading
-   * @param plan     tells what is known before the server has answered: {sites, inks}, the number of dots if it is fixed, and
-   *                 for each ink {share, spread} as `inksOf` does; null if nothing is
-   * @param size     tells the width and height of what is drawn, in units of its own
-   * @param isTimed  whether the number of dots may follow from a time
-   * @param dot      tells the option `dot` of a radius, with the width of the drawing; in mm
-   * @param changed  called with whether it is a draft, once options are others
-   * @param turned   called with whether a pen draws, once it does or does not any more
-   * @param noted    called once something is another that the server need not know
+   * @param place    parent of the form
+   * @param size     returns the width and height of the drawing, in its own units
+   * @param plan     returns what is known before the server has answered: {sites, inks}, the number of dots if it is
+   *                 fixed, and {share, spread} of each ink as from `inksOf`; null if nothing is known
+   * @param isTimed  whether a time limit may determine the number of dots
+   * @param dot      returns the option `dot` for a radius and the width of the drawing, both in mm
+   * @param changed  called when options change, with whether the change is a draft
+   * @param turned   called with whether the pen is on, when this changes
+   * @param noted    called when a setting changes that does not affect requests
    */
   constructor(place, { size, plan, isTimed = false, dot, changed, turned, noted }) {
     Object.assign(this, { size, plan, isTimed, dot, changed, noted });
@@ -122,14 +121,17 @@ export class Plotter {
     return this.fields.values().style;
   }
 
-  /** Width of a dot in mm; undefined: dots are not drawn. */
+  /** Width of a dot in mm; undefined if dots are not drawn. */
   get #dotWidth() {
     const { pen_mm: pen, dot_mm: dot, style } = this.fields.values();
     if (style === "path") return undefined;
     return fillings.includes(style) ? dot : pen;
   }
 
-  /** Options of the drawing: its width, its dots and pen, and the time if that bounds the dots. G-code tells the speed, too. */
+  /**
+   * Returns the options of a drawing: its width, dots and pen, and the time if it is limited. G-code needs the speed,
+   * too.
+   */
   options(format) {
     const { pen_mm: pen, style, speed, lift, pen_down, pen_up } = this.fields.values();
     const { width } = this.#page();
@@ -146,16 +148,16 @@ export class Plotter {
     };
   }
 
-  /** Minutes that a drawing may take; undefined: as many as it takes. */
+  /** Time limit of the drawing in minutes; undefined if there is none. */
   get minutes() {
     return this.isOn ? this.fields.values().minutes : undefined;
   }
 
   /**
-   * What a drawing takes, about.
-   * @returns  {dots, strokes, path, wanted, whole}: dots, as far as there is time for them, and the whole way of the pen in
-   *           mm; how many dots there would be with more time; the width of dots that make the whole tone with so few.
-   *           null: unknown
+   * Estimates a drawing. Returns null if it is unknown.
+   * @returns  {dots, strokes, path, wanted, whole}: `dots` are those within the time limit, `path` is the length of the
+   *           whole path in mm, `wanted` is the number of dots without a time limit, and `whole` is the width at which
+   *           `dots` dots would give the full tone
    */
   #estimate() {
     const plan = this.plan();
@@ -167,7 +169,7 @@ export class Plotter {
     const dot = this.#dotWidth;
     const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
-    // A path over n dots is as long as its step times the root of n.
+    // The length of a path over n dots is proportional to the root of n.
     const step = meanStep * Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
     const filling = fillings.includes(style) ? fillLength(style, dot, pen) : 0;
     const each = style === "path" ? 0 : lift + filling / speed;
@@ -178,7 +180,6 @@ export class Plotter {
     return { dots, strokes: style === "path" ? 1 : dots, path: step * Math.sqrt(dots) + dots * filling, wanted, whole: dot * Math.sqrt(full / dots) };
   }
 
-  /** Tells of a drawing as the server made it; null: there is none. */
   tell(svg) {
     this.#svg = svg;
     this.button.disabled = svg === null;
@@ -187,7 +188,7 @@ export class Plotter {
     this.#tellFigures();
   }
 
-  /** Saves nothing until the next drawing is there, of which an estimate is shown. */
+  /** Disables saving until the next drawing arrives, and shows an estimate of that drawing. */
   wait() {
     this.button.disabled = true;
     this.#asked = null;
@@ -195,7 +196,7 @@ export class Plotter {
     if (this.isOn) this.#tellFigures();
   }
 
-  /** What the server objects to, in its own names. */
+  /** Shows the errors of the server, whose names of options differ from those of the fields. */
   show(errors) {
     const ownNames = { dot: fillings.includes(this.style) ? "dot_mm" : "pen_mm", pen: "pen_mm", dwell: "lift" };
     this.fields.show(errors.map((error) => ({ ...error, pointer: ownNames[error.pointer.replace(/^\//, "")] ?? error.pointer })));
@@ -205,7 +206,10 @@ export class Plotter {
     return JSON.stringify(this.options());
   }
 
-  /** How fast a pen is changes nothing of a drawing that may take any time. */
+  /**
+   * Requests a new drawing only if its options have changed. Without a time limit, the speed of the pen does not
+   * matter.
+   */
   #fieldChanged(draft) {
     this.#settle();
     if (this.#wish !== this.#asked) return this.changed(draft);
@@ -226,7 +230,10 @@ export class Plotter {
     this.fields.offer("dot_mm", fillings.includes(this.style));
   }
 
-  /** Width and height of the drawing, and of the paper that it lies on the middle of; in mm, turned as it fits best. */
+  /**
+   * Returns the width and height of the drawing and the size of its paper, in mm. The drawing is centred on the paper,
+   * which is turned to make the drawing as large as possible.
+   */
   #page() {
     const { paper, margin_mm: margin, width_mm: wished } = this.fields.values();
     const { width, height } = this.size();
@@ -239,7 +246,6 @@ export class Plotter {
     return { width: least, height: (least * height) / width, paper: best.paper };
   }
 
-  /** The drawing in the middle of its paper, whose units are millimetres. */
   #onPaper() {
     const { width, height, paper } = this.#page();
     if (!paper) return this.#svg;
@@ -253,7 +259,6 @@ export class Plotter {
     return path / speed + strokes * lift;
   }
 
-  /** What is told before there is a drawing. */
   #foretell() {
     const estimate = this.isOn ? this.#estimate() : null;
     if (!estimate) return [];
@@ -264,7 +269,7 @@ export class Plotter {
     ];
   }
 
-  /** What is told of a drawing that is lighter than its picture, for want of time. */
+  /** Returns a note if the time limit makes the drawing lighter than the picture. */
   #advice({ dots, wanted, whole }) {
     if (!(dots < wanted && whole > 0)) return [];
     const wider = fillings.includes(this.style) ? "dots" : "a pen";
@@ -289,7 +294,6 @@ export class Plotter {
   }
 }
 
-/** A little picture of where on the paper the drawing lies. */
 function drawPage({ width, height, paper = [width, height] }) {
   const box = (x, y, w, h, name) => shape("rect", { class: name, x, y, width: w, height: h });
   return shape("svg", { viewBox: `-4 -4 ${paper[0] + 8} ${paper[1] + 8}`, class: "sheet", "aria-hidden": "true" },

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures made smaller, so that drafts of large ones are quick to send and to read.
+// Reduces large pictures, so that drafts of them are quick to send and to decode.
 
 const mostPixels = 300_000;
 
-/** Whether a picture has more pixels than drafts need; one that the browser cannot draw (null) is taken as it is. */
+/**
+ * Whether a picture has more pixels than drafts need. A picture that the browser cannot decode (null) is never reduced.
+ */
 export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.height > mostPixels;
 
 /**
- * @param bitmap  a large picture as it is seen
- * @returns  {blob, factor}: it with at most 300,000 pixels, and how many times wider the whole one is
+ * Reduces a picture to at most 300,000 pixels.
+ *
+ * @param bitmap  a decoded large picture
+ * @returns       {blob, factor}: the reduced picture, and the width of the original over its width
  */
 export async function reduced(bitmap) {
   const share = Math.sqrt(mostPixels / (bitmap.width * bitmap.height));

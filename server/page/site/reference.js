@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The API, route by route, from the document that the server tells it in.
+// Shows the reference of the API from the OpenAPI document of the server.
 
 import { make } from "./dom.js";
 
 const main = document.querySelector("main");
 
-/** A node with what it refers to, which its own members go before. */
+/** Merges a node with the one that it refers to. Its own members take precedence. */
 function resolve(whole, { $ref: reference, ...own }) {
   if (!reference) return own;
   const found = reference.slice(2).split("/").reduce((place, name) => place[name], whole);
@@ -20,7 +20,7 @@ function rangeOf({ minimum, exclusiveMinimum, maximum }) {
   return minimum === undefined ? `${least}, up to ${maximum}` : `${least} to ${maximum}`;
 }
 
-/** What a schema allows, in a few words. */
+/** Describes the values that a schema allows. */
 function valuesOf(whole, node) {
   const schema = resolve(whole, node);
   if (schema.anyOf) return schema.anyOf.map((part) => valuesOf(whole, part)).join(" or ");
@@ -30,17 +30,17 @@ function valuesOf(whole, node) {
   return [schema.type, schema.pattern, rangeOf(schema)].filter(Boolean).join(" ");
 }
 
-/** The members of a schema and of those that it includes. */
+/** Returns the members of a schema and of the schemas that it includes. */
 function membersOf(whole, node) {
   const schema = resolve(whole, node);
   const included = (schema.allOf ?? []).flatMap((part) => membersOf(whole, part));
   return [...included, ...Object.entries(schema.properties ?? {}).map(([name, part]) => [name, part, schema.required])];
 }
 
-/** Text whose parts between backticks are code. */
+/** Splits a text into plain text and code elements, which backticks delimit. */
 const prose = (text) => text.split("`").map((part, i) => (i % 2 ? make("code", { textContent: part }) : part));
 
-/** Narrow screens have the cells of a row below each other, which must be said to be cells then. */
+/** Creates a table. Roles are explicit, because style sheets for narrow screens display cells as blocks. */
 function table(label, titles, rows) {
   const row = (...cells) => make("tr", { role: "row" }, ...cells);
   const head = row(...titles.map((textContent) => make("th", { scope: "col", role: "columnheader", textContent })));

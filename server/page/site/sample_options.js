@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The options of /sample, as fields: what they are called, where they begin, and what helps to understand them.
+// Fields for the options of /sample: labels, initial values and help texts.
 
 import { capabilities } from "./api.js";
 
@@ -53,7 +53,7 @@ export const moreFields = [
     help: "The server has a limit on how long a request may take." },
 ];
 
-/** Options of files for GIS. */
+/** Fields for the options of GIS files. */
 export const fileFields = [
   { kind: "text", name: "properties", label: "Properties",
     help: "Of its feature, which each point is to have: names with commas between, or * for all. In GeoJSON, GeoJSON lines and CSV." },
@@ -61,7 +61,7 @@ export const fileFields = [
     help: "In GeoJSON. Without it each point is a Feature, as most GIS programs want to style and to join them." },
 ];
 
-/** Of the formats that are drawings alone. */
+/** Fields for the options that only drawings have. */
 export const drawingFields = [
   { kind: "number", name: "dot", label: "Dot radius", value: 0.01, min: 0.001, max: 1, log: true, auto: true,
     help: "In units of the shape, for SVG and PNG. auto: a quarter of the way from point to point." },

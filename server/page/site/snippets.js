@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The request on the page as lines that work elsewhere when pasted.
+// Shows the request of the page as code to copy, in several languages.
 
 import { hasKey } from "./api.js";
 import { make } from "./dom.js";
@@ -16,7 +16,7 @@ const authorizations = {
   python: ', headers={"Authorization": "Bearer " + os.environ["CCDT_KEY"]}',
 };
 
-/** Lets whoever runs it choose a file: anywhere in a page, or pasted into a browser's console. */
+/** Returns JavaScript that asks for a file. It works in a page and in the console of a browser. */
 const choice = (name) => `const ${name} = await new Promise((choose) => {
   const input = Object.assign(document.createElement("input"), {type: "file"});
   input.onchange = () => { choose(input.files[0]); input.remove(); };
@@ -24,8 +24,9 @@ const choice = (name) => `const ${name} = await new Promise((choose) => {
 });`;
 
 /**
- * Where a file comes from, in each language: the server if it has it, else the folder that one is in, or whoever chooses.
- * @returns  {before, curl, browser, node, python}, with `browser` and `node` lines that put it into a constant
+ * Returns how each language reads a file. If the server has the file, all languages download it. Otherwise the user of
+ * a browser chooses it, and other languages read it from the current folder.
+ * @returns  {before, curl, browser, node, python}; `browser` and `node` are lines that define a constant
  */
 function sourceOf({ name, path }, constant) {
   if (path) {
@@ -41,11 +42,12 @@ function sourceOf({ name, path }, constant) {
 }
 
 /**
- * The request in each language.
+ * Returns the request in each language.
  *
- * @param source  of its body, as `sourceOf` and `writtenOut` tell it
- * @param body    {name, script}: its variable in Python, what it is in JavaScript
- * @param result  {output, script, python, imports}: the file that curl writes, what is done with `answer`, what that takes
+ * @param source  source of the body, from `sourceOf` or `writtenOut`
+ * @param body    {name, script}: the Python variable and the JavaScript expression for the body
+ * @param result  {output, script, python, imports}: the file that curl writes, the code that reads `answer` in
+ *                JavaScript and Python, and the imports of Python
  */
 function snippetsOf(url, source, body, { output, script, python, imports = "" }) {
   const allow = (kind) => (hasKey() ? authorizations[kind] : "");
@@ -82,9 +84,12 @@ function halftoneSnippets({ picture, options }) {
   return snippetsOf(url, sourceOf(picture, "picture"), { name: "picture", script: "picture" }, toFile("dots", `dots.${options.format ?? "png"}`));
 }
 
-const mostArgument = 100_000;  // characters; Linux takes 128 KiB
+const mostArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
 
-/** As sourceOf, of a body that is written out: as an argument of curl or, if it is too long for one, behind it. */
+/**
+ * Returns the same as `sourceOf`, for a body in the code itself. curl gets it as an argument or, if it is too long, as
+ * a here-document.
+ */
 const writtenOut = (body) => ({
   ...(body.length > mostArgument
     ? { curl: "--data-binary @- \\\n  ", after: ` <<'END'\n${body}\nEND` }
@@ -98,7 +103,6 @@ function sampleSnippets({ path, body, file }, isMask) {
   return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask", "mask.png") : toPoints);
 }
 
-/** Shows one kind of snippet at a time, and copies it. */
 export class Snippets {
   #texts = {};
   #kind = "curl";
@@ -117,7 +121,9 @@ export class Snippets {
     element.append(make("div", { className: "kinds" }, ...kinds, copy), this.text);
   }
 
-  /** Browsers let pages write to the clipboard only over HTTPS and on the same machine; elsewhere the text is selected. */
+  /**
+   * Copies the text. Browsers allow that only over HTTPS and on the same machine; otherwise the text is only selected.
+   */
   async #copy() {
     getSelection().selectAllChildren(this.text);
     if (!navigator.clipboard) return;

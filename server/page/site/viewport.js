@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A canvas whose content is moved and zoomed by mouse, touch, keys and buttons.
+// Canvas whose content can be moved and zoomed by mouse, touch, keys and buttons.
 
 import { make } from "./dom.js";
 
@@ -18,15 +18,15 @@ export class Viewport {
   x = 0;
   y = 0;
 
-  /** The scale that is called 100 %; null: that which fits. */
+  /** Scale shown as 100 %; null for the scale at which the content fits. */
   unit = null;
 
   /**
-   * @param canvas   in a frame that gives it its size
-   * @param bar      where the buttons go
-   * @param draw     called with a context in which 1 is a CSS pixel, and this
-   * @param options  margin in CSS pixels; press(point), which may take a press for itself by returning what is to be
-   *                 called with each point that follows and then with null
+   * @param canvas   canvas in a frame that determines its size
+   * @param bar      parent of the buttons
+   * @param draw     called with a context whose unit is a CSS pixel, and with this viewport
+   * @param options  margin in CSS pixels; press(point), which claims a press by returning a function, to be called with
+   *                 each point that follows and then with null
    */
   constructor(canvas, bar, draw, { margin = 16, press = () => null } = {}) {
     this.#canvas = canvas;
@@ -43,7 +43,7 @@ export class Viewport {
     return { width: this.#canvas.clientWidth, height: this.#canvas.clientHeight };
   }
 
-  /** What is shown is that large, in its own units. */
+  /** Sets the size of the content, in its own units. */
   set content({ width, height }) {
     const same = width === this.#content.width && height === this.#content.height;
     this.#content = { width, height };
@@ -63,7 +63,7 @@ export class Viewport {
     this.redraw();
   }
 
-  /** Shows a part of the content as large as it can be. */
+  /** Shows a part of the content as large as possible. */
   frame({ x, y, width, height }) {
     this.#fitted = false;
     const room = (side) => Math.max(side - 2 * this.margin, 1);
@@ -108,7 +108,7 @@ export class Viewport {
     });
   }
 
-  /** Safari does not tell of device pixels. */
+  /** Observes the size of the canvas. Safari does not support device-pixel-content-box. */
   #observe(observer) {
     try {
       observer.observe(this.#canvas, { box: "device-pixel-content-box" });
@@ -117,11 +117,11 @@ export class Viewport {
     }
   }
 
-  /** Gives the canvas a pixel for each of the device, so that no browser scales it. */
+  /** Gives the canvas one pixel per device pixel, so that the browser does not scale it. */
   #resize(pixels) {
     const { width, height } = this.size;
     if (width === 0) return;
-    // A browser that emulates another ratio tells the pixels of its own.
+    // A browser that emulates another device pixel ratio reports its own pixels.
     const inPixels = (length, told) => {
       const rounded = Math.round(length * devicePixelRatio);
       return Math.abs(told - rounded) <= 1 ? told : rounded;
