@@ -32,7 +32,7 @@ nlohmann::json analyzed(const std::string& body) {
     return result ? nlohmann::json::parse(result->body) : nlohmann::json();
 }
 
-/// A lattice of side x side points on the unit square.
+/// Returns a square lattice of side x side points on the unit square.
 std::string lattice(int side) {
     std::string points;
     for (int i = 0; i < side * side; ++i) {
@@ -233,7 +233,7 @@ TEST(Analyze, DrawsThePlotAsPng) {
     EXPECT_TRUE(has_ink(png, 2040, 120, 2800, 460)) << "power";
     EXPECT_TRUE(has_ink(png, 2040, 580, 2800, 920)) << "anisotropy";
     EXPECT_FALSE(has_ink(png, 0, 0, 70, 1080)) << "margin";
-    // Up is up: the point (0.1, 0.2) lies in the lower left of the panel.
+    // The y axis points up: the point (0.1, 0.2) lies in the lower left of the panel.
     EXPECT_EQ(png.at(80 + 84, 940 - 168)[0], 0);
     EXPECT_EQ(png.at(80 + 84, 100 + 168)[0], 255);
 }

@@ -49,7 +49,7 @@ DecodedPng decode_png(std::string_view file) {
     DecodedPng result;
     EXPECT_GT(file.size(), 33U);
     if (file.size() <= 33) return result;
-    result.bit_depth = static_cast<unsigned char>(file[24]);  // PNG, section 11.2.2: IHDR always comes first
+    result.bit_depth = static_cast<unsigned char>(file[24]);  // PNG, section 11.2.2: IHDR is always the first chunk
     result.colour_type = static_cast<unsigned char>(file[25]);
     png_image image{};
     image.version = PNG_IMAGE_VERSION;

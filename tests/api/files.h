@@ -9,20 +9,22 @@
 
 namespace ccdt::api {
 
-/// The bytes of a file beside these tests, or among the pictures that all tests share.
+/// Returns the content of a file in tests/api/data.
 std::string fixture(const std::string& name);
+
+/// Returns the content of a picture or polygon that all tests share.
 std::string photograph(const std::string& name);
 std::string polygon_file(const std::string& name);
 
-/// As bytes travel inside JSON.
+/// Encodes bytes in base64.
 std::string base64(std::string_view bytes);
 
-/// A PNG as libpng decodes it.
+/// A PNG decoded by libpng.
 struct DecodedPng {
     int width = 0;
     int height = 0;
-    int bit_depth = 0;                                ///< in the file
-    int colour_type = 0;                              ///< in the file, as PNG_COLOR_TYPE_...
+    int bit_depth = 0;                                ///< bit depth of the file
+    int colour_type = 0;                              ///< colour type of the file, PNG_COLOR_TYPE_...
     std::vector<std::array<std::uint8_t, 4>> pixels;  ///< red, green, blue, alpha
 
     std::array<std::uint8_t, 4> at(int x, int y) const {

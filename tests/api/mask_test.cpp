@@ -34,7 +34,7 @@ TEST(Mask, IsAGreyPng) {
         ASSERT_TRUE(made) << made.error().message;
         EXPECT_EQ(made->media_type, "image/png");
         EXPECT_EQ(made->body.substr(16, 8), std::string("\0\0\0\x20\0\0\0\x18", 8));
-        EXPECT_EQ(made->body[24], format == "mask" ? 8 : 16);  // bits, and then the colour type: grey
+        EXPECT_EQ(made->body[24], format == "mask" ? 8 : 16);  // the bit depth; the next byte is the colour type, grey
         EXPECT_EQ(made->body[25], 0);
         EXPECT_EQ(answer(*request)->body, made->body);
     }

@@ -33,9 +33,10 @@ std::vector<Point> points_of(const Domain& domain, const Density& density, std::
     return distribute(domain, density, options)->points;
 }
 
-/// Quality of uniform patterns around a torus, of 10 sets of 4,096 sites: distances over those of a hexagonal grid, and
-/// power of white noise. What more rounds of the polish, or a longer reach, gain in distance shows in the highest peak.
-/// First argument of all benchmarks here but OdtBorderPattern: quality (0 draft, 1 standard, 2 best).
+/// Measures the quality of uniform patterns on a torus, for 10 sets of 4,096 sites: distances relative to a hexagonal
+/// grid, and power relative to white noise. More rounds of the polish, or a longer reach, increase distances at the
+/// cost of a higher peak. First argument of all benchmarks here but OdtBorderPattern: quality (0 draft, 1 standard, 2
+/// best).
 void TorusPattern(benchmark::State& state) {
     const Domain domain = *Domain::torus(1, 1);
     std::vector<std::vector<Point>> sets;
@@ -50,9 +51,9 @@ void TorusPattern(benchmark::State& state) {
     state.counters["peak"] = *std::ranges::max_element(analysis.power);
 }
 
-/// Counts sites within 1 and 1.5 mean spacings of the border of a square, over the share of the area that lies there,
-/// of 10 sets of 4,096 sites.
-/// @param points_of  number of sites and seed to points
+/// Counts sites within 1 and 1.5 mean spacings of the border of a square, relative to the number expected from the area
+/// there, for 10 sets of 4,096 sites.
+/// @param points_of  function from the number of sites and the seed to points
 template <class Points>
 void count_at_border(benchmark::State& state, Points&& points_of) {
     constexpr std::size_t kSites = 4096;
@@ -89,7 +90,7 @@ void OdtBorderPattern(benchmark::State& state) {
     });
 }
 
-/// Errors of tone against one picture over the unit square.
+/// Computes errors of tone relative to one picture on the unit square.
 class ToneError {
 public:
     explicit ToneError(const Density& picture) : wanted_(kHighest, kHighest) {
@@ -107,8 +108,9 @@ public:
         }
     }
 
-    /// Squared error of the dots' tone, blurred by so many of their mean spacings, over that of as many random dots, in
+    /// Returns the squared error of the dots' tone after a blur, relative to that of the same number of random dots, in
     /// dB.
+    /// @param blur  in mean spacings of the dots
     double of(const std::vector<Point>& sites, double blur) const {
         const auto count = static_cast<double>(sites.size());
         std::vector<WeightedPoint> dots;
@@ -131,12 +133,12 @@ public:
     }
 
 private:
-    static constexpr int kHighest = 96;  ///< half periods a side; a blur by one spacing of 4,096 dots leaves none above
+    static constexpr int kHighest = 96;  ///< half periods per side; a blur by one spacing of 4,096 dots removes more
     static constexpr double kPi = std::numbers::pi;
 
     static double sinc(double cycles) { return cycles == 0 ? 1 : std::sin(kPi * cycles) / (kPi * cycles); }
 
-    /// Mirrored at all sides: Fourier's sums are then cosine sums over the square.
+    /// Adds a point and its mirror images at the sides, so that Fourier sums are cosine sums over the square.
     static void add_mirrored(Point p, double weight, std::vector<WeightedPoint>& points) {
         for (const double x : {p.x / 2, 1 - p.x / 2}) {
             for (const double y : {p.y / 2, 1 - p.y / 2}) points.push_back({{x, y}, weight});
@@ -144,10 +146,11 @@ private:
     }
 
     NonuniformTransform wanted_;
-    std::vector<double> column_factors_, row_factors_;  ///< of the picture's cells against points in their middles
+    std::vector<double> column_factors_, row_factors_;  ///< ratios of the spectrum of cells to that of their centres
 };
 
-/// Error of the tone of a shaded body on white ground, 10 sets of 4,096 dots, blurred by 1, 2 and 4 of their spacings.
+/// Measures the error of tone for a shaded body on white ground, for 10 sets of 4,096 dots, after blurs by 1, 2 and 4
+/// spacings.
 void PictureTone(benchmark::State& state) {
     const Domain domain = *Domain::rectangle(1, 1);
     const Density picture = test::pear();
@@ -167,7 +170,7 @@ void PictureTone(benchmark::State& state) {
     state.counters["on_white"] = static_cast<double>(on_white);
 }
 
-/// Lowers each point's distance to that of the nearest other point of a set.
+/// Lowers the distance of each point to that of the nearest point in another set.
 void add_distances(const std::vector<Point>& from, const std::vector<Point>& to, std::vector<double>& distances) {
     for (std::size_t i = 0; i < from.size(); ++i) {
         for (const Point q : to) {
@@ -178,8 +181,8 @@ void add_distances(const std::vector<Point>& from, const std::vector<Point>& to,
     }
 }
 
-/// Distances in three inks, 10 sets of 1,500 dots: between inks the first percentile, over the hexagonal grid of all
-/// dots, and within the largest ink the mean, over its own.
+/// Measures distances in three inks, for 10 sets of 1,500 dots: the first percentile between inks, relative to the
+/// hexagonal grid of all dots, and the mean within the largest ink, relative to its own hexagonal grid.
 /// Second argument: 0 a flat tint, 1 a shaded body on white ground.
 void InksPattern(benchmark::State& state) {
     const Domain domain = *Domain::rectangle(1, 1);
@@ -211,10 +214,10 @@ void InksPattern(benchmark::State& state) {
     state.counters["within_ink"] = within;
 }
 
-/// Evenness of countries, 3 sets of 4,096 sites of each: variation of the capacities; error of the density blurred by
-/// 1, 2 and 4 spacings, in dB to that of random sites; the nearest two sites, the first percentile and the mean of the
-/// distances to the nearest one, over that of a hexagonal grid.
-/// Second argument: 0 the unit square, to compare with; 1 Switzerland, 2 South Africa, 3 Italy.
+/// Measures the evenness of points in countries, for 3 sets of 4,096 sites of each: the variation of the capacities;
+/// the error of the density after blurs by 1, 2 and 4 spacings, in dB relative to random sites; and the minimum, the
+/// first percentile and the mean of the nearest distances, relative to a hexagonal grid. Second argument: 0 the unit
+/// square, for comparison; 1 Switzerland, 2 South Africa, 3 Italy.
 void CountryPattern(benchmark::State& state) {
     constexpr const char* kNames[] = {"", "Switzerland-10m.geojson", "South-Africa-50m.geojson", "Italy-110m.geojson"};
     constexpr int kSets = 3;
@@ -246,7 +249,7 @@ void CountryPattern(benchmark::State& state) {
     state.counters["mean"] = mean;
 }
 
-/// Numbers k of the first points of a progressive order, from n / 64 to n.
+/// Returns the numbers k of first points that are measured in a progressive order, from n / 64 to n.
 std::vector<std::size_t> first_counts(std::size_t points) {
     constexpr int kCounts = 61;
     std::vector<std::size_t> counts;
@@ -263,8 +266,9 @@ std::vector<Point> ordered(const Domain& domain, const std::vector<Point>& point
     return result;
 }
 
-/// Worst and mean figures of the first k of 16,384 points in a progressive order around a torus, over k from n / 64 on
-/// and 3 seeds: least and mean distance over that of a hexagonal grid, and power below half the principal frequency.
+/// Measures the first k of 16,384 points in a progressive order on a torus: the minimum and mean distance relative to a
+/// hexagonal grid, and the power below half the principal frequency. Reports the worst and the mean over 3 seeds and
+/// all k from n / 64.
 void ProgressivePattern(benchmark::State& state) {
     constexpr int kSets = 3;
     const Domain domain = *Domain::torus(1, 1);
@@ -292,8 +296,9 @@ void ProgressivePattern(benchmark::State& state) {
     state.counters["low_power_over_k"] = power_sum / count;
 }
 
-/// Error of the tone of a shaded body on white ground by the first k of 16,384 dots in a progressive order, blurred by
-/// 2 of their spacings: the largest and the mean over k from n / 64 on and 3 seeds, in dB to that of k random dots.
+/// Measures the error of tone for a shaded body on white ground, drawn by the first k of 16,384 dots in a progressive
+/// order, after a blur by 2 spacings, in dB relative to k random dots. Reports the largest and the mean over 3 seeds
+/// and all k from n / 64.
 void ProgressiveTone(benchmark::State& state) {
     constexpr int kSets = 3;
     const Domain domain = *Domain::rectangle(1, 1);

@@ -7,7 +7,7 @@
 
 namespace ccdt::bench {
 
-/// The bytes of one of the pictures that all tests share.
+/// Returns the content of a picture that all tests share.
 inline std::string photograph(const std::string& name) {
     std::ifstream file(CCDT_TEST_DATA "/images/" + name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};

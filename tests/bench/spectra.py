@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws spectra beside each other, in decibels: what is dark in a plot of /analyze differs by many orders.
+"""Draws spectra side by side, in decibels, because dark areas in a plot of /analyze differ by orders of magnitude.
 
 Usage: spectra.py standard.json best.json stealthy.json spectra.webp
-with answers of POST /analyze, asked for the spectrum of as many points on a torus up to frequency 1.5.
+The JSON files are answers of POST /analyze with spectra up to frequency 1.5, of equally many points on a torus.
 """
 
 import json
@@ -17,7 +17,7 @@ SIDE, GAP, LABEL = 385, 15, 24
 
 
 def panel(answer):
-    """Power as grey values, the lowest frequency in the middle."""
+    """Returns the power as grey values, with the lowest frequency in the middle."""
     spectrum = answer["spectrum"]
     power = numpy.array(spectrum["values"], dtype=float).reshape(spectrum["height"], spectrum["width"])
     decibels = 10 * numpy.log10(numpy.maximum(power, 10 ** (LOWEST / 10)))

@@ -10,21 +10,21 @@
 
 namespace ccdt::bench {
 
-/// Milliseconds of each part of one computation.
+/// Durations of the stages of one computation, in milliseconds.
 struct Stages {
-    double start = 0;        ///< where sites are drawn, the border
-    double triangulate = 0;  ///< inserting them
+    double start = 0;        ///< drawing sites, and vertices along the border
+    double triangulate = 0;  ///< inserting the sites
     double capacity = 0;     ///< exact integrals and goals
     double geometry = 0;     ///< passes
     double flips = 0;
 };
 
-/// Does what distribute() does, with a clock between the parts.
+/// Does the same as distribute(), and measures the time of each stage.
 Stages time_stages(const Domain& domain, const Density& density, const Options& options);
 
 class Clock {
 public:
-    /// Milliseconds since it was made or last asked.
+    /// Returns the milliseconds since the previous call or the construction.
     double lap() {
         const auto now = std::chrono::steady_clock::now();
         const double ms = std::chrono::duration<double, std::milli>(now - last_).count();

@@ -1,15 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much dots on both sides of the tonal scale are worth: the tables of core/README.md.
+"""Measures the benefit of dots on both sides of the tonal scale: prints the tables of core/README.md.
 
-usage: two_sides.py URL [--colour] PICTURE:DOTS ...        e.g. two_sides.py http://localhost:8080 photo.jpg:20000
+Usage: two_sides.py URL [--colour] PICTURE:DOTS ...    For example: two_sides.py http://localhost:8080 photo.jpg:20000
 
-Prints tables in Markdown, for dots=ink and dots=both with as many dots, antialiased, at 6 output pixels a pixel:
-  grain   of flat greys, 16,000 dots on 256 x 256 pixels: standard deviation of L* after a Gaussian of one mean pitch
-  error   of pictures: mean and 95th percentile of |dL*| after Gaussians of 0.5, 1 and 2 mean pitches
-With --colour they are of color=cmyk, at 4 output pixels a pixel, in CIEDE2000, of flat tints the mean after Gaussians of
-one and two pitches. The pitch is sqrt(area / dots); blurs are in linear light. Pictures are read as sRGB: one with
-another profile would be measured wrong.
+The tables are in Markdown and compare dots=ink with dots=both, with the same number of dots, antialiased, at 6 output
+pixels per pixel:
+  grain   of flat greys, 16,000 dots on 256 x 256 pixels: standard deviation of L* after a Gaussian blur of one pitch
+  error   of pictures: mean and 95th percentile of |dL*| after Gaussian blurs of 0.5, 1 and 2 pitches
+With --colour, the tables are for color=cmyk, at 4 output pixels per pixel, in CIEDE2000. For flat tints, they have the
+mean error after blurs of one and two pitches. The pitch is sqrt(area / dots); blurs are computed in linear light.
+Pictures are read as sRGB, so the figures are wrong for pictures with another profile.
 """
 import io
 import pathlib
@@ -37,12 +38,12 @@ def light(data):
 
 
 def lab(picture, sigma):
-    """L*, a*, b* of every third pixel, after a blur."""
+    """Returns L*, a*, b* of every third pixel, after a blur."""
     return seen.lab(np.stack([gaussian_filter(picture[..., c], sigma)[::3, ::3] for c in range(3)], -1))
 
 
 def colour_errors(url, data, dots, sites, blurs, margin=0, scale=4):
-    """CIEDE2000 of each blur, but for a margin of so many pitches."""
+    """Returns the CIEDE2000 errors after each blur, without a margin given in pitches."""
     drawn = light(halftone(url, data, dots, sites, f"&color=cmyk&scale={scale}"))
     wanted = np.repeat(np.repeat(light(data), scale, 0), scale, 1)[:drawn.shape[0], :drawn.shape[1]]
     pitch = (drawn.shape[0] * drawn.shape[1] / sites) ** 0.5
@@ -79,7 +80,7 @@ def luminance(data):
 
 
 def halftone(url, data, dots, sites, options=f"&scale={SCALE}"):
-    """Asks for a drawing, as the bytes of a PNG."""
+    """Requests a halftone, and returns the bytes of its PNG."""
     query = f"dots={dots}&sites={sites}&antialias=true&format=png{options}"
     request = urllib.request.Request(f"{url}/halftone?{query}", data, {"Content-Type": "application/octet-stream"})
     with urllib.request.urlopen(request) as answer:

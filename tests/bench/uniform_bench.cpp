@@ -27,8 +27,8 @@ Options options_for(std::int64_t sites) {
     return options;
 }
 
-/// Uniform sites, 5 iterations of 5 passes; `over_delaunay` is the time over that of one CGAL Delaunay triangulation of
-/// the same points, medians of the same run.
+/// Measures the distribution of uniform sites, with 5 iterations of 5 passes. `over_delaunay` is the ratio to one CGAL
+/// Delaunay triangulation of the same points, by medians of the same run.
 /// Arguments: number of sites, quality (0 draft, 1 standard, 2 best).
 void distribute_uniformly(benchmark::State& state, const Domain& domain) {
     Options options = options_for(state.range(0));
@@ -57,7 +57,7 @@ void Torus(benchmark::State& state) {
     distribute_uniformly(state, torus());
 }
 
-/// Parts of a draft on the square in milliseconds.
+/// Measures the stages of a draft on the square, in milliseconds.
 void UniformStages(benchmark::State& state) {
     const Options options = options_for(state.range(0));
     std::vector<Stages> runs;
@@ -74,7 +74,7 @@ void UniformStages(benchmark::State& state) {
     report("5_flips", &Stages::flips);
 }
 
-/// A square by one thread and by as many as there are, in turn; `speedup` is the ratio of the medians.
+/// Measures a square with one thread and with all threads alternately. `speedup` is the ratio of the medians.
 /// Arguments: number of sites, quality.
 void Scaling(benchmark::State& state) {
     Options options = options_for(state.range(0));

@@ -7,8 +7,8 @@
 
 namespace ccdt::bench {
 
-/// Milliseconds that CGAL's Delaunay_triangulation_2 takes to triangulate the points once, inserted as one range.
-/// What all times are compared with, in the same run on the same machine.
+/// Triangulates points once by CGAL's Delaunay_triangulation_2, inserted as one range, and returns the milliseconds.
+/// All benchmarks are compared with this time, in the same run on the same machine.
 double delaunay_ms(std::span<const Point> points);
 
 }  // namespace ccdt::bench

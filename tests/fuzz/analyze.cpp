@@ -10,12 +10,12 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 1'000, .max_pixels = 4'096};
-constexpr double kMostWork = 256;  ///< points over max_frequency squared, of what is computed
+constexpr double kMostWork = 256;  ///< limit of points * max_frequency^2 up to which a request is computed
 
-/// The largest number of points in a set; of all sets, how many there are.
+/// Numbers of points of a request.
 struct Count {
-    std::size_t largest = 0;
-    std::size_t all = 0;
+    std::size_t largest = 0;  ///< in the largest set
+    std::size_t all = 0;      ///< in all sets
 };
 
 Count count_points(const api::AnalyzeRequest& request) {
@@ -27,7 +27,7 @@ Count count_points(const api::AnalyzeRequest& request) {
     return count;
 }
 
-/// Whether "nan" or "inf" stands where a number should; among the digits of a picture in base64 they mean nothing.
+/// Whether "nan" or "inf" occurs in place of a number. In pictures in base64, these words have no meaning.
 bool holds_no_number(std::string_view svg) {
     constexpr std::string_view kBefore = "\" ,-";
     for (const std::string_view word : {"nan", "inf"}) {
@@ -38,7 +38,7 @@ bool holds_no_number(std::string_view svg) {
     return false;
 }
 
-/// Only one member may be null, which else stands for what is no number.
+/// Checks that no number is null, which stands for NaN and infinity. Only low_frequency_power may be null.
 void check_nulls(std::string_view json) {
     constexpr std::string_view kUnknown = "\"low_frequency_power\":null";
     const auto null = json.find("null"), unknown = json.find(kUnknown);
@@ -79,7 +79,7 @@ void check_request(const api::AnalyzeRequest& request, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// The body of a request to /analyze.
+/// Parses the input as the body of a request to /analyze, and computes small ones.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

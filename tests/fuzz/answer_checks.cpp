@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// JSON without null: it has neither NaN nor infinity, for which null stands.
+/// Parses JSON that must not contain null, which stands for NaN and infinity.
 Json parse(const std::string& body) {
     const auto json = Json::parse(body, nullptr, false);
     CCDT_CHECK(!json.is_discarded());

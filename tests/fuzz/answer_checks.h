@@ -10,32 +10,32 @@
 
 namespace ccdt::fuzz {
 
-/// What was estimated is a number.
+/// Checks that an estimate of the cost is finite and plausible.
 void check_cost(const api::Cost& cost);
 
-/// Points of a JSON answer, of all inks one after the other. Wherever a number is promised there is one.
+/// Returns the points of a JSON answer, of all inks in their order. Checks that all required numbers are present.
 std::vector<Point> points_of_json(const std::string& body);
 
-/// Those of GeoJSON, which holds numbers as well.
+/// Returns the points of a GeoJSON answer, and checks its numbers.
 std::vector<Point> points_of_feature(const std::string& body);
 
-/// Points of GeoJSON in lines, one Feature each.
+/// Returns the points of an answer that has one GeoJSON Feature per line.
 std::vector<Point> points_of_lines(std::string_view body);
 
-/// Those of CSV.
+/// Returns the points of a CSV answer.
 std::vector<Point> points_of_csv(std::string_view body);
 
-/// Those of a NumPy array.
-/// @param columns  2; 3 with the number of an ink; 4 with radius and side
+/// Returns the points of a NumPy array.
+/// @param columns  2; 3 with the number of an ink or a rank; 4 with radius and side
 std::vector<Point> points_of_npy(std::string_view body, std::size_t columns);
 
-/// SVG whose numbers are finite.
+/// Checks that an SVG document is complete and contains no NaN or infinity.
 void check_svg(std::string_view body);
 
-/// A file that begins as it should.
+/// Checks that a file begins with the signature of its format.
 void check_signature(std::string_view body, std::string_view signature);
 
-/// JSON but for the time that it tells.
+/// Removes the elapsed time from a JSON answer.
 std::string without_time(std::string body);
 
 }  // namespace ccdt::fuzz

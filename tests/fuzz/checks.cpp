@@ -13,7 +13,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kLongestWhole = 64;  ///< of a field: longer ones may be cut off
+constexpr std::size_t kLongestWhole = 64;  ///< length of an error's field above which it may be truncated
 
 std::string unescape(std::string_view token) {
     std::string name;
@@ -35,7 +35,7 @@ std::optional<api::JsonValue> child(api::JsonValue parent, std::string_view toke
     return *element;
 }
 
-/// Whether a JSON Pointer leads to a value, or to where one is missing.
+/// Whether a JSON Pointer refers to a value or to a missing member of an object.
 bool leads_somewhere(std::string_view body, std::string_view pointer) {
     const auto document = api::JsonDocument::parse(body);
     if (!document) return pointer.empty();

@@ -11,11 +11,12 @@
 #include "core/result.h"
 #include "server/http/http.h"
 
-/// Ends the program, which a fuzzer takes for a crash, unless the condition holds. Unlike assert() it always looks.
+/// Aborts the program unless the condition holds, which the fuzzer reports as a crash. Unlike assert(), it is never
+/// disabled.
 #define CCDT_CHECK(condition) \
     (static_cast<bool>(condition) ? void() : ccdt::fuzz::give_up(#condition, __FILE__, __LINE__))
 
-/// What libFuzzer, or replay.cpp, calls with each input. Every target defines it.
+/// The entry point of a target, which libFuzzer or replay.cpp calls with each input.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace ccdt::fuzz {
@@ -26,25 +27,25 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
     return {reinterpret_cast<const char*>(data), size};
 }
 
-/// The first line, without its end; `text` keeps what follows it.
+/// Removes the first line from a text, and returns it without its line end.
 std::string_view take_line(std::string_view& text);
 
-/// An error says what is wrong, is not our own fault, and becomes an answer that is JSON.
+/// Checks that an error has a message, is not internal, and is converted to a valid JSON document.
 void check_error(const Error& error);
 
-/// The same, for what came as a JSON body: the field is a pointer to something in it, or to a member that is missing.
+/// Checks an error about a JSON body: its field is a JSON Pointer to a value of the body, or to a missing member.
 void check_error(const Error& error, std::string_view body);
 
-/// The same, for what came as options: the field is one of their names, or that of an option that is missing.
+/// Checks an error about options: its field is empty or the name of one of them.
 void check_error(const Error& error, std::span<const api::TextOption> options);
 
-/// A problem says what is wrong, with a status that HTTP has for it.
+/// Checks that a problem has a message and a standard 4xx status, and is converted to a valid JSON document.
 void check_problem(const server::Problem& problem);
 
-/// Text that is JSON and, as all that goes out, has no bytes that are not UTF-8.
+/// Checks that a text is valid JSON in valid UTF-8.
 void check_json(std::string_view text);
 
-/// Numbers off the front of an input; zeros after its end.
+/// Takes numbers from the front of an input; after its end, zeros.
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : bytes_(bytes) {}

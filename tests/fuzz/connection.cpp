@@ -18,10 +18,10 @@ namespace {
 using server::Connection;
 
 constexpr std::size_t kLargestBody = 4'096;
-constexpr std::size_t kMostPieces = 8;  ///< the system keeps a few more for a reader that has not come yet
+constexpr std::size_t kMostPieces = 8;  ///< fewer than the system buffers before the reader starts
 constexpr int kUntilItCloses = 0;       ///< status of a connection that ended between two requests
 
-/// What became of one request.
+/// The result of reading one request; `status` is 200 or that of the problem.
 struct Outcome {
     int status = 200;
     std::string target;
@@ -30,7 +30,7 @@ struct Outcome {
     friend bool operator==(const Outcome&, const Outcome&) = default;
 };
 
-/// Two sockets that keep what is sent in one piece together, so that a reader gets it as it was sent.
+/// A pair of sockets that preserves message boundaries, so that a reader receives pieces as they were sent.
 class Wire {
 public:
     Wire() { CCDT_CHECK(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends_.data()) == 0); }
@@ -49,7 +49,7 @@ public:
     }
     void hang_up() { shutdown(ends_[1], SHUT_WR); }
 
-    /// Takes what the server sent, which is nothing but its leave to go on.
+    /// Receives what the server sent, which must be `100 Continue` only.
     void drain() {
         std::array<char, 64> buffer{};
         while (true) {
@@ -64,7 +64,7 @@ private:
     std::array<int, 2> ends_{};
 };
 
-/// A line off the front, without its end: nothing in it might be taken for another's end.
+/// Removes the first line and returns it without its CRLF. Checks that it contains no other CR, LF or NUL.
 std::string_view take_strict_line(std::string_view& bytes) {
     const auto end = bytes.find("\r\n");
     CCDT_CHECK(end != std::string_view::npos);
@@ -74,7 +74,7 @@ std::string_view take_strict_line(std::string_view& bytes) {
     return line;
 }
 
-/// Every reader of these chunks finds the same body in them, and takes their end for that of the request.
+/// Checks that the chunks can be interpreted in one way only: they contain `body`, and the request ends with them.
 void check_chunks(std::string_view bytes, std::string_view body) {
     while (true) {
         const auto line = take_strict_line(bytes);
@@ -98,7 +98,8 @@ void check_chunks(std::string_view bytes, std::string_view body) {
     CCDT_CHECK(bytes.empty());
 }
 
-/// @param bytes  all that a request was read from
+/// Checks that the bytes of a request can be interpreted in one way only.
+/// @param bytes  the whole request as received
 void check_lines(std::string_view bytes, std::string_view body) {
     bool chunked = false;
     for (auto line = take_strict_line(bytes); !line.empty(); line = take_strict_line(bytes)) {
@@ -126,7 +127,7 @@ Outcome read_request(Connection& connection) {
     return {200, head->target, *body};
 }
 
-/// What a server makes of these pieces, up to the request that cannot be read.
+/// Reads requests from these pieces, up to the first malformed one.
 std::vector<Outcome> serve(const std::vector<std::string_view>& pieces) {
     Wire wire;
     std::string unread;
@@ -151,7 +152,8 @@ std::vector<Outcome> serve(const std::vector<std::string_view>& pieces) {
     return outcomes;
 }
 
-/// @param lengths  of the pieces but the last, the large ones in steps; none is empty
+/// Divides bytes into pieces that are not empty.
+/// @param lengths  one byte for the length of each piece but the last; from 192 on, in steps of 64
 std::vector<std::string_view> cut(std::string_view bytes, std::string_view lengths) {
     constexpr std::size_t kStepFrom = 192;
     constexpr std::size_t kStep = 64;
@@ -169,7 +171,8 @@ std::vector<std::string_view> cut(std::string_view bytes, std::string_view lengt
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Lengths of pieces, and all that a client sends: however it is cut, it is read alike.
+/// Reads requests from a connection, and checks that the result does not depend on how the bytes are divided into
+/// pieces. The input has the lengths of the pieces, then the bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     auto bytes = text_of(data, size);

@@ -12,14 +12,15 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr std::size_t kMostVertices = 40;
-constexpr std::size_t kMostDots = 40;  ///< of a class in a feature
+constexpr std::size_t kMostDots = 40;  ///< limit for one class in one feature
 
 struct Map {
-    std::vector<std::vector<PolygonPart>> parts;  ///< [features]; none of what was repaired
+    std::vector<std::vector<PolygonPart>> parts;  ///< [features]; empty if the polygon was repaired
     std::vector<MapFeature> features;
 };
 
-/// Polygons on a grid of 15 by 16, however large, each a feature: they touch, overlap and share borders.
+/// Reads polygons on a grid of 16 x 16 points at one of several spacings, so that they touch, overlap and share
+/// borders. Each one becomes a feature.
 std::vector<PolygonPart> read_polygons(Bytes& input) {
     constexpr std::array<double, 6> kSpacings = {1, 0.1, 1e-100, 1e-9, 1e9, 1e100};
     const double spacing = kSpacings[input.take<std::uint8_t>() % kSpacings.size()];
@@ -92,7 +93,7 @@ void check(const Map& map) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Maps of dots of polygons that overlap, touch and share borders, with counts of several classes.
+/// Computes dot maps with several classes, of polygons that overlap, touch and share borders.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

@@ -6,10 +6,10 @@
 
 namespace ccdt::fuzz {
 
-/// What "decodes" any file to one small picture: in grey or in colour, opaque or not, with values at the ends of their
-/// ranges or beyond them, mostly of one kind with an exception here and there.
+/// Makes decoders that return a small picture for any file. The picture may be transparent. Its values are at the ends
+/// of their range or outside, mostly the same one with a few exceptions.
 ///
-/// @param input  what is left of it is the picture
+/// @param input  remaining input, which determines the picture
 api::Decode decode_of(Bytes input);
 
 }  // namespace ccdt::fuzz

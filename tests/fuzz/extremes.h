@@ -12,7 +12,8 @@
 
 namespace ccdt::fuzz {
 
-/// From the least to the largest that there is, and where arithmetic with squares, floats and integers ends.
+/// Numbers from the smallest to the largest double, including those whose squares, floats or integers overflow or lose
+/// precision.
 inline constexpr std::array<double, 32> kExtremes = {0,
                                                      5e-324,
                                                      2.2250738585072014e-308,
@@ -46,7 +47,7 @@ inline constexpr std::array<double, 32> kExtremes = {0,
                                                      1e154,
                                                      1.7976931348623157e308};
 
-/// A finite number of at least 0, mostly one of these or next to it.
+/// Takes a finite number >= 0, mostly one of kExtremes or a neighbour of one.
 inline double take_number(Bytes& input) {
     const auto pick = input.take<std::uint8_t>();
     const double extreme = kExtremes[pick % kExtremes.size()];
@@ -66,13 +67,13 @@ inline double take_number(Bytes& input) {
     }
 }
 
-/// One of a few.
+/// Takes an element of a list.
 template <class All>
 const auto& take_one(const All& all, Bytes& input) {
     return all[input.take<std::uint8_t>() % all.size()];
 }
 
-/// The number as a request writes it.
+/// Formats a number for a request.
 inline std::string written(double number) {
     std::string text;
     api::append_shortest(text, number);

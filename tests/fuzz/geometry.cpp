@@ -6,7 +6,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMostCorners = 64;  ///< of what is triangulated
+constexpr std::size_t kMostCorners = 64;  ///< limit up to which points are distributed in a polygon
 constexpr std::size_t kSites = 12;
 
 void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
@@ -31,7 +31,7 @@ void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// GeoJSON, as the member `geometry` of a request to /sample holds it.
+/// Reads the input as GeoJSON, like the member `geometry` of a request to /sample, and distributes points in it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

@@ -16,7 +16,8 @@ using Parts = std::vector<PolygonPart>;
 
 constexpr std::size_t kMostVertices = 32;
 
-/// Corners on a net of meridians and parallels, poles and turns among them, and some anywhere.
+/// Reads polygons with corners at crossings of certain meridians and parallels, including the poles and longitudes
+/// beyond 180 degrees. Some corners are anywhere.
 Parts read_parts(Bytes& input) {
     constexpr std::array<double, 21> kLongitudes = {-540, -360, -190, -180, -179, -120, -90, -30, -1,  0,  1,
                                                     10,   30,   90,   120,  170,  179,  180, 190, 360, 540};
@@ -64,7 +65,8 @@ void check(const Parts& parts, std::size_t sites) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Polygons on the globe: cut, uncut, around poles, in several turns, and points on them.
+/// Distributes points in polygons on the globe, which may be cut at the antimeridian, contain a pole or wind around the
+/// globe several times.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

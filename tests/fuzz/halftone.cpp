@@ -10,7 +10,7 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-/// The start and the frame of a JPEG of 2 x 1 pixels, of which no more is looked at.
+/// The first bytes of a JPEG of 2 x 1 pixels. The parser reads only its frame header.
 constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
 
 void append_escaped(std::string_view text, std::string& query) {
@@ -23,7 +23,7 @@ void append_escaped(std::string_view text, std::string& query) {
     }
 }
 
-/// Options written as a query are read as the same options.
+/// Checks that options survive a round trip through a query.
 void check_query(std::string_view query, const std::vector<api::TextOption>& options) {
     CCDT_CHECK(options.size() <= static_cast<std::size_t>(std::ranges::count(query, '&')) + 1);
     std::string again;
@@ -43,7 +43,7 @@ void check_query(std::string_view query, const std::vector<api::TextOption>& opt
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A line with the query of a request to /halftone, and what it accepts.
+/// Parses a request to /halftone. The input is a line with the query, then the Accept header.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto accept = fuzz::text_of(data, size);

@@ -10,7 +10,7 @@ namespace ccdt::fuzz {
 
 inline constexpr api::Limits kHalftoneLimits = {.max_sites = 1'000, .max_pixels = 4'096};
 
-/// All options lie in their ranges, and there is an image.
+/// Checks that all options of a parsed request are within their ranges, and that it has an image.
 inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(!request.sites || (*request.sites >= 1 && *request.sites <= kHalftoneLimits.max_sites));
     CCDT_CHECK(request.run.seed < std::uint64_t{1} << 53);

@@ -3,7 +3,7 @@
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/halftone_checks.h"
 
-/// A line with the query of a request to /halftone, and its body.
+/// Parses a request to /halftone with a JSON body. The input is a line with the query, then the body.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto body = fuzz::text_of(data, size);

@@ -33,7 +33,7 @@ std::ptrdiff_t count(const Request& request, std::string_view name) {
     return std::ranges::count_if(request.headers, alike);
 }
 
-/// No two readers can take the body for longer or shorter than one another.
+/// Checks that the length of the body is unambiguous.
 void check_framing(const Request& request) {
     CCDT_CHECK(count(request, "Content-Length") == (request.content_length ? 1 : 0));
     CCDT_CHECK(count(request, "Transfer-Encoding") == (request.chunked ? 1 : 0));
@@ -45,7 +45,7 @@ bool begins_ignoring_case(std::string_view text, std::string_view start) {
     return server::equals_ignoring_case(text.substr(0, start.size()), start);
 }
 
-/// A path, a URL that a web server may have, or of OPTIONS the whole server.
+/// Checks that the target is a path, an http or https URL with a host, or `*` for OPTIONS.
 void check_target(const Request& request) {
     if (request.target == "*") {
         CCDT_CHECK(request.method == "OPTIONS" && request.path == "*" && request.query.empty());
@@ -77,7 +77,7 @@ void check_request(const Request& request, std::string_view head) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// The head of a request.
+/// Parses the input as the head of a request.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto head = fuzz::text_of(data, size);

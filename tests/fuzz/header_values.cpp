@@ -37,7 +37,7 @@ bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
-/// Neither a media type nor a weight knows capitals.
+/// Checks that media types and weights are case-insensitive.
 void check_accept(std::string_view value) {
     const auto chosen = api::negotiate(value, kFormats);
     const auto again = api::negotiate(in_capitals(value), kFormats);
@@ -48,7 +48,7 @@ void check_accept(std::string_view value) {
         check_error(chosen.error());
         CCDT_CHECK(chosen.error().code == ErrorCode::NotAcceptable);
     }
-    // What is liked as much as can be, and named exactly, is what comes.
+    // A single accepted type must be chosen.
     const auto preferred = api::negotiate("image/png", kFormats);
     CCDT_CHECK(preferred && *preferred == 1);
 }
@@ -87,7 +87,7 @@ void check_content_type(std::string_view value) {
     CCDT_CHECK(boundary.size() <= value.size());
 }
 
-/// Whatever else is preferred, and however it is written, does not hide a preference.
+/// Checks that a preference is found after any other text.
 void check_prefer(std::string_view value) {
     const auto asks = [](std::string_view text) {
         server::Request request;
@@ -106,7 +106,7 @@ void check_if_none_match(std::string_view value) {
     CCDT_CHECK(server::find_tag(with_it, kName));
 }
 
-/// No page may read an answer but those that were named, or those of this machine.
+/// Checks that only listed origins and, if allowed, origins of this machine may read answers.
 void check_origin(std::string_view value) {
     CCDT_CHECK(!server::allows_origin({"loopback"}, value) || value.find("localhost") != std::string_view::npos ||
                value.find("127.") != std::string_view::npos || value.find("[::1]") != std::string_view::npos);
@@ -115,7 +115,7 @@ void check_origin(std::string_view value) {
     }
 }
 
-/// A value that is also tried as the line before a chunk, and as a trailer's.
+/// Parses a value as the line before a chunk, and as the value of a trailer.
 void check_framing(std::string_view value) {
     const auto is_forbidden = [](char c) { return (c >= 0 && c < ' ' && c != '\t') || c == 0x7f; };
     const auto size = server::parse_chunk_size(value);
@@ -132,7 +132,7 @@ void check_framing(std::string_view value) {
     CCDT_CHECK(!server::check_trailer("Content-length:" + std::string(value)));
 }
 
-/// Name of the client of a request with these headers that comes from a trusted proxy.
+/// Returns the name of the client of a request that has these headers and comes from a trusted proxy.
 std::string client_behind_proxy(const std::vector<server::Header>& headers) {
     const server::TrustedProxies proxies{{*server::IpNetwork::parse("10.0.0.1")}};
     server::Request request;
@@ -140,7 +140,8 @@ std::string client_behind_proxy(const std::vector<server::Header>& headers) {
     return server::client_of(request, server::describe_peer(*server::IpAddress::parse("10.0.0.1")), proxies).name;
 }
 
-/// Whatever a client sends, it is at most not named: the address that the proxy adds is the only other one.
+/// Checks that text from a client before the address that a proxy appends cannot change the identified client. At most
+/// it makes the proxy count as the client.
 void check_addresses(std::string_view value) {
     const std::string sent(value);
     const std::string added = "203.0.113.1";
@@ -163,7 +164,7 @@ void check_addresses(std::string_view value) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// The value of a header, read as that of each header that is looked into.
+/// Parses the input as the value of each header that the server interprets.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     const auto value = text_of(data, size);

@@ -27,14 +27,14 @@ void check_picture(const Picture& picture, const api::ImageHeader& header) {
     CCDT_CHECK(std::ranges::all_of(picture.alpha, is_share));
 }
 
-/// The file says the same every time it is read. Memory that nobody wrote would not.
+/// Checks that decoding a file again yields the same picture, which reads of uninitialized memory would change.
 void check_again(std::string_view file, const Picture& picture) {
     const auto again = api::decode_image(file, kMostPixels);
     CCDT_CHECK(again && again->width == picture.width && again->height == picture.height);
     CCDT_CHECK(again->luminance == picture.luminance && again->alpha == picture.alpha);
 }
 
-/// In colour the file says the same: its light weighs what the luminance is.
+/// Checks that a file decoded in colour has the luminance that it has in grey, or the same error.
 void check_colours(std::string_view file, const Result<Picture>& grey) {
     const auto colours = api::decode_colour_image(file, kMostPixels);
     CCDT_CHECK(colours.has_value() == grey.has_value());
@@ -62,7 +62,7 @@ void check_refused(const Error& error, std::string_view file) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A file that came as a picture.
+/// Decodes the input as a picture.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto file = fuzz::text_of(data, size);

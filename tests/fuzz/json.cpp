@@ -11,7 +11,7 @@ namespace {
 using api::JsonDocument;
 using api::JsonValue;
 
-/// Whether two values are alike, all the way down; counts those met.
+/// Compares two values recursively, and counts the visited ones.
 bool equal(JsonValue a, JsonValue b, std::size_t depth, std::size_t& values) {
     CCDT_CHECK(depth <= JsonDocument::kMaxDepth);
     CCDT_CHECK(++values <= JsonDocument::kMaxValues);
@@ -41,7 +41,7 @@ bool equal(JsonValue a, JsonValue b, std::size_t depth, std::size_t& values) {
     return true;  // null
 }
 
-/// White space around it changes nothing. A byte order mark, which may be there, must come first.
+/// Checks that white space around a document changes nothing. A byte order mark must stay first.
 void check_padded(std::string_view text, const JsonDocument& document) {
     std::string padded = text.starts_with('\xef') ? "" : " \r\n\t";
     padded.append(text).append("\n");

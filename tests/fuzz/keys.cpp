@@ -20,7 +20,7 @@ struct Entry {
     std::string_view key;
 };
 
-/// The lines that name a key, read in a way of our own.
+/// Finds the entries of a key file, independently of KeyRing.
 std::vector<Entry> entries_of(std::string_view text) {
     std::vector<Entry> entries;
     while (!text.empty()) {
@@ -47,7 +47,7 @@ void check_ring(const server::KeyRing& ring, const std::vector<Entry>& entries) 
     CCDT_CHECK(!ring.find(""));
 }
 
-/// What goes to the log tells the line, and nothing that is in it.
+/// Checks that an error, which is logged, names a line but contains no key.
 void check_secrecy(const Error& error, const std::vector<Entry>& entries) {
     constexpr std::size_t kShortestKey = 16;
     CCDT_CHECK(error.message.starts_with("line ") || entries.empty());
@@ -60,7 +60,7 @@ void check_secrecy(const Error& error, const std::vector<Entry>& entries) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A file of keys.
+/// Parses the input as a key file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto text = fuzz::text_of(data, size);

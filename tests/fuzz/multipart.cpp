@@ -10,7 +10,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-/// Parts follow each other, each between two boundaries and without one of its own.
+/// Checks that each part lies between two boundaries, after the previous part, and contains no boundary.
 void check_parts(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
     const auto boundary = server::header_parameter(content_type, "boundary");
     CCDT_CHECK(boundary.size() <= 70 && boundary.find_first_of("\r\n\"") == std::string::npos);
@@ -27,7 +27,7 @@ void check_parts(const std::vector<server::FormPart>& parts, std::string_view bo
     }
 }
 
-/// What stands after the last boundary changes nothing.
+/// Checks that text after the last boundary is ignored.
 void check_epilogue(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
     const auto again = server::parse_multipart(std::string(body) + "\r\nepilogue", content_type);
     CCDT_CHECK(again && again->size() == parts.size());
@@ -38,7 +38,7 @@ void check_epilogue(const std::vector<server::FormPart>& parts, std::string_view
     }
 }
 
-/// A form with one picture becomes that picture, and a query that holds all its other fields.
+/// Checks that a form with one picture is split into that picture and a query with all other fields.
 void check_apart(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
     if (server::media_type(content_type) != "multipart/form-data") return;
     server::ComputeRequest request{"/halftone", "a=b", std::string(content_type), "", std::string(body)};
@@ -62,7 +62,7 @@ void check_apart(const std::vector<server::FormPart>& parts, std::string_view bo
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A line with the Content-Type of a form, and its body.
+/// Parses a form. The input is a line with the Content-Type, then the body.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto body = fuzz::text_of(data, size);

@@ -11,14 +11,14 @@
 
 namespace ccdt::fuzz {
 
-/// What a byte says that is no corner.
+/// Bytes of an input that do not stand for a corner.
 enum class PartTag : std::uint8_t { NextPart = 255, NextHole = 254, Nudge = 253, Anywhere = 252 };
 
-/// Takes polygons off an input, corner by corner.
-/// @param most      corners
-/// @param far       farther than any: a nudge moves the corner before by a rounding error, towards it or away
-/// @param corner    the corner that a byte stands for
-/// @param anywhere  one that it takes off the input
+/// Takes polygons from an input, corner by corner. A nudge moves the previous corner to a neighbouring double.
+/// @param most      maximum number of corners
+/// @param far       coordinate beyond all corners, towards or away from which a nudge moves
+/// @param corner    returns the corner for a byte
+/// @param anywhere  takes the coordinates of a corner from the input
 template <class Corner, class Anywhere>
 std::vector<PolygonPart> take_parts(Bytes& input, std::size_t most, double far, Corner corner, Anywhere anywhere) {
     std::vector<PolygonPart> parts(1);

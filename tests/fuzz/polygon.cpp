@@ -15,7 +15,7 @@ using Parts = std::vector<PolygonPart>;
 constexpr std::uint8_t kNewPart = 255;
 constexpr std::uint8_t kNewHole = 254;
 
-/// How a vertex is written, by the last two bits of the byte before it.
+/// Encoding of a vertex, given by the last two bits of the byte before it.
 enum class Vertex { Grid, Neighbour, Fine, Any };
 
 Point nudged(Point p, int x, int y) {
@@ -27,7 +27,8 @@ Point nudged(Point p, int x, int y) {
     return {nudge(p.x, x), nudge(p.y, y)};
 }
 
-/// On a small grid vertices coincide and edges overlap; a few steps of rounding away from one before, they almost do.
+/// Reads a vertex. On the small grid, vertices coincide and edges overlap; a few doubles away from an earlier vertex,
+/// they almost do.
 Point read_vertex(Vertex kind, Bytes& input, Point before) {
     switch (kind) {
         case Vertex::Grid: {
@@ -74,7 +75,7 @@ Parts read_parts(Bytes& input) {
     return parts;
 }
 
-/// A few sites, since what is of interest is the shape around them.
+/// Reads options. The number of sites is small, because the shape of the domain is under test.
 Options read_options(Bytes& input) {
     const auto bits = input.take<std::uint8_t>();
     Options options;
@@ -111,7 +112,7 @@ bool is_far_from_overflow(const Parts& parts) {
     return true;
 }
 
-/// In units twice or half as large, which costs no digit, the same is true.
+/// Checks that scaling by a power of two, which is exact, changes nothing.
 void check_scaled(const Parts& parts, const Result<Domain>& domain) {
     if (!is_far_from_overflow(parts)) return;
     for (const double factor : {0.5, 1024.0}) {
@@ -130,7 +131,7 @@ void check_polygon(const Parts& parts, const Density& density, const Options& op
     check_distribution(*domain, parts, density, options);
 }
 
-/// Sides of any size; most are refused. Negative ones do not get past whoever reads requests.
+/// Checks a rectangle or torus of any size; most are rejected. The parsers of requests already reject negative sides.
 void check_sides(bool periodic, double width, double height, const Density& density, const Options& options) {
     const auto domain = periodic ? Domain::torus(width, height) : Domain::rectangle(width, height);
     if (!domain) return check_error(domain.error());
@@ -142,7 +143,8 @@ void check_sides(bool periodic, double width, double height, const Density& dens
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Options, a density, and the domain: its kind, then sides, or rings as tagged vertices.
+/// Distributes points in any domain. The input has the options, the density, and the domain: its kind, then its sides,
+/// or rings of tagged vertices.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

@@ -12,11 +12,12 @@ namespace {
 
 using Parts = std::vector<PolygonPart>;
 
-constexpr std::size_t kMostVertices = 48;  ///< crossings are as many as their square
+constexpr std::size_t kMostVertices = 48;  ///< the number of crossings grows with its square
 
-/// Vertices on a grid of 15 by 16, where they meet in every way, some a rounding error off it, some anywhere.
+/// Reads polygons with vertices on a grid of 16 x 16 points, where edges touch and overlap in many ways. Some vertices
+/// are a rounding error beside the grid, and some are anywhere.
 Parts read_parts(Bytes& input) {
-    const double spacing = input.take<std::uint8_t>() % 2U == 0 ? 1 : 0.1;  // 0.1 is no double
+    const double spacing = input.take<std::uint8_t>() % 2U == 0 ? 1 : 0.1;  // multiples of 0.1 are rounded
     constexpr double kFar = 100;
     return take_parts(
         input, kMostVertices, kFar,
@@ -49,7 +50,7 @@ void check_repair(const Parts& parts) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Rings that cross, touch and overlap: what they cover, and points in it.
+/// Repairs rings that cross, touch and overlap, and distributes points in the result.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

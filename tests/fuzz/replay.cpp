@@ -8,9 +8,9 @@
 
 #include "tests/fuzz/checks.h"
 
-/// Gives a target the files of folders, one by one, and fails where it does, or where there are none.
+/// Runs a target with each file of the given folders. Fails if the target does, or if there is no file.
 ///
-/// Before each file goes its name, so that the last one printed is the one that broke it.
+/// The name of each file is printed first, so the last printed name is that of the file that failed.
 int main(int argc, char** argv) {
     std::size_t count = 0;
     for (int i = 1; i < argc; ++i) {

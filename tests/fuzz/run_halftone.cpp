@@ -16,7 +16,7 @@ using std::string_view_literals::operator""sv;
 
 constexpr api::Limits kLimits = {.max_sites = 64, .max_pixels = 4'096};
 
-/// The start and the frame of a JPEG of 2 x 1 pixels; the picture is made by decode_of().
+/// The first bytes of a JPEG of 2 x 1 pixels. The picture itself is made by decode_of().
 constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
 
 constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, 4> kLevels = {"0,1,0.1", "0,1,10", "0,5e-
 constexpr std::array<std::string_view, 3> kDetails = {"0", "1", "5e-324"};
 constexpr std::array<std::string_view, 3> kDots = {"both", "ink", "paper"};
 
-/// How an option's value is taken from an input.
+/// An option, and the function that takes its value from an input.
 struct Option {
     std::string_view name;
     std::string (*take)(Bytes& input);
@@ -74,7 +74,7 @@ constexpr std::array<Option, 19> kOptions = {{{"sites", take_count<24, 1>},
                                               {"detail", take_word<kDetails>},
                                               {"dots", take_word<kDots>}}};
 
-/// Which options there are, by the bits of a number.
+/// Takes options. Each bit of a number says whether one of them is given.
 std::vector<api::TextOption> take_options(Bytes& input) {
     const auto bits = input.take<std::uint32_t>();
     std::vector<api::TextOption> options{{"format", std::string(take_one(api::halftone_formats(), input)->file.name)},
@@ -87,13 +87,13 @@ std::vector<api::TextOption> take_options(Bytes& input) {
 
 void check_points(const std::vector<Point>& points, const api::HalftoneRequest& request, const api::Answer& answer) {
     CCDT_CHECK(points.size() == answer.sites);
-    // The ground alone may draw all of a picture.
+    // Grounds without any dots may represent the whole picture.
     const bool has_none = request.dots == api::Dots::Both && points.empty();
     CCDT_CHECK(has_none || !request.sites || points.size() == *request.sites);
     CCDT_CHECK(has_none || !points.empty());
     CCDT_CHECK(points.size() <= kLimits.max_sites);
     for (const Point& p : points) CCDT_CHECK(p.x > 0 && p.x < 64 && p.y > 0 && p.y < 64);
-    // Dots of different inks may lie on each other.
+    // Dots of different inks may coincide.
     if (request.palette.inks.size() == 1) CCDT_CHECK(test::count_distinct(points) == points.size());
 }
 
@@ -114,7 +114,7 @@ void check_answer(const api::HalftoneRequest& request, const api::Answer& answer
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A request to /halftone with numbers at the ends of their ranges, from its options to its answer.
+/// Parses, estimates and answers a request to /halftone whose numbers are at the ends of their ranges.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     fuzz::Bytes input(fuzz::text_of(data, size));

@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 4> kQualities = {"draft", "standard", "be
 
 constexpr std::array<std::string_view, 3> kOrders = {"none", "path", "progressive"};
 
-/// Which members a request has, by the bits of a number.
+/// Optional members of a request, as bits of a number.
 enum class Given : std::uint16_t {
     Iterations = 1,
     Passes = 2,
@@ -41,7 +41,7 @@ enum class Given : std::uint16_t {
     LonLat = 32768,
 };
 
-/// A JSON object of the members that are told one after the other.
+/// Builds a JSON object, member by member.
 class Members {
 public:
     void add(std::string_view name, std::string_view value) {
@@ -64,7 +64,7 @@ std::string coordinates(const Ring& ring) {
     return text + ']';
 }
 
-/// A usual shape, as wide, as high and as far off as numbers are, with one corner anywhere perhaps.
+/// Takes a simple shape of any width, height and offset. One corner may be anywhere.
 Ring take_ring(Bytes& input) {
     static const std::array<Ring, 5> kShapes = {{{{0, 0}, {1, 0}, {1, 1}, {0, 1}},
                                                  {{0, 0}, {1, 0}, {0, 1}},
@@ -86,7 +86,7 @@ Ring take_ring(Bytes& input) {
     return ring;
 }
 
-/// Returns a usual shape in degrees, anywhere on the globe, with edges up to all around it. One corner may be anywhere.
+/// Takes a simple shape in degrees, anywhere on the globe and up to 360 degrees wide. One corner may be anywhere.
 Ring take_ring_on_globe(Bytes& input) {
     constexpr double kTurn = 360, kSteps = 255;
     const auto degrees = [&](double from, double to) {
@@ -108,7 +108,7 @@ Ring take_ring_on_globe(Bytes& input) {
     return ring;
 }
 
-/// Returns a distance in metres from ten micrometres to a million metres.
+/// Takes a distance in metres, from ten micrometres to a million metres.
 double take_metres(Bytes& input) {
     constexpr double kLeast = -5, kMost = 6, kSteps = 255;
     return std::pow(10, kLeast + (kMost - kLeast) * input.take<std::uint8_t>() / kSteps);
@@ -134,7 +134,7 @@ void take_domain(Bytes& input, Members& members) {
 }
 
 void take_density(Bytes& input, Members& members) {
-    // What matters of it is a header; the picture is made by decode_of().
+    // Only the header of this file is read; the picture is made by decode_of().
     constexpr std::string_view kImage = R"({"image":"/9j/wAALCAABAAIB"})";
     const auto shape = input.take<std::uint8_t>();
     if (shape < 32) return;
@@ -146,7 +146,7 @@ void take_density(Bytes& input, Members& members) {
                                R"(,"values":[)" + values + "]}");
 }
 
-/// A request that is mostly valid, by a few bytes.
+/// Takes a request that is likely to be valid.
 std::string take_request(Bytes& input) {
     Members members;
     const auto bits = input.take<std::uint16_t>();
@@ -156,7 +156,7 @@ std::string take_request(Bytes& input) {
     members.add("sites", input.take<std::uint8_t>() % 16 + 1);
     members.add("seed", input.take<std::uint8_t>());
     members.add_word("format", take_one(api::sample_formats(), input)->file.name);
-    // The other methods' own numbers of iterations take long, and say nothing that a few do not.
+    // The default numbers of iterations of other methods take long and test no more than a few iterations.
     if (given(Given::Iterations) || method < 4) members.add("iterations", input.take<std::uint8_t>() % 8);
     if (given(Given::Passes)) members.add("passes", input.take<std::uint8_t>() % 4 + 1);
     if (given(Given::Quality)) members.add_word("quality", take_one(kQualities, input));
@@ -179,7 +179,7 @@ std::string take_request(Bytes& input) {
     return members.finish();
 }
 
-/// Checks points in degrees: each is somewhere on the globe, and no two are in one place.
+/// Checks that points in degrees are on the globe and distinct.
 void check_points_on_globe(const std::vector<Point>& points, std::size_t sites) {
     constexpr double kFarthest = 540;
     CCDT_CHECK(points.size() == sites);
@@ -187,10 +187,10 @@ void check_points_on_globe(const std::vector<Point>& points, std::size_t sites) 
     CCDT_CHECK(test::count_distinct(points) == points.size());
 }
 
-/// What points are checked against: a domain and, if it was valid, what it was made of.
+/// The domain of a request, against which its points are checked.
 struct Made {
     Domain domain;
-    std::vector<PolygonPart> parts;
+    std::vector<PolygonPart> parts;  ///< the polygons of the request; empty for a rectangle, torus or repaired domain
 };
 
 Made make(const api::SampleRequest& request) {
@@ -201,7 +201,8 @@ Made make(const api::SampleRequest& request) {
     return {std::move(repaired.domain), repaired.repairs.empty() ? parts : std::vector<PolygonPart>()};
 }
 
-/// No point lies where none may, as far as that was told without crossings, whose places are rounded.
+/// Checks that no point lies in excluded areas or in the buffer along the border. Repaired polygons are skipped,
+/// because their crossings are rounded.
 void check_exclusions(const api::SampleRequest& request, const Made& made, const std::vector<Point>& points) {
     const auto& avoid = request.avoid.parts;
     const double rounding =
@@ -237,7 +238,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A request to /sample with numbers at the ends of their ranges, from its body to its answer.
+/// Parses, estimates and answers a request to /sample whose numbers are at the ends of their ranges.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     fuzz::Bytes input(fuzz::text_of(data, size));

@@ -14,7 +14,7 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 100'000, .max_pixels = 4'096};
-constexpr std::size_t kMostCorners = 64;  ///< of what is computed
+constexpr std::size_t kMostCorners = 64;  ///< limit up to which a request is computed
 constexpr std::size_t kMostSites = 8;
 
 Result<Density> density_of(const api::SampleRequest& request) {
@@ -53,7 +53,7 @@ void check_options(const api::SampleRequest& request) {
     CCDT_CHECK(!run.tolerance || *run.tolerance > 0);
 }
 
-/// The same for less: requests that take long say nothing that small ones do not.
+/// Computes a request with its sites, iterations and passes reduced, because long computations test no more.
 void run(const api::SampleRequest& request, const RepairedDomain& made, const Density& density) {
     const auto& [domain, repairs] = made;
     Options options = request.run;
@@ -85,7 +85,8 @@ void check_request(const api::SampleRequest& request, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// The body of a request to /sample. A GeoJSON document has its options beside it.
+/// Parses the input as the body of a request to /sample, and computes a reduced one. A GeoJSON document gets options in
+/// the query.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

@@ -31,7 +31,7 @@ bool is_within(const Box& box, Point p) {
     return p.x >= box.min.x && p.x <= box.max.x && p.y >= box.min.y && p.y <= box.max.y;
 }
 
-/// Counter-clockwise, or as flat as rounding can make one whose corners are the domain's own.
+/// Whether a triangle is counter-clockwise, or as flat as the rounding of the domain's coordinates can make it.
 bool is_sound(Point a, Point b, Point c, const Domain& domain) {
     if (exact_orientation(a, b, c) > 0) return true;
     const double shift = domain.resolution() * std::max(domain.bounds().width(), domain.bounds().height());
@@ -39,7 +39,8 @@ bool is_sound(Point a, Point b, Point c, const Domain& domain) {
     return std::abs(cross(b - a, c - a)) <= shift * around;
 }
 
-/// Every triangle is sound, no edge has more than two, and those that have one are the boundary.
+/// Checks that every triangle is sound, that no edge has more than two triangles, that the edges with one triangle form
+/// the boundary, and that the triangles cover the area of the domain.
 void check_mesh(const TriangleMesh& mesh, const Domain& domain) {
     std::map<Edge, int> edges;
     double area = 0;

@@ -9,26 +9,28 @@
 
 namespace ccdt::fuzz {
 
-/// What Domain promises of its rings, areas and bounds.
+/// Checks the invariants of a domain: its rings, area and bounds.
 void check_domain(const Domain& domain);
 
-/// A domain covers what of its parts any of many probes is in, and nothing else, as far as rounding lets one tell.
+/// Checks at many positions that a domain contains exactly what `parts` contain. Positions that are too close to the
+/// border for rounding errors are skipped.
 void check_cover(const Domain& domain, const std::vector<PolygonPart>& parts);
 
-/// The ring and vertex that an error of Domain::create points to are among those it was given.
+/// Checks that the part, ring and vertex that an error or a repair refers to exist in `parts`.
 void check_location(const Error& error, const std::vector<PolygonPart>& parts);
 void check_location(const Repair& repair, const std::vector<PolygonPart>& parts);
 
-/// So many points, all different, strictly inside the domain.
+/// Checks that there are `sites` distinct points, all inside the domain.
 ///
-/// @param parts  what the domain was made of; none: a rectangle or a torus
+/// @param parts  the polygons from which the domain was created; empty: only the bounds are checked
 void check_points(const std::vector<Point>& points, std::size_t sites, const Domain& domain,
                   const std::vector<PolygonPart>& parts);
 
-/// Places sites and checks what distribute() promises: as many points, inside the domain, and a mesh that covers it.
+/// Distributes sites and checks the guarantees of distribute(): the number of points, all inside the domain, a mesh
+/// that covers the domain, and the same result from a second run.
 ///
-/// @param parts    as above
-/// @param options  for few sites, for inputs are many; the mesh is kept whatever they say
+/// @param parts    as for check_points
+/// @param options  should have few sites, because there are many inputs; the mesh is always requested
 void check_distribution(const Domain& domain, const std::vector<PolygonPart>& parts, const Density& density,
                         Options options);
 

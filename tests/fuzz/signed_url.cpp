@@ -21,7 +21,7 @@ bool is_signed(std::string_view resource, std::int64_t now) {
     return url && url->check(*keys, std::chrono::sys_seconds(std::chrono::seconds(now))).has_value();
 }
 
-/// The parameters of a query, split in a way of our own.
+/// Splits a query into its parameters, independently of SignedUrl.
 std::vector<std::string_view> parameters_of(std::string_view query) {
     std::vector<std::string_view> parameters;
     for (std::size_t begin = 0; begin <= query.size();) {
@@ -32,7 +32,8 @@ std::vector<std::string_view> parameters_of(std::string_view query) {
     return parameters;
 }
 
-/// Text, separator, name and signature are all there is, and no option is a time or stands behind the signature.
+/// Checks that the resource consists of the signed text, a separator, and the name and value of the signature, and that
+/// the options do not include the expiry.
 void check_parts(const SignedUrl& url, std::string_view resource) {
     CCDT_CHECK(resource.starts_with(url.text));
     const auto rest = resource.substr(url.text.size());
@@ -51,7 +52,7 @@ void check_parts(const SignedUrl& url, std::string_view resource) {
     CCDT_CHECK(url.options.size() + (url.expires ? kExpires.size() : 0) <= query.size());
 }
 
-/// A text that is signed passes, until it expires, and no longer once a byte is another.
+/// Signs a text, and checks that it is accepted until it expires, and refused if one bit is changed.
 void check_signing(std::string_view text, std::size_t place) {
     const char separator = text.find('?') == std::string_view::npos ? '?' : '&';
     std::string resource = std::string(text) + separator + std::string(kName) + server::sign(kKey, text);
@@ -68,7 +69,7 @@ void check_signing(std::string_view text, std::size_t place) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Path and query of a URL.
+/// Parses the input as the path and query of a URL.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto resource = fuzz::text_of(data, size);
@@ -77,7 +78,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         fuzz::check_parts(*url, resource);
     else
         fuzz::check_problem(url.error());
-    CCDT_CHECK(!fuzz::is_signed(resource, 0));  // nobody guesses one
+    CCDT_CHECK(!fuzz::is_signed(resource, 0));  // a fuzzer cannot guess a signature
     fuzz::check_signing(resource, size == 0 ? 0 : data[0]);
     return 0;
 }

@@ -14,7 +14,7 @@ bool asks_for(const ComputeRequest& request, std::string_view seed) {
     return request.body.find(seed) != std::string::npos || request.query.find(seed) != std::string::npos;
 }
 
-/// Computes as ccdt-worker does, but has faults that a seed brings about.
+/// Computes like ccdt-worker, but crashes or hangs for certain seeds.
 Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                             const api::Decode& decode, const Control& control, api::Timings& timings) {
     if (asks_for(request, "1300000001")) raise(SIGSEGV);

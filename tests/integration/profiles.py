@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""ICC profiles made by hand, and the colours that they define (ICC.1:2001-04)."""
+"""Builds ICC profiles, and computes the colours that they define (ICC.1:2001-04)."""
 
 import struct
 
@@ -62,7 +62,7 @@ def _xyz(values):
 
 
 def _curve(curve):
-    """Encodes a curve: a power, or a function sampled at as many points as in usual profiles of sRGB."""
+    """Encodes a curve: an exponent, or a function sampled at 1,024 points as in common sRGB profiles."""
     if callable(curve):
         points = numpy.rint(curve(numpy.linspace(0, 1, 1024)) * 65535).astype(">u2")
         return b"curv\0\0\0\0" + struct.pack(">I", len(points)) + points.tobytes()
@@ -93,7 +93,7 @@ def grey_profile(curve):
 
 
 def ink_light(inks):
-    """Returns the linear sRGB of inks like tinted glass, which black ink only dims to 1 %: [..., 4] to [..., 3]."""
+    """Returns the linear sRGB of inks that multiply, like tinted glass: [..., 4] to [..., 3]. Black dims to 1 %."""
     inks = numpy.asarray(inks, float)
     cyan, magenta, yellow, black = (inks[..., i:i + 1] for i in range(4))
     light = numpy.ones(inks.shape[:-1] + (3,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bytes to and from the server, as no well-behaved client would send them, and their cost."""
+"""Connections that send any bytes, including malformed requests, and measurements of their cost."""
 
 import contextlib
 import http.client
@@ -12,13 +12,12 @@ import time
 
 from harness import PATIENCE
 
-# Seconds within which things that must happen at once happen. The limit is generous: only waiting for a time-out that
-# should not be waited for takes longer.
+# Time limit for immediate answers, in seconds. It is generous: only an answer that waits for some time-out exceeds it.
 AT_ONCE = 1.0
 
 SANITIZED = re.search(rb"__(a|t)san_init", pathlib.Path(os.environ["CCDT_SERVER"]).read_bytes()) is not None
 
-# MiB that clients may cost beyond accepted work. Sanitizers keep freed memory for a while.
+# Limit of the memory that clients may cost in addition to accepted work, in MiB. Sanitizers keep freed memory.
 MOST_MEMORY = 1024 if SANITIZED else 64
 
 
@@ -46,7 +45,7 @@ class Raw:
         return True
 
     def has_news(self):
-        """Returns whether an answer, or the end, has arrived."""
+        """Returns whether an answer or the end of the connection has arrived."""
         return bool(select.select([self.socket], [], [], 0)[0])
 
     def answer(self):
@@ -79,7 +78,7 @@ def sources():
 
 @contextlib.contextmanager
 def crowd(server, count, data=b""):
-    """Connects many clients, each from an address of its own, which have sent no more than `data`."""
+    """Connects many clients, each from a different address, which send `data` and nothing else."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(Raw(server, source)) for _, source in zip(range(count), sources())]
         for client in clients:

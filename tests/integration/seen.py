@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Appearance of pictures from afar: light blurred in the eye, CIE colours and their differences."""
+"""Models the appearance of pictures from a distance: blurred light, CIE colours and their differences."""
 
 import numpy
 

@@ -50,7 +50,7 @@ class Process:
             try:
                 links.append(os.readlink(folder / name))
             except FileNotFoundError:
-                pass  # closed meanwhile
+                pass  # the descriptor was closed in the meantime
         return links
 
     def output(self):
@@ -161,7 +161,7 @@ class Start(unittest.TestCase):
                 program.write_text("#!/bin/sh\nexit 3\n")
                 program.chmod(0o755)
                 (pathlib.Path(folder) / "ccdt-server").unlink()
-                shutil.copy(ours / "ccdt-server", folder)  # which looks for the others beside its own file
+                shutil.copy(ours / "ccdt-server", folder)  # looks for the other programs in its own folder
                 done = subprocess.run([f"{folder}/ccdt-server", "--port=0"], capture_output=True, text=True,
                                       timeout=PATIENCE, check=False)
                 self.assertEqual(done.returncode, 1)
@@ -185,7 +185,7 @@ class Restarts(unittest.TestCase):
                 client.start()
             try:
                 for round_ in range(10):
-                    # The death of either of the two ends the other one and their work.
+                    # When the helper or the keeper is killed, the other one and all children end.
                     victim = family.helper() if round_ % 2 == 0 else family.keeper()
                     gone = [family.helper(), *family.helper().children()]
                     victim.kill()

@@ -96,7 +96,7 @@ class Balancer:
         return f"http://127.0.0.1:{self.port}{path}"
 
     def wait(self):
-        """Waits until it answers."""
+        """Waits until haproxy answers with a server's status."""
         patience = ("--retry-connrefused", "--retry", "60", "--retry-delay", "1")
         if Call(self.url("/health"), *patience).answer().status != 200:
             raise AssertionError("haproxy knows of no server")

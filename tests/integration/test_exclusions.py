@@ -43,7 +43,7 @@ def edges_of(ring):
 
 
 def cut(edges, longest):
-    """Cuts edges [n, 2, 2] into pieces that are at most so many degrees long."""
+    """Cuts edges [n, 2, 2] into pieces of a maximum length in degrees."""
     pieces = []
     for a, b in edges:
         shares = numpy.linspace(0, 1, 1 + max(1, math.ceil(numpy.hypot(*(b - a)) / longest)))
@@ -163,8 +163,8 @@ class Avoided(ServerCase):
         self.assertLess(max(nearest), 2.2 * answer["pitch_m"])
 
     def least_metres(self, points, shape, metres):
-        """Returns the least geodesic distance of points to the border, by the points and pieces of it that seem
-        nearest."""
+        """Returns the minimum geodesic distance of points to the border, computed only for the 50 nearest points and
+        the four pieces of the border that are nearest to each in space."""
         pieces = cut(numpy.concatenate([edges_of(ring) for part in getattr(shape, "geoms", [shape])
                                         for ring in (part.exterior, *part.interiors)]), 0.05)
         middles = in_space((pieces[:, 0] + pieces[:, 1]) / 2)

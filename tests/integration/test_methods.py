@@ -47,7 +47,7 @@ class Methods(ServerCase):
                 self.assertAlmostEqual((points[:, 0] > 0.5).mean(), 0.8, delta=0.05)
 
     def test_nearest_distances_around_a_torus(self):
-        """Mean and minimum, over the distance in the densest packing, agree with the literature; 500 sites."""
+        """Mean and minimum of 500 sites, relative to the densest packing, must agree with the literature."""
         expected = {"cvt": (0.92, 0.78), "odt": (0.87, 0.60), "ccvt": (0.84, 0.70), "random": (0.465, 0.03)}
         for method, (mean, least) in expected.items():
             with self.subTest(method=method):

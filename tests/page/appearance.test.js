@@ -27,7 +27,7 @@ async function isAccessible(page, panel, width) {
   assert.ok(taken <= width, `${panel} is ${taken} wide`);
 }
 
-/** Opens what is closed at first: rarer options, lines of help, the plotter's part. */
+/** Opens what is closed at first: rare options, help texts, and the controls of the plotter. */
 async function unfold(page, panel) {
   await page.evaluate((id) => {
     const place = document.getElementById(id);

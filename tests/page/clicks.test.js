@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Whatever is clicked, typed and dropped, in any order, causes no unexpected error. CCDT_CLICK_SECONDS and
-// CCDT_CLICK_SEED set the duration and the first seed, in each browser.
+// Random clicks, keys and files in any order cause no unexpected errors. CCDT_CLICK_SECONDS and CCDT_CLICK_SEED set the
+// duration and the first seed, in each browser.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -35,9 +35,10 @@ const shapes = [
 ];
 
 /**
- * Runs in the page: uses one of the controls that exist.
+ * Runs in the page: uses one of the existing controls.
+ *
  * @param dice  numbers in [0, 1)
- * @returns  a description, and the position to click if that is left to the mouse
+ * @returns     {done, press}: a description, and the position that the caller must click, if there is one
  */
 function actIn({ dice, text, picture }) {
   const pick = (list, die) => list[Math.floor(die * list.length)];
@@ -73,7 +74,10 @@ function actIn({ dice, text, picture }) {
 
 const keys = ["Enter", "Escape", "Backspace", "Control+z", "+", "-", "0", "ArrowLeft"];
 
-/** @param press  makes the browser's keyboard press a key, or several */
+/**
+ * Uses random controls until the time is over.
+ * @param press  presses one or more keys on the keyboard of the browser
+ */
 async function clickAround(page, press, faults) {
   const picture = (await readFile(path.join(data, "images/chelsea.png"))).toString("base64");
   const random = randomFrom(seed);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The globe on a plane: areas stay equal, and shapes cut by the antimeridian are joined.
+// The globe on a plane: areas are preserved, and shapes cut by the antimeridian are joined.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The real server, its page in headless Chromium, and the expected appearance of pages. Environment variables:
-// CCDT_SERVER and CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES has npm's packages; CCDT_SHOTS receives screenshots
-// that differ from the expected ones. With CCDT_UPDATE=1 they replace these.
+// CCDT_SERVER and CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES contains the packages from npm; CCDT_SHOTS receives
+// screenshots that differ from the expected ones. With CCDT_UPDATE=1, new screenshots replace the expected ones.
 
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
@@ -24,7 +24,7 @@ const kept = path.resolve(data, "../page/screenshots");
 export const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
-/** Milliseconds within which anything that must happen soon happens. Only a fault makes a test wait this long. */
+/** Limit of each wait in milliseconds. Only a fault makes a test wait this long. */
 export const patience = 120_000;
 
 // At the time limit, tests/support/supervise.py sends SIGABRT. Servers and browsers are then closed, so that the running
@@ -57,9 +57,9 @@ export async function startServer(flags) {
 }
 
 /**
- * Serves pages from another origin than ours.
- * @param page  returns a page, by its path; it serves the pictures of the tests, and another one for all other names
- *              except `/nothing.png`, which does not exist
+ * Serves pages from another origin than the server under test.
+ * @param page  returns the page at a path. Names of pictures are served from the data of the tests; unknown ones get a
+ *              default picture, except `/nothing.png`, which does not exist
  */
 export async function serveOrigin(page) {
   const server = createServer(async (request, response) => {
@@ -75,15 +75,15 @@ export async function serveOrigin(page) {
   return { url: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
 }
 
-/** Returns a page of somebody else with an element of our server. */
+/** Returns a page of another origin that loads the element from our server. */
 export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots</title>
 <script type="module" src="${url}/assets/element.js"></script>
 <body></body></html>`;
 
 /**
- * Provides a server and a browser for the tests of a file, and a new page for each.
- * @returns  {url, page}, filled before each test, where page.faults collects unexpected errors of the test;
- *           newContext, which makes a context with the patience of the tests
+ * Provides a server and a browser for the tests of a file, and a new page for each test.
+ * @returns  {url, page, faults, newContext}. The first three are filled before each test; `faults` collects unexpected
+ *           errors of the page. `newContext` creates a browser context with the time limit of the tests
  */
 export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
   const world = { viewport };
@@ -135,7 +135,7 @@ export async function download(page, panel, title) {
   return saved;
 }
 
-/** Moves a slider like a hand: through all the values, and then releases it. */
+/** Moves a slider through values and then releases it, as a user does. */
 export async function slide(locator, values) {
   await locator.evaluate((slider, steps) => {
     for (const value of steps) {
@@ -156,7 +156,7 @@ export async function run(command, args, options = {}) {
   return output.stdout;
 }
 
-/** Returns what a script writes to the console of another page. A script that asks for a file is given one. */
+/** Returns what a script writes to the console of another page. `file` is chosen if the script asks for a file. */
 export async function runInBrowser(world, script, file) {
   const page = await world.page.context().newPage();
   await page.goto(`${world.url}/assets/reference.html`);
@@ -169,7 +169,7 @@ export async function runInBrowser(world, script, file) {
   return `${text}\n`;
 }
 
-/** Runs in a page: compares two pictures at a quarter of their width. Only the first is not reduced yet. */
+/** Runs in a page: compares two pictures at a quarter of their width. The second one is already reduced. */
 async function compareIn([now, then]) {
   const pixelsOf = async (base64, factor) => {
     const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());
@@ -195,8 +195,8 @@ async function compareIn([now, then]) {
 }
 
 /**
- * Compares a screenshot with the expected one, at a quarter of the size and with some tolerance for letters. Formats,
- * whose list comes from the server, are left out.
+ * Compares a screenshot with the expected one, at a quarter of the size and with a tolerance for text. Hides the menus
+ * of formats, whose entries come from the server.
  */
 export async function looksAsKept(world, target, name) {
   const showFormats = (display) => (target.page?.() ?? target).evaluate((how) => {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What sharing costs: a job by Redis over one in memory, an answer from Redis, and three servers over one."""
+"""Measures the cost of sharing: of jobs in Redis over jobs in memory, of answers from Redis, and of three servers over
+one."""
 
 import argparse
 import concurrent.futures
@@ -32,7 +33,7 @@ class Client:
         return answer.status, answer.read()
 
     def job(self, body):
-        """Milliseconds from a job's request to the event of its end."""
+        """Runs a job, and returns the milliseconds from its request to the event of its end."""
         start = time.perf_counter()
         status, document = self.ask("POST", "/sample", body, LATER)
         assert status == 202, document
@@ -41,7 +42,7 @@ class Client:
         return 1000 * (time.perf_counter() - start)
 
     def wait_for_libraries(self):
-        """Until a first picture was decoded: the server listens before, and goes on loading."""
+        """Waits until a picture was decoded: the server accepts connections before its decoder has loaded."""
         self.connection.request("POST", "/halftone?sites=50", file_of(flat(100)), {"Content-Type": "image/png"})
         answer = self.connection.getresponse()
         answer.read()
@@ -61,7 +62,7 @@ def told(name, times):
 
 
 def jobs(redis, count):
-    """Turn by turn, so that both see the same machine."""
+    """Measures jobs in memory and in Redis alternately, so that both see the same load of the machine."""
     body = {"sites": 64, "iterations": 1, "domain": TORUS}
     with Server("--workers=1", "--job-bytes=1GiB", "--memory=4GiB") as alone, \
             Server("--workers=1", f"--redis={redis.url}") as shared:
@@ -79,17 +80,17 @@ def jobs(redis, count):
 
 
 def cpu(redis):
-    """Seconds that Redis has worked."""
+    """Returns the processor time of Redis, in seconds."""
     told = dict(line.split(":") for line in redis.cli("INFO", "cpu").split() if ":" in line)
     return float(told["used_cpu_user"]) + float(told["used_cpu_sys"])
 
 
 def cpu_of_descendants():
-    """Seconds that servers, what they started and Redis have worked."""
+    """Returns the processor time of servers, their child processes and Redis, in seconds."""
     children, seconds = {}, {}
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError):
-            # The second field, in parentheses, may hold anything.
+            # The second field, the name in parentheses, may contain anything.
             fields = (process / "stat").read_text().rpartition(")")[2].split()
             children.setdefault(int(fields[1]), []).append(int(process.name))
             seconds[int(process.name)] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
@@ -101,7 +102,7 @@ def cpu_of_descendants():
 
 
 def answers(redis, count):
-    """About 100 kB, found here or in Redis."""
+    """Measures cached answers of about 100 kB, from the local cache and from Redis."""
     body = {"sites": 2500, "iterations": 0, "domain": TORUS}
     with Server("--workers=1", "--cache=64MiB") as here, \
             Server("--workers=1", f"--cache-redis={redis.url}") as there:
@@ -118,7 +119,7 @@ def answers(redis, count):
 
 
 def throughput(redis, count):
-    """Jobs a second, from the first request to the last end, and what all processes work for one."""
+    """Measures jobs per second, from the first request to the last end, and the processor time per job."""
     body = {"sites": 1024, "iterations": 5, "domain": TORUS}
 
     def run(servers):
@@ -142,7 +143,7 @@ def throughput(redis, count):
     runs = [[], []]
     flags = ("--max-connections-per-address=0", "--job-queue=10000", f"--redis={redis.url}")
     for _ in range(5):
-        with Server("--workers=4", *flags) as one:  # three of them for jobs
+        with Server("--workers=4", *flags) as one:  # three of the workers are for jobs
             runs[0].append(run([one]))
         with contextlib.ExitStack() as stack:
             three = [stack.enter_context(Server("--workers=1", *flags)) for _ in range(3)]

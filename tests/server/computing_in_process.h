@@ -7,7 +7,7 @@
 
 namespace ccdt::server::test {
 
-/// What the server's processes do, done here.
+/// Computes in the calling thread, instead of in a separate process as the server does.
 inline Compute compute_in_process(const api::Limits& limits = {}) {
     return [limits](const ComputeRequest& request, const Delivery& delivery, const Control& control,
                     api::Timings& timings) {

@@ -31,8 +31,9 @@ std::string ask(const RunningServer& server) {
             "5\r\nhello\r\n0\r\n\r\n");
 }
 
-/// Sends a request while allocation `number` of the server fails, and checks the beginning of the next answer.
-/// @returns  whether there was such an allocation
+/// Sends a request while the server's allocation with this number fails, then checks that the next request is answered
+/// with `status`.
+/// @returns  false if the server made fewer allocations
 bool survives(int number, const Capacity::Limits& limits, std::string_view status) {
     const std::size_t descriptors = open_descriptors();
     bool failed = false;

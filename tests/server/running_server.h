@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// An HttpServer that serves on a port of its own from a thread of its own, until `stop` or its end.
+/// An HttpServer on a free port, which serves in a separate thread until `stop` or the destructor is called.
 class RunningServer {
 public:
     RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger);
@@ -41,10 +41,13 @@ public:
     Client(const Client&) = delete;
     Client& operator=(const Client&) = delete;
 
-    /// False if the server has closed the connection.
+    /// Sends a request.
+    /// @returns  false if the server has closed the connection
     bool say(std::string_view request) const;
 
-    /// What comes in answer until the server closes the connection; nothing if it is silent or resets it.
+    /// Sends a request, and receives until the server closes or resets the connection, or sends nothing for
+    /// test::kPatience.
+    /// @returns  the received bytes
     std::string ask(std::string_view request) const;
 
 private:

@@ -3,18 +3,19 @@
 
 namespace ccdt::server {
 
-/// While it lives, one allocation fails in any thread but its own. Linking it replaces operator new.
+/// Makes one allocation fail during its lifetime, in any thread but the one that created it. Linking this class
+/// replaces operator new.
 class Shortage {
 public:
-    /// @param number  of allocations before the one that fails
-    /// @param here    in its own thread, too
+    /// @param number  number of allocations that succeed before
+    /// @param here    whether allocations of the creating thread count, too
     explicit Shortage(int number, bool here = false);
     ~Shortage();
 
     Shortage(const Shortage&) = delete;
     Shortage& operator=(const Shortage&) = delete;
 
-    /// The allocation has failed.
+    /// Whether the allocation has failed.
     bool is_over() const;
 };
 

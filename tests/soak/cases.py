@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What honest clients ask, and what is the same in every answer to it."""
+"""Requests of honest clients, and the reproducible part of their answers."""
 
 import base64
 import json
@@ -25,12 +25,12 @@ class Case(typing.NamedTuple):
 
 
 def essence(body):
-    """An answer without what differs from one time to the next."""
+    """Returns an answer without the members that differ between runs."""
     return re.sub(rb'"(elapsed_ms":[-+.\de]+|instance":"[^"]*")', b'""', body)
 
 
 def grey_png(width, height, pixels=None):
-    """Of 8 bits; `pixels` are the rows one after the other, by default a ramp."""
+    """Returns an 8-bit grey PNG. `pixels` contains the rows in order; by default they are ramps."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
@@ -54,13 +54,13 @@ def picture(name):
 
 
 def small():
-    """A few milliseconds each, those of whom latency matters to."""
+    """Returns requests that take a few milliseconds each, whose latency matters."""
     return [sample("torus-64", sites=64, domain=TORUS), sample("letter-256", sites=256, polygon=LETTER),
             sample("torus-1024", sites=1024, domain=TORUS)]
 
 
 def swift():
-    """A millisecond or so each, of every kind: so that many go through, and what each leaves behind adds up."""
+    """Returns requests of every kind that take about a millisecond each. Many can be sent, so that small leaks add up."""
     points = [[i / 64, i * 27 % 64 / 64] for i in range(64)]
     return [sample("torus-64", sites=64, domain=TORUS), sample("letter-100", sites=100, polygon=LETTER),
             sample("draft-300", sites=300, domain=RECTANGLE, quality="draft"),

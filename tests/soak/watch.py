@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a program and its children hold, through /proc, and whether that grows."""
+"""Measures the resources that a process and its descendants hold, by /proc, and judges whether they grow."""
 
 import itertools
 import os
@@ -8,14 +8,14 @@ import re
 import statistics
 import typing
 
-MEMORY_NOISE = 8 << 20  # bytes by which the resident memory of a sound server may differ from rest to rest
-MEMORY_LEAK = 512       # bytes a request
-COUNT_NOISE = 3         # the same for descriptors and threads, in pieces
+MEMORY_NOISE = 8 << 20  # difference of resident memory between two measurements without a leak, in bytes
+MEMORY_LEAK = 512       # tolerated growth, in bytes per request
+COUNT_NOISE = 3         # the same for the numbers of descriptors and threads
 COUNT_LEAK = 0.0001
 
 
 class Held(typing.NamedTuple):
-    memory: int     # bytes, resident and not of files
+    memory: int     # resident memory that is not mapped from files, in bytes
     files: int
     threads: int
     processes: int
@@ -25,27 +25,27 @@ NOTHING = Held(0, 0, 0, 0)
 
 
 class Level(typing.NamedTuple):
-    """What was held at rest, after so many requests."""
+    """The resources that an idle server held after a number of requests."""
     requests: int
     held: Held
 
 
 def family(pid):
-    """The process and those that descend from it."""
+    """Returns the ids of a process and its descendants."""
     pids = [pid]
     for parent in pids:
         try:
             for task in pathlib.Path(f"/proc/{parent}/task").iterdir():
                 pids += map(int, (task / "children").read_text().split())
         except OSError:
-            continue  # it has just ended
+            continue  # the process has just ended
     return pids
 
 
 def _files_of(folder):
     try:
         return len(os.listdir(folder / "fd"))
-    except OSError:  # it has just ended, or is confined and may be looked into by nobody
+    except OSError:  # the process has just ended, or is confined, so that its files cannot be listed
         return 0
 
 
@@ -62,12 +62,12 @@ def _of(pid):
 
 
 def held(pid):
-    """By the process and its descendants together."""
+    """Returns the resources held by a process and its descendants together."""
     return Held(*map(sum, zip(*map(_of, family(pid)))))
 
 
 def slope(points):
-    """Of a line through them, the median of all pairs' (Theil and Sen): a few outliers do not matter."""
+    """Returns the slope of a line through points: the median over all pairs (Theil and Sen), which ignores outliers."""
     rates = [(b[1] - a[1]) / (b[0] - a[0]) for a, b in itertools.combinations(points, 2) if b[0] != a[0]]
     return statistics.median(rates) if rates else 0.0
 
@@ -75,17 +75,17 @@ def slope(points):
 class Growth(typing.NamedTuple):
     first: float
     last: float
-    slope: float    # a request
+    slope: float    # per request
     allowed: float  # from first to last
     leaks: bool
-    least: float    # a request: a leak of this much would have been seen
+    least: float    # smallest leak per request that would have been detected
 
 
 def growth(points, noise, leak):
-    """Judges (requests, amount) at rest, from the end of the warm-up to the end of the load.
+    """Judges pairs (requests, amount) of an idle server, from the end of the warm-up to the end of the load.
 
-    It leaks if both the last level and the line through all of them rise by more than is allowed: noise moves the one
-    or the other, a leak moves both.
+    There is a leak if both the last amount and the line through all of them rise by more than is allowed. Noise raises
+    one of them, a leak raises both.
     """
     requests = points[-1][0] - points[0][0]
     allowed = max(noise, leak * requests)
@@ -95,7 +95,7 @@ def growth(points, noise, leak):
 
 
 def judge(levels):
-    """Growth by the name of what is held."""
+    """Returns the growth of each resource, by name."""
     def over(name):
         return [(level.requests, getattr(level.held, name)) for level in levels]
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints a README with anchors that this version of Doxygen resolves: it knows none of GitHub's.
+"""Prints a README with anchors for Doxygen, whose version in Debian 12 does not resolve GitHub's.
 
-A heading gets an anchor of the README's folder and its title, and links to headings name that.
+Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub. Links to headings
+are changed accordingly.
 """
 
 import pathlib

@@ -6,8 +6,8 @@
 namespace ccdt {
 namespace {
 
-/// Has the system kill the test program when the process that started it ends. Programs that it has started notice that
-/// it is gone, as those of a server do.
+/// Makes the system kill the test program when its parent process ends. Programs that the test started detect that it
+/// is gone and end as well, like those of a server.
 [[maybe_unused]] const bool kDiesWithRunner = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0;
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace ccdt::test {
 
 namespace {
 
-/// Values of a grid's cells.
+/// Values of the cells of a grid.
 struct Raster {
     std::size_t columns, rows;
     std::vector<double> values;
@@ -22,8 +22,10 @@ struct Raster {
     double& at(std::size_t column, std::size_t row) { return values[row * columns + column]; }
 };
 
-/// Blurs one line of values after the other; beyond the ends there is nothing.
-/// @param sigma  of a Gaussian, in cells
+/// Blurs each line of values by a Gaussian; values beyond its ends are 0.
+/// @param line_step  distance between the first values of two lines
+/// @param step       distance between two values of a line
+/// @param sigma      standard deviation of the Gaussian, in cells
 void blur_lines(std::vector<double>& values, std::size_t lines, std::size_t length, std::size_t line_step,
                 std::size_t step, double sigma) {
     const auto reach = static_cast<std::size_t>(std::ceil(4.5 * sigma));
@@ -62,7 +64,7 @@ std::vector<Point> to_unit(const Domain& domain, const std::vector<Point>& sites
 }  // namespace
 
 double noise(const Domain& domain, const std::vector<Point>& sites, double blur) {
-    constexpr double kCells = 4;  // a spacing: sites that stand between are shared out among four cells
+    constexpr double kCells = 4;  // cells per spacing; each site is divided among the four cells around it
     const Point sides = domain.unit_bounds().max;
     const double cell = std::sqrt(domain.unit_area() / static_cast<double>(sites.size())) / kCells;
     const auto cells = [&](double side) { return static_cast<std::size_t>(std::ceil(side / cell)); };

@@ -8,13 +8,14 @@
 
 namespace ccdt::test {
 
-/// Squared error of the density of sites, blurred by a Gaussian of so many of their mean spacings, over that of as many
-/// independent ones, in dB: the mean over all places where the domain fills nine tenths of the blur.
-/// @param domain  not a torus; its density uniform
+/// Returns the mean squared error of the blurred density of sites, relative to that of as many independent sites, in
+/// dB. Only positions count where the domain fills at least nine tenths of the blur.
+/// @param domain  not a torus; its density is uniform
 /// @param sites   in the domain's coordinates
+/// @param blur    standard deviation of a Gaussian, in mean spacings of the sites
 double noise(const Domain& domain, const std::vector<Point>& sites, double blur);
 
-/// Distances of all sites to the nearest other one, over that of a hexagonal grid of as many, in order.
+/// Returns the distance of each site to its nearest neighbour, relative to the hexagonal distance, in ascending order.
 std::vector<double> sorted_distances(const Domain& domain, const std::vector<Point>& sites);
 
 }  // namespace ccdt::test

@@ -5,12 +5,13 @@
 
 namespace ccdt::test {
 
-/// Cyan, magenta, yellow, black, in this order, each of which takes out its part of the light wholly; on white paper.
+/// Returns ideal cyan, magenta, yellow and black, in this order, on white paper. Each ink absorbs all light of its
+/// channels.
 inline InkSet cmyk_inks() {
     return {{{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {0, 0, 0}}, {1, 1, 1}, false};
 }
 
-/// Red, green and blue light on black.
+/// Returns red, green and blue light on black.
 inline InkSet rgb_inks() {
     return {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}, true};
 }

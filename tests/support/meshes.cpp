@@ -72,7 +72,7 @@ std::size_t count_not_delaunay(const Triangulation& mesh) {
         for (std::uint32_t i = 0; i < 3; ++i) {
             const std::uint32_t h = Triangulation::edge(t, i), twin = mesh.twin(h);
             if (twin == Triangulation::kNone) continue;
-            const std::uint32_t beyond = Triangulation::next(twin);  // leaves the near end of h
+            const std::uint32_t beyond = Triangulation::next(twin);  // starts at the origin of h
             const Point opposite = mesh.point(mesh.target(beyond)) + mesh.distance(mesh.lift(h) + mesh.shift(beyond));
             if (exact_in_circle(a, b, c, opposite) > 0) ++bad;
         }

@@ -15,10 +15,10 @@
 
 namespace ccdt::test {
 
-/// A domain known to be valid.
+/// Returns the domain of parts that are known to be valid.
 Domain domain_of(const Parts& parts);
 
-/// A density known to be valid, its cells filled from a function of their column and row.
+/// Returns a density whose cells have the values value(column, row), which are known to be valid.
 template <class Function>
 Density grid_of(int width, int height, Function&& value) {
     std::vector<double> values;
@@ -28,30 +28,36 @@ Density grid_of(int width, int height, Function&& value) {
     return Density::grid(width, height, std::span<const double>(values)).value();
 }
 
-/// Sites placed in a domain and triangulated, as distribute() starts with.
+/// Sites placed in a domain and triangulated, as at the start of distribute().
 struct StartMesh {
     StartMesh(Domain of, Density by, const Options& options);
     StartMesh(const StartMesh&) = delete;
     StartMesh& operator=(const StartMesh&) = delete;
 
-    /// New goals from the capacities of the mesh as it stands.
+    /// Measures the capacities of the current mesh and sets the goals from them. Returns the capacity variation.
     double measure();
 
     Domain domain;
     Density density;
-    CapacityIntegral capacity;  // refers to the two above
+    CapacityIntegral capacity;  ///< refers to `domain` and `density`
     Border border;
     Triangulation mesh;
     std::vector<double> capacities;
     std::vector<TriangleGoal> goals;
 };
 
-/// Moves each site some way towards a corner of its ring: triangles stay counter-clockwise, edges do not stay Delaunay.
+/// Moves each site by a random distance towards one of its neighbours. Triangles stay counter-clockwise, but edges need
+/// not stay Delaunay.
 void stir(Triangulation& mesh, Random& random);
 
-/// Invariants of a trimmed triangulation, each one counting what breaks it. Around a torus links have shifts, too.
+/// Returns the number of triangles that are not counter-clockwise.
 std::size_t count_inverted(const Triangulation& mesh);
+
+/// Returns the number of half-edges that are not Delaunay.
 std::size_t count_not_delaunay(const Triangulation& mesh);
+
+/// Returns the number of half-edges, triangles and vertices of a trimmed triangulation whose links, or shifts around a
+/// torus, are inconsistent.
 std::size_t count_bad_links(const Triangulation& mesh);
 
 }  // namespace ccdt::test

@@ -9,15 +9,19 @@
 
 namespace ccdt::test {
 
-/// Pictures with large white areas: a shaded body on white ground, thin lines, and strokes like those of text.
+/// Returns the density of a shaded pear on white.
 Density pear();
+
+/// Returns the density of thin lines on white.
 Density thin_lines();
+
+/// Returns the density of strokes like those of text, on white.
 Density strokes();
 
-/// A smooth spot in the middle and a bright box at a corner, on a dim ground.
+/// Returns a low density with a smooth, dense spot in the middle and a dense box in a corner.
 Density spot_and_corner();
 
-/// How many points stand in cells without density; the density is stretched over the domain, which is a box.
+/// Returns the number of points in cells without density. The density covers the bounding box of the domain.
 std::size_t count_on_white(const Domain& domain, const Density& density, const std::vector<Point>& points);
 
 }  // namespace ccdt::test

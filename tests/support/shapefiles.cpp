@@ -26,7 +26,7 @@ std::string padded(std::string text, std::size_t size, char with) {
     return text;
 }
 
-/// CRC-32 as zip has it.
+/// Returns the CRC-32 that zip archives use.
 std::uint32_t crc_of(std::string_view bytes) {
     std::uint32_t crc = ~0U;
     for (const char c : bytes) {
@@ -40,7 +40,7 @@ std::string record_of(const std::vector<Ring>& rings, int type) {
     std::string record;
     append_little(record, static_cast<std::uint32_t>(rings.empty() ? 0 : type));
     if (rings.empty()) return record;
-    record.append(32, '\0');  // the bounds, which nobody reads
+    record.append(32, '\0');  // the bounding box, which the tested reader ignores
     append_little(record, static_cast<std::uint32_t>(rings.size()));
     std::size_t corners = 0;
     for (const Ring& ring : rings) corners += ring.size();
@@ -111,9 +111,9 @@ std::string zip_of(const std::vector<std::pair<std::string, std::string>>& files
     std::string archive;
     std::string directory;
     for (const auto& [name, bytes] : files) {
-        std::string described;  // the part that both headers have
+        std::string described;  // the part common to the local header and the directory entry
         append_little(described, std::uint16_t{20});
-        described.append(8, '\0');  // flags, method, time and day
+        described.append(8, '\0');  // flags, method, time and date
         append_little(described, crc_of(bytes));
         append_little(described, static_cast<std::uint32_t>(bytes.size()));
         append_little(described, static_cast<std::uint32_t>(bytes.size()));

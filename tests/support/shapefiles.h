@@ -10,24 +10,26 @@
 
 namespace ccdt {
 
-/// Bytes of a .shp file of polygons: a record for each shape, which is a list of rings; a record without rings is null.
-/// @param type  of the file and its records, as the format numbers them
+/// Returns the bytes of a .shp file of polygons.
+/// @param shapes  rings of each shape, which becomes a record; a shape without rings becomes a null record
+/// @param type    shape type of the file and its records, by its number in the format
 std::string shp_of(const std::vector<std::vector<Ring>>& shapes, int type = 5);
 
-/// Field of a .dbf file.
+/// A field of a .dbf file.
 struct TableField {
     std::string name;
     char type = 'C';
     int width = 1;
 };
 
-/// Bytes of a .dbf file.
-/// @param rows      texts of each record, as they stand in the file
+/// Returns the bytes of a .dbf file.
+/// @param rows      [records][fields] values as encoded in the file; padded by spaces
 /// @param language  number of the language driver
 std::string dbf_of(const std::vector<TableField>& fields, const std::vector<std::vector<std::string>>& rows,
                    int language = 0);
 
-/// Bytes of a zip archive that holds these files, uncompressed.
+/// Returns the bytes of a zip archive of uncompressed files.
+/// @param files  name and content of each
 std::string zip_of(const std::vector<std::pair<std::string, std::string>>& files);
 
 }  // namespace ccdt

@@ -39,7 +39,7 @@ Parts changed(Parts parts, Change&& change) {
     return parts;
 }
 
-/// Turns `inside` over for every edge to the right of p; returns whether p lies on the ring.
+/// Toggles `inside` for each edge to the right of p that crosses its height. Returns true if p is on the ring.
 bool cross_ring(const Ring& ring, Point p, bool& inside) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const Point a = ring[i], b = ring[(i + 1) % ring.size()];

@@ -13,31 +13,36 @@ using Parts = std::vector<PolygonPart>;
 
 Ring box(double x, double y, double width, double height);
 
-/// Corners of a regular polygon, counter-clockwise; every second one at the inner radius.
+/// Returns equally spaced corners around a centre, counter-clockwise, alternately at the outer and the inner radius.
 Ring star(Point centre, double outer, double inner, int corners);
+
+/// Returns the corners of a regular polygon, counter-clockwise.
 Ring circle(Point centre, double radius, int corners);
 
 Ring l_shape();
 Ring u_shape();
 
-/// Unit square with count x count square holes.
+/// Returns the unit square with count x count square holes.
 PolygonPart sieve(int count);
 
-/// Coordinates of a GeoJSON Polygon or MultiPolygon among the tests' data.
+/// Reads the coordinates of a GeoJSON Polygon or MultiPolygon from the test data.
+/// @param name  of a file in tests/data/polygons
 Parts read_geojson(const std::string& name);
 
 Parts scaled(Parts parts, double factor);
 Parts moved(Parts parts, Point by);
 
-/// Strictly inside a part, by exact predicates: inside its outer ring and no hole, by the even-odd rule, which is as
-/// good for rings that cross.
+/// Whether a point is strictly inside a part: inside its outer ring and outside its holes. Uses exact predicates and
+/// the even-odd rule, so rings may cross.
 bool contains(const Parts& parts, Point p);
 
-/// Distance to the nearest edge.
+/// Returns the distance from a point to the nearest edge.
 double distance_to_border(const Parts& parts, Point p);
 
-/// How many of the points lie outside or on the border.
+/// Returns the number of points that are outside or on the border.
 std::size_t count_outside(const Parts& parts, const std::vector<Point>& points);
+
+/// Returns the number of different points.
 std::size_t count_distinct(const std::vector<Point>& points);
 
 }  // namespace ccdt::test

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a test program, stops it at a time limit, and leaves none of the processes that it started.
+"""Runs a test program, stops it at a time limit, and kills all processes that it leaves behind.
 
     supervise.py SECONDS PROGRAM [ARGUMENT...]
 
-At the limit the program gets SIGABRT: Python then prints the stacks of its threads, and tests/page/harness.js the name
-of the running test. Processes that outlive the program are killed, however it ends. If the process that started this
-one ends, all of them are killed.
+At the limit, the program receives SIGABRT: Python then prints the stacks of its threads, and tests/page/harness.js the
+name of the running test. Processes that outlive the program are killed, however it ends. If the parent of this process
+ends, all of them are killed.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ def control(option, value):
 
 
 def children():
-    """Processes whose parent is this one: the program, and all that lost their own parent."""
+    """Yields the children of this process: the program, and its descendants that have lost their parent."""
     for file in pathlib.Path("/proc").glob("[0-9]*/stat"):
         with contextlib.suppress(OSError):
             if int(file.read_text(errors="replace").rpartition(")")[2].split()[1]) == os.getpid():
@@ -38,7 +38,7 @@ def children():
 
 
 def kill_all():
-    """Kills children until there are none: those of each that ends become this process's own."""
+    """Kills children until none is left. When a child ends, its own children become children of this process."""
     with contextlib.suppress(ChildProcessError):
         while True:
             for child in children():
@@ -47,7 +47,7 @@ def kill_all():
 
 
 def run(limit, command):
-    """Returns the program's exit status as a shell gives it, or 1 past the limit."""
+    """Runs a command. Returns its exit status in the form of a shell, or 1 if it exceeded the limit."""
     control(PR_SET_CHILD_SUBREAPER, 1)
     control(PR_SET_PDEATHSIG, signal.SIGTERM)
     program = subprocess.Popen(command, env={**os.environ, "PYTHONFAULTHANDLER": "1"},

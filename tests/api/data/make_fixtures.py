@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the image files beside it (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11).
+"""Writes the image files of this folder (Debian 12: python3-pil 9.4, python3-numpy, libavif-bin 0.11).
 
-All but those for alpha, colours and corruption show one picture, 24 x 16: four quadrants of sRGB grey, 0 and 85 above
-170 and 255.
+All files except those for alpha, colours and corruption show the test picture of 24 x 16 pixels: four quadrants of
+sRGB grey, 0 and 85 above 170 and 255.
 """
 import io
 import pathlib
@@ -20,7 +20,7 @@ import profiles  # pylint: disable=wrong-import-position
 
 GREY = np.repeat(np.repeat(np.array([[0, 85], [170, 255]], np.uint8), 8, axis=0), 12, axis=1)
 ORIENTATION = 0x0112
-# What turns the upright picture into the file that has this orientation.
+# Transformation from the upright picture to the stored one, by EXIF orientation.
 STORE = {
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
@@ -50,7 +50,7 @@ def header(width, height, depth, kind):
 
 
 def tiff(name, blocks, order="<", **wanted):
-    """A TIFF of one directory. `blocks`: its strips or tiles; `wanted`: tags by number, as t256=[24]."""
+    """Writes a TIFF of one directory. `blocks`: its strips or tiles; `wanted`: tags by number, as in t256=[24]."""
     tags = {int(key[1:]): values for key, values in wanted.items()}
     offsets = [8 + sum(map(len, blocks[:i])) for i in range(len(blocks))]
     tiled = 322 in tags
@@ -75,7 +75,7 @@ def tiff(name, blocks, order="<", **wanted):
 
 
 def tiff_with_profile(name, pixels, profile):
-    """One strip, with a profile that Pillow would not write."""
+    """Writes a TIFF of one strip, with an invalid profile that Pillow would refuse to write."""
     file = io.BytesIO()
     Image.fromarray(pixels).save(file, "TIFF", icc_profile=b"#" * len(profile))
     with open(name, "wb") as kept:
@@ -83,7 +83,7 @@ def tiff_with_profile(name, pixels, profile):
 
 
 def profiled():
-    """Four colours of Display P3, 4 x 1, with a profile that says so."""
+    """Writes four colours of Display P3, 4 x 1 pixels, with a profile or another colour tag."""
     colours = Image.fromarray(np.array([[[255, 255, 255], [200, 100, 50], [40, 160, 90], [255, 0, 0]]], np.uint8))
     p3 = profiles.rgb_profile(profiles.DISPLAY_P3, profiles.srgb_to_linear)
     colours.save("p3.png", icc_profile=p3)
@@ -106,7 +106,7 @@ def profiled():
     inks.save("inks.tif", icc_profile=profiles.ink_profile(5))
     inks.resize((64, 16), Image.Resampling.NEAREST).save("inks.jpg", icc_profile=profiles.ink_profile(5), quality=100)
 
-    # A tag of the profile is said to lie 4 GiB behind where the profile is.
+    # A tag of the profile has an offset of 4 GiB, far beyond the end of the profile.
     broken = bytearray(p3)
     broken[132 + 4:132 + 12] = struct.pack(">II", 0xFFFFFFF0, 0x20)
     tiff_with_profile("profile-beyond.tif", np.asarray(colours), bytes(broken))
@@ -115,7 +115,7 @@ def profiled():
 
 
 def bmp(name, width, height, bits, pixels, extra=b"", compression=0, info=40, fields=b""):
-    """`extra`: palette; `fields`: what follows the first 40 bytes of the header."""
+    """Writes a BMP. `extra`: palette; `fields`: bytes after the first 40 of the header."""
     begin = 14 + max(info, 40 + len(fields)) + len(extra)
     head = struct.pack("<IiiHHIIiiII", info, width, height, 1, bits, compression, len(pixels), 0, 0, len(extra) // 4, 0)
     with open(name, "wb") as file:
@@ -133,7 +133,7 @@ def bitmaps():
     bmp("two-bits.bmp", 24, 16, 2, np.pad(sum(indices[:, i::4] << 6 - 2 * i for i in range(4)), ((0, 0), (0, 2))).tobytes(), greys)
     runs = b"".join(bytes([12, row[0], 12, row[-1], 0, 0]) for row in indices)
     bmp("runs-8.bmp", 24, 16, 8, runs + b"\0\1", greys, 1)
-    # Half as they are, half as a run; the first row is black, which is skipped.
+    # The left half of each row is stored uncompressed, the right half as a run.
     halves = b"".join(bytes([0, 12]) + bytes([row[0] * 17]) * 6 + bytes([12, row[-1] * 17, 0, 0]) for row in indices)
     bmp("runs-4.bmp", 24, 16, 4, halves + b"\0\1", greys, 2)
     five, ten = GREY[::-1].astype(np.uint32) * 31 // 255, GREY[::-1].astype(np.uint32) * 1023 // 255
@@ -156,7 +156,7 @@ def films():
     Image.fromarray(noise).save("noise.gif")
     Image.fromarray(noise).save("noise.png")
     palette.save("film.gif", save_all=True, append_images=[Image.new("L", (24, 16))], duration=100)
-    # A frame of one of two colours over a part of the picture, of which the other is transparent.
+    # A frame that covers a part of the picture. One of its two colours is transparent.
     with open("part.gif", "wb") as file:
         file.write(b"GIF89a\4\0\3\0\x80\0\0" + b"\xff\0\0\xff\xff\xff" + b"!\xf9\4\1\0\0\1\0")
         file.write(b",\1\0\1\0\2\0\1\0\0" + b"\2\2\x44\x0a\0;")
@@ -165,7 +165,7 @@ def films():
 
 
 def encode_avif(name, *arguments):
-    """By arguments of avifenc, among them the pictures; without loss unless they say something else."""
+    """Writes an AVIF. `arguments`: options of avifenc, and names of the pictures."""
     subprocess.run(["avifenc", "--jobs", "1", "--speed", "6", *arguments, name], check=True, stdout=subprocess.DEVNULL)
 
 
@@ -176,7 +176,7 @@ def avifs():
     encode_avif("lossless.avif", *lossless, "upright.png")
     encode_avif("grey.avif", *grey, "upright.png")
     encode_avif("lossy.avif", "--min", "0", "--max", "5", "--yuv", "420", "upright.png")
-    # How often the file is to be turned against the clock, and which way it is mirrored then, by orientation.
+    # By orientation: number of counter-clockwise quarter turns on display, then the axis of mirroring.
     turns = {1: [], 2: ["--imir", "1"], 3: ["--irot", "2"], 4: ["--imir", "0"], 5: ["--irot", "1", "--imir", "0"],
              6: ["--irot", "3"], 7: ["--irot", "1", "--imir", "1"], 8: ["--irot", "1"]}
     for orientation, turn in turns.items():
@@ -198,7 +198,7 @@ def avifs():
     encode_avif("tiles.avif", *lossless, "--grid", "2x1", "left.png", "right.png")
     Image.new("RGB", (24, 16)).save("black.png")
     encode_avif("film.avif", *lossless, "upright.png", "black.png")
-    # Of the kind that takes most memory.
+    # The combination of properties that needs most memory to decode.
     Image.new("RGBA", (1000, 1500), (255, 255, 255, 128)).save("large.png")
     encode_avif("large.avif", "--yuv", "444", "--depth", "12", "--grid", "2x2", *["large.png"] * 4)
     for name in ("upright.png", "stored.png", "black.png", "left.png", "right.png", "large.png"):
@@ -239,7 +239,7 @@ def main():
     tiff("tiled.tif", [padded[:, :16].tobytes(), padded[:, 16:].tobytes()], t322=[16], t323=[16], **shape)
     tiff("huge-tile.tif", [GREY.tobytes()], t322=[65520], t323=[65520], **shape)
 
-    # Red over green over blue, 50 % grey; alpha 0, 51, 102 ... across.
+    # Rows of red, green, blue and 50 % grey; alpha rises from left to right: 0, 51, 102 ...
     colours = np.zeros((4, 6, 4), np.uint8)
     colours[0, :, 0] = colours[1, :, 1] = colours[2, :, 2] = 255
     colours[3, :, :3] = 128

@@ -54,7 +54,7 @@ TEST(ColourProfile, ReadsTheCurveOfAGreyProfile) {
     ASSERT_TRUE(conversion);
     EXPECT_EQ(conversion->space, ColourConversion::Space::Grey);
     ASSERT_EQ(conversion->curves.size(), 1U);
-    const float gamma = 461.0F / 256;  // as profiles store 1.8
+    const float gamma = 461.0F / 256;  // 1.8 as stored in profiles
     for (const float share : {0.0F, 0.01F, 0.2F, 0.5F, 0.9F, 1.0F})
         EXPECT_NEAR(conversion->curves[0](share), std::pow(share, gamma), 1e-4) << share;
 }

@@ -68,7 +68,7 @@ TEST(Overlay, IsIdenticalOnAnyExecutor) {
     }
 }
 
-/// A single ink looks as it does in grey, for every coverage and paper.
+/// Checks that a single ink has the same colours as in grey mode, for every coverage and paper.
 TEST(Overlay, UsesTheShadesOfASingleInk) {
     std::vector<std::uint8_t> all(256);
     std::iota(all.begin(), all.end(), std::uint8_t{0});
@@ -80,7 +80,7 @@ TEST(Overlay, UsesTheShadesOfASingleInk) {
         for (std::size_t i = 1; i < 256; ++i) {
             const Rgba seen = pixel(picture, i);
             for (std::size_t channel = 0; channel < 4; ++channel) {
-                // Recovered from eight bits, colours of the smallest coverages are coarse.
+                // Colours of the smallest coverages, recovered from eight bits, are inexact.
                 EXPECT_NEAR(seen[channel], shades[i][channel], 1) << i << ' ' << channel;
             }
         }

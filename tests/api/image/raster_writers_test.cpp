@@ -89,7 +89,7 @@ void expect_pixels(const Result<std::string>& file, const DotImage& raster) {
             raster.colours > 0 ? raster.palette[raster.pixels[i]].data() : &raster.pixels[raster.channels() * i];
         if (raster.transparent) {
             ASSERT_EQ(std::lround(255 * read->alpha[i]), pixel[3]) << i;
-            if (pixel[3] < 255) continue;  // a reader may round light times alpha
+            if (pixel[3] < 255) continue;  // the reader may have rounded the product of light and alpha
         }
         ASSERT_EQ(to_srgb(read->red[i]), pixel[0]) << i;
         ASSERT_EQ(to_srgb(read->green[i]), pixel[1]) << i;
@@ -109,7 +109,7 @@ TEST(RasterWriters, KeepColours) {
     }
 }
 
-/// Plates as a TIFF reader finds them, and the tags that describe them.
+/// The plates of a TIFF as read by a library, and the tags that describe them.
 struct Separated {
     std::uint16_t photometric = 0;
     std::uint16_t ink_set = 0;

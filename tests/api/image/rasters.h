@@ -9,7 +9,8 @@
 
 namespace ccdt::api {
 
-/// 19 wide, so that the last byte of a row is not full; dots where x + y is a multiple of 3.
+/// Returns a bilevel raster with dots where x + y is a multiple of 3. It is 19 pixels wide, so that the last byte of
+/// each row is partly used.
 inline Raster binary_raster() {
     Raster raster{19, 5, 1, {}};
     for (int y = 0; y < raster.height; ++y) {
@@ -18,7 +19,7 @@ inline Raster binary_raster() {
     return raster;
 }
 
-/// Every coverage once in each row.
+/// Returns a raster with every coverage once in each row.
 inline Raster grey_raster(int height) {
     Raster raster{256, height, 1, std::vector<std::uint8_t>(256 * static_cast<std::size_t>(height))};
     for (auto row = raster.coverage.begin(); row != raster.coverage.end(); row += 256)
@@ -26,7 +27,7 @@ inline Raster grey_raster(int height) {
     return raster;
 }
 
-/// An ink on its paper.
+/// Draws a raster in one ink on paper.
 inline DotImage image_of(const Raster& raster, bool antialias, const Colour& ink = kBlack,
                          const Colour& paper = kWhite) {
     return overlay({raster}, {{{"", ink}}, paper, Mixing::Cover}, antialias);

@@ -12,7 +12,7 @@ Input text(std::string_view value) {
     return {"option", "option", value};
 }
 
-/// A JSON value and the document it lives in.
+/// A JSON value with the document that contains it.
 struct Json {
     explicit Json(std::string_view source) : document(*JsonDocument::parse(source)) {}
     operator Input() const { return {"option", "/option", document.root()}; }

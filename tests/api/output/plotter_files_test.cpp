@@ -16,7 +16,8 @@ const Box kBox = {{0, 0}, {10, 5}};
 
 using Write = void (&)(const Plot&, Body&, const std::stop_token&);
 
-/// Two pens: one of two dots, one of one; on a page of 100 mm x 50 mm, whose dots have a radius of 0.5 mm.
+/// Writes a plot with two pens, which draw two dots and one dot, on a page of 100 mm x 50 mm. The dots have a radius of
+/// 0.5 mm.
 std::string written(Write write, const DrawingOptions& drawing, const std::stop_token& stop = {}) {
     Distribution two, one;
     two.points = {{1, 1}, {3, 1.25}};

@@ -8,7 +8,7 @@
 namespace ccdt::api {
 namespace {
 
-/// What stands between the white ground and the end of the document.
+/// Returns the part of the document after the white background.
 std::string drawn(SvgDrawing& svg) {
     const std::string text = svg.finish();
     const auto start = text.find("/>\n") + 3;

@@ -8,7 +8,7 @@
 
 namespace ccdt::api::test {
 
-/// What write(body) writes to a body that is held whole.
+/// Returns the text that write(body) writes to a body without a taker.
 template <class Write>
 std::string whole_body(Write&& write) {
     Body body;

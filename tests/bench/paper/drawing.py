@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Charts, dots and triangles as SVG, with as many digits as the eye can use."""
+"""Draws charts, dots and triangles as SVG, with no more digits than are visible."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import numpy
 BLACK = "#000000"
 GREY = "#999999"
 
-# Parts of a pixel that dots and triangles are rounded to.
+# Coordinates of dots and triangles are rounded to a fifth of a pixel.
 GRAIN = 5
 
 
@@ -23,7 +23,7 @@ class Box:
     height: float
 
     def fit(self, points):
-        """Takes points of the plane, y up, into the box: centred, as large as can be, y down."""
+        """Maps points with y up to the box with y down, centred and as large as possible."""
         points = numpy.asarray(points)
         low, high = points.min(axis=0), points.max(axis=0)
         scale = min(self.width / (high - low)[0], self.height / (high - low)[1])
@@ -33,13 +33,13 @@ class Box:
 
 @dataclass(frozen=True)
 class Axis:
-    """From the first tick to the last."""
+    """An axis from the first tick to the last."""
     label: str
     ticks: Sequence[float]
     log: bool = False
 
     def share(self, value):
-        """Where a value lies: 0 at the first tick, 1 at the last."""
+        """Returns the position of a value: 0 at the first tick, 1 at the last."""
         first, last, at = (math.log(v) if self.log else v for v in (self.ticks[0], self.ticks[-1], value))
         return (at - first) / (last - first)
 
@@ -55,7 +55,7 @@ class Curve:
 
 
 def steps(low, high):
-    """Ticks at round numbers, some five of them, around a range."""
+    """Returns about five ticks at round numbers that enclose a range."""
     rough = (high - low) / 5
     power = 10 ** math.floor(math.log10(rough))
     step = next(power * factor for factor in (1, 2, 5, 10) if power * factor >= rough)
@@ -63,12 +63,12 @@ def steps(low, high):
 
 
 def decades(low, high):
-    """Ticks at powers of ten around a range."""
+    """Returns ticks at powers of ten that enclose a range."""
     return [10.0 ** i for i in range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)]
 
 
 class Svg:
-    """A drawing in the making; lengths are pixels, y runs down."""
+    """Builds a drawing. Lengths are in pixels, and y points down."""
 
     def __init__(self, width, height):
         self.parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
@@ -97,7 +97,7 @@ class Svg:
                    f'stroke="{BLACK}" stroke-linecap="round" stroke-width="{2 * radius * GRAIN:.1f}"')
 
     def triangles(self, corners, colour):
-        """corners: [triangles, 3, 2]"""
+        """Draws filled triangles. corners: [triangles, 3, 2]"""
         paths = []
         for (ax, ay), (bx, by), (cx, cy) in _on_grid(corners):
             paths.append(f"M{ax} {ay}l{bx - ax} {by - ay} {cx - bx} {cy - by}z")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's figures, one function each: asks the server, draws, and returns the numbers."""
+"""Reproduces the paper's figures. Each function sends requests, draws a figure, and returns its numbers."""
 
 import numpy
 
@@ -10,18 +10,18 @@ from lab import CCDT, CCVT, CVT, ODT, POLISHED, RANDOM, TORUS, Refused, data_of,
 POLYGONS = {"convex": [[0, 2], [3, 0], [8, 1], [10, 5], [7, 9], [2, 8]],
             "concave": [[0, 0], [10, 0], [9, 4], [6, 3], [5, 5], [7, 7], [10, 6], [10, 10], [1, 10], [2, 5]]}
 
-# Seconds on the authors' machine: sites and time.
+# Times on the authors' machine, in seconds, by the number of sites.
 PAPER_TIMES = {CCVT: {1024: 2.8, 4096: 24.8, 16384: 497}, CCDT: {1024: 0.3, 4096: 1.4, 16384: 4.3}}
 
-# Pixels of figure 6 for one of its picture, along a side.
+# Scale of the drawings in figure 6: pixels per pixel of the picture.
 SCALE = 2
 
-# Triangles' areas over their median, from a bound on, and their colours.
+# Colours of triangles, by the lower bound of their area relative to the median.
 SHADES = ((0, "#2166ac"), (0.5, "#92c5de"), (0.8, "#dddddd"), (1.25, "#f4a582"), (2, "#b2182b"))
 
 
 def polygons(lab):
-    """Figure 1."""
+    """Draws figure 1: meshes of polygons, and the fall of the variance."""
     return {name: _polygon(lab, name, {"polygon": corners}) for name, corners in POLYGONS.items()}
 
 
@@ -66,7 +66,7 @@ def _shades(svg, x, y):
 
 
 def ramp(lab):
-    """Figure 3: the density x^2, with x from 0 to 1 along a strip of four squares."""
+    """Reproduces figure 3: the density x^2, with x from 0 to 1 along a strip of four squares."""
     cells = 256
     edges = numpy.arange(cells + 1) ** 3
     request = {"domain": {"type": "rectangle", "width": 4, "height": 1},
@@ -108,7 +108,7 @@ def _label_quarters(svg, y, name, shares):
 
 
 def spectra(lab):
-    """Figure 4."""
+    """Draws figure 4: spectra of the methods."""
     analyses = {method: _spectrum(lab, method) for method in (CVT, ODT, CCVT, CCDT, POLISHED)}
     svg = Svg(1140, 380)
     curves = [[Curve(method.name, found["frequency"], found[member], method.colour)
@@ -139,7 +139,8 @@ def _linear_axis(curves, low=None):
 
 
 def _figures_of(found):
-    """An analysis in some numbers. Rings below half the principal frequency hold too few frequencies to judge."""
+    """Summarizes an analysis in numbers. Rings below half the principal frequency have too few frequencies for the
+    anisotropy."""
     frequency, power, anisotropy = (numpy.array(found[name]) for name in ("frequency", "power", "anisotropy_db"))
     judged = anisotropy[frequency >= 0.5]
     oscillation = numpy.sqrt(((power[frequency >= 1.5] - 1) ** 2).mean())
@@ -151,7 +152,7 @@ def _figures_of(found):
 
 
 def timings(lab):
-    """Section 4.1: seconds to make one set on the torus."""
+    """Reproduces the timings of section 4.1: seconds for one set on the torus."""
     methods = (CVT, ODT, CCVT, CCDT, POLISHED)
     times = {method: {size: _time(lab, method, size) for size in lab.effort.sizes} for method in methods}
     taken = {method: {size: run["seconds"] for size, run in times[method].items() if "seconds" in run}
@@ -179,7 +180,7 @@ def _time(lab, method, sites):
 
 
 def evolution(lab):
-    """Figure 5."""
+    """Draws figure 5: a halftone after each iteration."""
     halftone = lab.effort.halftones[0]
     target = tone.ink(halftone.file())
     stages = [{"iterations": n, **_halftone(lab, halftone, CCDT, target, f"figure-5-{n}.png", scale=1, iterations=n)}
@@ -195,7 +196,7 @@ def _halftone(lab, halftone, method, target, name, **more):
 
 
 def halftones(lab):
-    """Figure 6."""
+    """Draws figure 6: halftones by several methods."""
     return [_compare(lab, halftone) for halftone in lab.effort.halftones]
 
 
@@ -210,7 +211,8 @@ def _compare(lab, halftone):
 
 
 def _ccvt_halftone(lab, halftone, target, name):
-    """By way of /sample, since /halftone has CCDT only, and drawn here. It takes long, so it is made once."""
+    """Makes a halftone by CCVT. /halftone has CCDT only, so the points come from /sample and are drawn here. It takes
+    long, so it is timed once."""
     height, width = target.shape
     made = lab.sample(CCVT, halftone.sites, 1, domain={"type": "rectangle", "width": width, "height": height},
                       density={"image": data_of(halftone.file())})

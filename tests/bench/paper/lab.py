@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every figure needs: the server, the numbers to use, a place for the drawings."""
+"""The parts that all figures need: requests to the server, the numbers to use, and storage for the drawings."""
 
 import base64
 import io
@@ -43,7 +43,7 @@ class Halftone:
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is done. The paper's numbers by default."""
+    """Sizes and numbers of runs; by default those of the paper."""
     mesh_sites: int = 1024
     iterations: int = 20
     ramp_sites: int = 1000
@@ -51,8 +51,8 @@ class Effort:
     spectrum_sites: int = 1024
     sets: int = 10
     sizes: tuple = (1024, 4096, 16384, 65536)
-    runs: int = 11       # of each timing at most,
-    seconds: float = 20  # and no more once these are spent
+    runs: int = 11       # maximum number of runs for a timing
+    seconds: float = 20  # time after which no more runs begin
     halftones: tuple = (Halftone("camera", 4096), Halftone("chelsea", 4096), Halftone("astronaut", 16384))
 
 
@@ -62,7 +62,7 @@ QUICK = Effort(mesh_sites=200, iterations=6, ramp_sites=300, ramp_seeds=2, spect
 
 
 class Refused(Exception):
-    """The server takes no request so large; its reason."""
+    """The server refused a request because it is too large."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Lab:
         return _checked(post_json(self.server, "/analyze", {"sets": sets, **more}))
 
     def halftone(self, halftone, method, seed=1, **more):
-        # The paper's dots follow the density alone, whatever overlaps.
+        # In the paper, dots follow the density alone, regardless of overlaps.
         options = {"sites": halftone.sites, "seed": seed, "tone": "density", **method.options, **more}
         query = "&".join(f"{name}={value}" for name, value in options.items())
         return _checked(ask(self.server, f"/halftone?{query}", data=halftone.file().read_bytes()))
@@ -93,17 +93,17 @@ class Lab:
         return self.folder / "figures" / name
 
     def save_bits(self, name, paper):
-        """paper: [height, width], true where it is white"""
+        """Saves a bilevel picture. paper: [height, width], true where it is white"""
         Image.fromarray(paper).save(self.figure(name), optimize=True)
 
     def save_greys(self, name, picture):
-        """Keeps sixteen levels of grey."""
+        """Saves a picture in sixteen levels of grey."""
         levels = Image.fromarray(numpy.asarray(picture.convert("L")) // 16, "P")
         levels.putpalette([17 * level for level in range(16) for _ in "rgb"])
         levels.save(self.figure(name), optimize=True, bits=4)
 
     def median(self, measure):
-        """measure(seed): seconds. Returns their median, and how many there are."""
+        """Calls measure(seed), which returns seconds, repeatedly. Returns the median and the number of runs."""
         taken = []
         while not taken or (len(taken) < self.effort.runs and sum(taken) < self.effort.seconds):
             taken.append(measure(len(taken) + 1))
@@ -117,7 +117,8 @@ def _checked(answer):
 
 
 def seconds_of_work(answer):
-    """From the request's last byte to the answer's first, without waiting."""
+    """Returns the seconds from the last byte of the request to the first byte of the answer, without waiting for a
+    worker."""
     stages = dict(re.findall(r"(\w+);dur=([\d.]+)", answer.headers["server-timing"]))
     return sum(float(stages[name]) for name in ("decode", "optimise", "encode")) / 1000
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The page: the text of page.md with numbers in it."""
+"""Writes the page: inserts numbers into the text of page.md."""
 
 import datetime
 import os
@@ -51,7 +51,7 @@ def _figure_1(found):
 
 
 def _done(trace, iterations):
-    """Share of the variance's whole fall."""
+    """Returns the share of the total fall of the variance."""
     variance = numpy.square(trace)
     return (variance[0] - variance[iterations]) / (variance[0] - variance[-1])
 
@@ -82,7 +82,7 @@ def _figure_4(found):
 
 
 def _comparison(of):
-    """What the paper says about curves, in numbers."""
+    """Quantifies the paper's statements about its curves."""
     def ratio(member, over, under):
         return f"{of[over][member] / of[under][member]:.2g}"
 
@@ -116,7 +116,8 @@ def _ratios(times):
 
 
 def _growths(times):
-    """Powers of the sites that times grow as, from the smallest size to the largest that both methods have."""
+    """Returns the exponents by which times grow with the number of sites, from the smallest size to the largest that
+    both methods have."""
     sizes = list(times[CCVT])
     growth = {method: numpy.log(of[sizes[-1]] / of[sizes[0]]) / numpy.log(sizes[-1] / sizes[0])
               for method, of in times.items()}

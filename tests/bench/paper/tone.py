@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ink of pictures and of dots: how dark they are, and how alike to an eye that blurs."""
+"""The ink of pictures and of dots, and the difference between them after a blur."""
 
 import math
 
@@ -10,14 +10,14 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 def ink(file):
-    """Of a picture [height, width]: 1 less luminance, in linear light."""
+    """Returns the ink of a picture, [height, width]: 1 - luminance, in linear light."""
     value = numpy.asarray(Image.open(file).convert("RGB")) / 255
     light = numpy.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
     return 1 - light @ LUMINANCE
 
 
 def dots(points, scale, target):
-    """Discs on paper, of the radius that makes them as dark as the target on the whole.
+    """Draws discs, of the radius for which their mean darkness equals that of the target.
 
     points: in pixels of the target [height, width], y down. Returns [scale * height, scale * width], true for paper.
     """
@@ -42,19 +42,19 @@ def _discs(centres, radius, height, width):
 
 
 def error(points, target):
-    """Root mean square of what points, each with an equal share of the target's ink, differ from the target.
+    """Returns the root mean square difference between points and target. Each point has an equal share of the ink.
 
     Both are blurred by two mean spacings of the points. points: in pixels of the target [height, width], y down.
     """
     spacing = (target.size / len(points)) ** 0.5
-    fine = math.ceil(4 / spacing)  # cells per pixel: a quarter of a spacing at most
+    fine = math.ceil(4 / spacing)  # cells per pixel, so that a cell is at most a quarter of a spacing
     wanted = numpy.kron(target, numpy.ones((fine, fine)))
     given = _spread(points * fine, wanted.shape) * (wanted.sum() / len(points))
     return float(numpy.sqrt((blur(given - wanted, 2 * spacing * fine) ** 2).mean()))
 
 
 def _spread(points, shape):
-    """Divides each point among the four cells nearest to it, bilinearly."""
+    """Distributes each point bilinearly among the four nearest cells."""
     cells = numpy.zeros(shape)
     first = numpy.floor(points - 0.5).astype(int)
     part = points - 0.5 - first
@@ -67,7 +67,7 @@ def _spread(points, shape):
 
 
 def blur(picture, sigma):
-    """By a Gaussian; beyond its border the picture is mirrored."""
+    """Blurs a picture by a Gaussian, mirrored at the sides."""
     for axis in (0, 1):
         mirrored = numpy.concatenate([picture, numpy.flip(picture, axis)], axis)
         frequency = numpy.fft.rfftfreq(mirrored.shape[axis])

@@ -129,7 +129,8 @@ std::vector<double> quarters(const std::vector<Point>& points) {
 }
 
 TEST_P(Baselines, FollowTheDensity) {
-    // Moments weighted by the density alone would move the shares towards its square root: a sixth and a third.
+    // Methods that weight moments by the density, not by its square, would reach shares in proportion to its square
+    // root: a sixth and a third.
     const Density steps = grid_of(64, 64, [](int i, int) { return i < 16 || i >= 48 ? 1.0 : 4.0; });
     const std::vector<double> wanted{0.1, 0.4, 0.4, 0.1};
     for (const Domain& domain : {square_, torus_}) {

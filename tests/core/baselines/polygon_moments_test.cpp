@@ -78,7 +78,7 @@ TEST(SquaredDensity, AgreesWithANumericalSum) {
     const double scale = expected.mass / found.mass;
     EXPECT_NEAR(scale * found.first.x / expected.mass, expected.first.x / expected.mass, 1e-4);
     EXPECT_NEAR(scale * found.first.y / expected.mass, expected.first.y / expected.mass, 1e-4);
-    // The masses of two polygons have the ratio of their sums.
+    // Masses have an arbitrary unit, so their ratio is compared with the ratio of the sums.
     const std::vector<Point> other{{0.5, 0.1}, {0.9, 0.3}, {0.6, 0.45}};
     EXPECT_NEAR(weight.over(other, from).mass / found.mass, sum_over(other, density, from).mass / expected.mass, 1e-3);
 }

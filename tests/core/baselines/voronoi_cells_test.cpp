@@ -43,7 +43,7 @@ TEST(VoronoiCells, FillTheDomain) {
     }
 }
 
-/// Sums over the points of a fine grid in the unit square, for each site over the points nearest to it.
+/// Returns for each site the sums over those points of a fine grid in the unit square that are nearest to it.
 std::vector<Moments> sums_of(const std::vector<Point>& sites, const Density& density, bool around) {
     constexpr int kPlaces = 1000;
     std::vector<Moments> sums(sites.size());

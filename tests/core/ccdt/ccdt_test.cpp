@@ -150,7 +150,7 @@ TEST(Distribute, SetsFewVerticesOnTheBorderOfASliver) {
     for (const Point& p : result.points) EXPECT_TRUE(p.y > 0 && p.y < 1e-8) << p.y;
 }
 
-/// This corner of the density overlaps the triangle's box, but not the triangle.
+/// The two cells with density overlap the triangle's bounding box, but not the triangle.
 TEST(Distribute, RefusesADensityInsideOnlyByRounding) {
     const Parts triangle{{{{1, 0}, {1, 1}, {0, 1}}, {}}};
     Random random(1, 1);
@@ -579,7 +579,7 @@ TEST(Distribute, CrowdsNoSitesAtABorderOfVeryShortEdges) {
     for (const double ratio : crowding(circle, 1024, {1, 1.5, 2, 4}, 4)) EXPECT_NEAR(ratio, 1, 0.15);
 }
 
-/// Islands that get from one site to most of the sites; later sites cannot move between islands.
+/// The islands get from one site to most of the sites. After the start, sites cannot move between islands.
 TEST(Distribute, GivesEachPartItsShare) {
     const std::vector<double> sides{10, 4, 3, 2, 1.5, 1, 0.7, 0.3};
     Parts parts;

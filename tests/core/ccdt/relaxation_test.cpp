@@ -218,8 +218,8 @@ TEST(Relaxation, DividesASquareByItsTargets) {
     EXPECT_NEAR(relaxation.energy(), 0, 1e-15);
 }
 
-/// Returns the height of a site if the target of the upper edge of a square, in one piece, asks for 0.4 and that of the
-/// lower edge, in several pieces, for 0.2.
+/// Returns the height at which a site in a unit square comes to rest. The target of the upper edge, which is one piece,
+/// requires 0.4. The targets of the lower edge, which is divided into pieces, require 0.2.
 double height_above_pieces(std::size_t pieces) {
     Ring ring;
     for (std::size_t i = 0; i < pieces; ++i) ring.push_back({static_cast<double>(i) / static_cast<double>(pieces), 0});
@@ -236,7 +236,7 @@ double height_above_pieces(std::size_t pieces) {
             if (mesh.twin(h) == Triangulation::kNone) width = mesh.along(h).x;
         }
         const double height = width > 0 ? 0.2 : 0.6, share = std::abs(width);
-        // Other sides have weight 0.
+        // Triangles on the other sides have weight 0.
         goals[t] = share > 0 ? TriangleGoal{1, height * share, share} : TriangleGoal{0, 0};
     }
     Relaxation relaxation(mesh, std::vector<bool>(ring.size(), true), false, {.border_spring = 0});

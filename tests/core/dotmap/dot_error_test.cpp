@@ -107,7 +107,7 @@ TEST(DotError, IncludesNeighbouringFeatures) {
     }
 }
 
-/// One feature adjoins ground so dense that its dots would count for many, and almost empty ground.
+/// The neighbour of the feature is so dense that its dots would outweigh all others, or almost empty.
 TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
     for (const int rows : {200, 3}) {
         const Squares squares({20, rows});

@@ -58,8 +58,8 @@ void check(const std::vector<Given>& given, const ClassDots& dots, std::size_t n
     EXPECT_EQ(test::count_distinct(dots.dots.points), dots.dots.points.size());
 }
 
-/// Returns the nearest distance of each dot with a dot of another feature nearby, relative to the mean of both
-/// hexagonal distances.
+/// Returns the distance of each dot to the nearest dot of another feature (`across`) or of its own, relative to the
+/// mean of both hexagonal distances, in ascending order. Distances of 1.5 and more are left out.
 std::vector<double> distances(const ClassDots& dots, const std::vector<MapFeature>& features, bool across) {
     std::vector<double> found;
     const auto spacing = [&](std::size_t i) {
@@ -175,7 +175,7 @@ TEST(DistributeDots, KeepsClassesApart) {
         found.push_back(least / hexagonal_spacing(325));
     }
     std::ranges::sort(found);
-    // For independent dots it would be 0.1.
+    // Independent dots would have 0.1.
     EXPECT_GT(found[found.size() / 20], 0.4);
 }
 

@@ -43,7 +43,7 @@ TEST(DistributeDotsOnGlobe, IsEvenOnTheGround) {
     }
     const auto height = [](double degrees) { return std::sin(degrees * M_PI / 180); };
     EXPECT_NEAR(north / 2000.0, (height(70) - height(60)) / (height(70) - height(50)), 0.01);
-    // Ground in square metres on the sphere of equal area.
+    // Area of the ground in square metres, on a sphere with the surface area of the earth.
     const double ground = 6371007.2 * 6371007.2 * (height(70) - height(50)) * 20 * M_PI / 180;
     EXPECT_NEAR(placed->pitch, std::sqrt(ground / 2500), 0.01 * placed->pitch);
 }
@@ -67,7 +67,7 @@ TEST(DistributeDotsOnGlobe, CrossesTheAntimeridian) {
 }
 
 TEST(DistributeDotsOnGlobe, KeepsTheBufferFromTheOuterBorder) {
-    // A degree of latitude has 111 km. Dots may lie on the border between the two features.
+    // A degree of latitude is 111 km long. Dots may lie on the border between the first two features.
     const std::vector<Given> given = {
         {{{box(0, 0, 2, 2), {}}}, 200}, {{{box(2, 0, 2, 2), {}}}, 200}, {{{box(4, 0.5, 0.5, 0.5), {}}}, 5}};
     const auto placed = distribute(given, 50'000);

@@ -261,7 +261,7 @@ TEST(Domain, RefusesSpikes) {
 }
 
 TEST(Domain, CountsVerticesAsTheCallerDoes) {
-    // Repeated and closing vertices count, and a reversed ring keeps its numbers.
+    // The numbers of vertices include repeated and closing ones, and are those before the ring is reversed.
     const Ring ring{{0, 0}, {0, 0}, {0, 4}, {2, 2}, {4, 4}, {4, 0}, {2, 2}, {0, 0}};
     expect_refused({{ring, {}}}, std::vector<std::string>{"/0/0/3", "/0/0/6"});
 }

@@ -9,7 +9,7 @@
 namespace ccdt {
 namespace {
 
-/// A circle with every other corner slightly farther out.
+/// Returns a circle with every other corner slightly farther out.
 Ring jagged_circle(int corners, double depth) {
     Ring ring;
     for (int i = 0; i < corners; ++i) {

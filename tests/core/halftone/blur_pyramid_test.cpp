@@ -34,7 +34,7 @@ TEST(BlurPyramid, PreservesMeanOfImageOfOddSize) {
 }
 
 TEST(BlurPyramid, RemovesPatternsFinerThanBlur) {
-    // A dot every 8 pixels: the mean over a spacing shows no trace of it.
+    // The blur is as wide as the spacing of the dots, so it must remove their pattern.
     std::vector<float> dots(std::size_t{kSide} * kSide);
     for (std::size_t y = 3; y < kSide; y += 8) {
         for (std::size_t x = 3; x < kSide; x += 8) dots[y * kSide + x] = 64;

@@ -22,7 +22,7 @@ TEST(BoundedLeastSquares, SolvesOneVariableExactly) {
     }
 }
 
-/// A random G of full rank or, but for a ridge, of rank 3.
+/// Returns a problem with a random G of a given rank, plus a small multiple of the identity.
 BoundedLeastSquares random_problem(Random& random, std::size_t count, std::size_t rank) {
     BoundedLeastSquares problem;
     problem.count = count;

@@ -21,13 +21,13 @@ std::vector<Point> scattered(std::size_t count, double width, double height) {
     return dots;
 }
 
-/// In pixels.
+/// Returns the covered area in pixels.
 double ink_of(const Raster& raster) {
     return std::accumulate(raster.coverage.begin(), raster.coverage.end(), 0.0) / 255;
 }
 
 TEST(DrawDots, HasRequestedMeanCoverage) {
-    // Overlaps are many here, and count once.
+    // Many of the dots overlap.
     const Canvas canvas{150, 100, 1};
     const auto dots = scattered(300, 150, 100);
     for (int percent = 0; percent <= 100; ++percent) {
@@ -77,7 +77,7 @@ TEST(DrawDots, ScalesDots) {
 }
 
 TEST(DrawDots, MatchesAreaOfDiscsBySupersampling) {
-    // Of dots smaller than a pixel, some of which overlap.
+    // The dots are smaller than a pixel, and some of them overlap.
     const Canvas canvas{150, 100, 1};
     const auto dots = scattered(6000, 150, 100);
     const Canvas large{1500, 1000, 10};

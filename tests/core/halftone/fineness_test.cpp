@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSide = 64;
 
-/// A picture of the lightness at each place.
+/// Returns a picture with the given lightness of each pixel.
 template <class Lightness>
 Picture drawn(const Lightness& lightness) {
     const auto light = std::make_shared<float[]>(kSide * kSide);
@@ -26,7 +26,7 @@ TEST(Fineness, IsVarianceLostByAveragingTwoByTwoPixels) {
     EXPECT_NEAR(fineness(drawn([](int x, int y) { return (x + y) % 2; })), 1, 1e-6);
     EXPECT_NEAR(fineness(drawn([](int x, int) { return x / 2 % 2; })), 0, 1e-6);
     EXPECT_NEAR(fineness(drawn([](int x, int) { return (x + 1) / 2 % 2; })), 1, 1e-6);
-    // A wave of length L loses sin^2(pi / L).
+    // Averaging removes the share sin^2(pi / L) from the variance of a wave of length L.
     const Picture wave = drawn([](int x, int) { return 0.5 + 0.3 * std::sin(2 * 3.141592653589793 * x / 16.0); });
     EXPECT_NEAR(fineness(wave), std::pow(std::sin(3.141592653589793 / 16), 2), 1e-5);
 }

@@ -15,7 +15,7 @@ double decoded(double value) {
     return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
-/// A row of all greys of 8 bits.
+/// Returns a row of pixels with all 256 grey levels.
 Picture greys() {
     const auto light = std::make_shared<float[]>(256);
     for (int level = 0; level < 256; ++level) light[level] = static_cast<float>(decoded(level / 255.0));

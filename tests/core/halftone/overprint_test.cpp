@@ -50,8 +50,8 @@ TEST(Overprint, HasNoNegativeLight) {
     }
 }
 
-/// What dots of a flat tint show in the mean, of one size for all inks.
-/// @param cover  [inks] what those of each cover by themselves
+/// Returns the mean light of rasterized dots of a flat tint, with the same radius for all inks.
+/// @param cover  [inks] coverage that the dots of each ink would have without the other inks
 Channels dotted(const InkSet& inks, const std::vector<double>& cover) {
     constexpr std::size_t kSites = 6000;
     constexpr int kSide = 700;

@@ -24,7 +24,7 @@ LightPlanes flat(float red, float green, float blue, int side = kSide) {
     return {std::vector<float>(pixels, red), std::vector<float>(pixels, green), std::vector<float>(pixels, blue)};
 }
 
-/// A dot of black over a part of one of cyan; others far away.
+/// Returns a cyan dot and a black dot that overlap.
 std::vector<std::vector<Point>> pair_of_dots() {
     return {{{30, 30}}, {}, {}, {{33, 30}}};
 }
@@ -78,7 +78,7 @@ TEST(PrintProof, StopsOnRequest) {
     EXPECT_EQ(moves[3].size(), 1u);
 }
 
-/// Mean squared difference of what is seen of a flat tint from what shall be, blurred over three radii.
+/// Returns the mean squared error of the green light of a flat tint, blurred over three radii.
 double blotches(const std::vector<Distribution>& runs, const InkSet& inks, const Light& wanted, int side,
                 double radius) {
     constexpr int kScale = 3;

@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// Values without any pattern, in [0, 1].
+/// Returns irregular values in [0, 1].
 std::vector<float> values(int count) {
     std::vector<float> values;
     for (int i = 0; i < count; ++i) values.push_back(static_cast<float>(i * 7919 % 1013) / 1012);
@@ -29,7 +29,7 @@ TEST(Reduction, AveragesWholePixels) {
 }
 
 TEST(Reduction, SplitsPixelsBetweenCells) {
-    // Cells of a pixel and a half, each way.
+    // Each cell has 1.5 x 1.5 pixels.
     const std::vector<float> picture = {1, 0, 0,  //
                                         0, 1, 0,  //
                                         0, 0, 0};

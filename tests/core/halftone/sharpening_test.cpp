@@ -21,7 +21,7 @@ double sum(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Light, then dark from the middle on.
+/// Returns a coverage whose left half is light and whose right half is dark.
 std::vector<float> edge(float light, float dark) {
     std::vector<float> cover(kPixels);
     for (std::size_t i = 0; i < kPixels; ++i) cover[i] = i % kWidth < kWidth / 2 ? light : dark;

@@ -30,7 +30,7 @@ TEST(TotalVariation, LowersContrastOfDiscByTwiceStrengthOverRadius) {
     constexpr double kRadius = 12;
     const auto disc = image([](int x, int y) { return std::hypot(x - 31.5, y - 31.5) < kRadius ? 1 : 0; });
     const auto smooth = denoised(disc, kSide, kSide, 1.2F, 300);
-    // The border of the image is closed: what the disc loses its surroundings gain.
+    // Nothing leaves the image, so the surroundings gain as much as the disc loses.
     const double area = std::acos(-1.0) * kRadius * kRadius;
     const double gained = 2 * std::acos(-1.0) * kRadius * 1.2 / (kSide * kSide - area);
     EXPECT_NEAR(at(smooth, 32, 32), 1 - 2 * 1.2 / kRadius, 0.02);

@@ -12,8 +12,8 @@
 namespace ccdt {
 namespace {
 
-/// Returns the variance of the number of pixels below a rank in blocks of a few pixels per side, over all positions in
-/// the tile and across its seams, relative to that of random pixels.
+/// Returns the variance of the number of pixels below a threshold in square blocks, relative to that of random pixels.
+/// The blocks have all positions, including those across the seams of the tile.
 double unevenness(const std::vector<std::uint32_t>& ranks, int side, int block, double share) {
     const double count = static_cast<double>(ranks.size()), least = share * count;
     double sum = 0;

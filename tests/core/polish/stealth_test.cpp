@@ -76,14 +76,14 @@ TEST(Stealth, MovesSitesLittle) {
 }
 
 TEST(Stealth, FindsTheSmallestMoves) {
-    // The moves are a gradient, so any other solution is longer by a part without effect.
+    // The moves are a gradient field. Any other solution adds a part that changes no sum and makes the moves longer.
     const Domain torus = Domain::torus(1, 1).value();
     const auto sites = distributed(torus, 200, Quality::Draft);
     Stealth stealth(torus, sites.size());
     std::vector<Point> moves(sites.size());
     ASSERT_TRUE(stealth.displacements(sites, moves));
     EXPECT_GT(stealth.largest_power(), 1e-5);
-    // To first order the moves cancel all sums, so a hundredth of the moves cancels a hundredth.
+    // To first order, the moves cancel all sums, so a hundredth of each move cancels a hundredth of each sum.
     std::vector<Point> there = sites;
     for (std::size_t i = 0; i < there.size(); ++i) there[i] = there[i] + 0.01 * moves[i];
     std::complex<double> before, after;

@@ -20,7 +20,7 @@ std::vector<Point> random_points(std::size_t count) {
     return points;
 }
 
-/// Returns the points of a grid of unit spacing, in an unhelpful order.
+/// Returns the points of a grid of unit spacing, in an irregular order.
 std::vector<Point> grid(std::size_t side) {
     std::vector<Point> points;
     for (std::size_t i = 0; i < side * side; ++i) {

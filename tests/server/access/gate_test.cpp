@@ -27,7 +27,7 @@ protected:
     }
 
     const std::string file_ = testing::TempDir() + "ccdt_keys_" + std::to_string(::getpid());
-    std::string keys_ = file_;  ///< the file that the gate is told of
+    std::string keys_ = file_;  ///< name of the key file, for the gate
     RateLimiter::Rate rate_;
 };
 

@@ -96,7 +96,7 @@ TEST(ClientOf, IgnoresMalformedForwardedHeaders) {
     for (const char* broken : {"for=203.0.113.1;for=203.0.113.2", "for=\"203.0.113.1", "for=\"a\\", "for", "for=", "=",
                                "203.0.113.1", "for=203.0.113.1\"", "for=\"\\203.0.113.1\"", "fo\"r=203.0.113.1\""})
         EXPECT_EQ(forwarded(broken), "10.0.0.1") << broken;
-    // Text from a client comes before that of the proxy, in the same field or in one of its own.
+    // Text of a client precedes that of the proxy, in the same field or in a separate one.
     for (const char* evil : {"for=\"", "by=\"\\", "for=1.2.3.4;by=\"x", "for=1.2.3.4,\"", "\"", "\\\""}) {
         const auto told = forwarded(std::string(evil) + ", for=203.0.113.1");
         EXPECT_TRUE(told == "10.0.0.1" || told == "203.0.113.1") << evil << " -> " << told;

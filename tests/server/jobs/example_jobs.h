@@ -26,7 +26,7 @@ inline void add(JobStore& store, Job job) {
     ASSERT_EQ(store.add(job, kComputeRequest), JobStore::Added::Accepted);
 }
 
-/// The job as it would be stored for a result.
+/// Returns the state of a job that has succeeded with this result.
 inline Job succeeded(Job job, const std::string& result) {
     job.status = JobStatus::Succeeded;
     job.media_type = "text/plain";
@@ -34,7 +34,7 @@ inline Job succeeded(Job job, const std::string& result) {
     return job;
 }
 
-/// Adds a job and finishes it; no other waits.
+/// Adds a job and finishes it. No other job must be waiting.
 inline void add_finished(JobStore& store, const std::string& id, const std::string& result) {
     add(store, job_named(id));
     const auto job = store.claim(1000);

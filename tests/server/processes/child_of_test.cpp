@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// Program that the tests of child programs spawn. It does what its argument says.
+/// A program that the tests of child programs spawn. It does what its first argument says.
 
 #include <algorithm>
 #include <csignal>

@@ -10,10 +10,10 @@
 
 namespace ccdt::server::test {
 
-/// A Redis on a free port of this machine, with a folder of its own. Ends with its owner.
+/// A Redis server on a free port of this machine, with a temporary folder. The destructor ends it.
 class LocalRedis {
 public:
-    /// @param flags  as redis-server takes them
+    /// @param flags  additional flags of redis-server
     explicit LocalRedis(std::vector<std::string> flags = {});
     ~LocalRedis();
 
@@ -22,13 +22,13 @@ public:
 
     RedisAddress address() const;
 
-    /// Has it end as by a fault. What it keeps only in memory is lost.
+    /// Kills the server. Data in its memory is lost.
     void kill();
 
-    /// Starts it where it was; returns once it answers.
+    /// Starts the server again on the same port; returns once it replies.
     void start();
 
-    /// Keeps it from doing anything, and lets it go on.
+    /// Suspends and continues the server's process.
     void pause();
     void resume();
 
