@@ -15,6 +15,7 @@ enum class ErrorCode {
     LimitExceeded,  ///< larger than a configured limit, which the message names
     NotAcceptable,  ///< none of the requested formats is available
     Unsupported,    ///< the format of the input is not supported
+    Unavailable,    ///< impossible at present, for lack of processes or time; may succeed later
     Stopped,        ///< ended by the caller's stop token before there was a result
     Internal,       ///< a bug of ours
 };
@@ -23,7 +24,7 @@ struct Error {
     ErrorCode code = ErrorCode::Internal;
     std::string message;             ///< text for people; names the limit, if any
     std::string field;               ///< an option's name or a JSON Pointer that identifies the input; may be empty
-    std::vector<Error> others = {};  ///< further errors in the same input; these have no others themselves
+    std::vector<Error> others = {};  ///< further errors in the same input, each with an empty list here
 };
 
 template <class T>

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <exception>
 #include <span>
+#include <stop_token>
 #include <thread>
 
 #include <unistd.h>
@@ -31,30 +32,42 @@ void reload_keys(Service& service, const Config& config, const Log& log) {
         log.error("the keys stay as they were: " + read.error().message);
 }
 
+/// Ends this program as a signal from outside would.
+void end_serving() {
+    kill(getpid(), SIGTERM);
+}
+
 /// Serves until a signal arrives, accepting fails, or the sibling programs do not start.
 /// @returns  false if serving or a program failed
 bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
     ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
+    bool started = true;
+    std::jthread starter([&](const std::stop_token& stop) {
+        const auto ready = service.wait_until_ready(stop);
+        if (ready || stop.stop_requested()) return;
+        started = false;
+        log.error(ready.error().message);
+        end_serving();
+    });
+    // This thread must be created last: if the creation of a later thread failed, nothing would stop this one.
     bool served = false;
     std::jthread acceptor([&] {
         served = service.serve();
         if (served) return;
         log.error("accepting connections failed");
-        kill(getpid(), SIGTERM);
+        end_serving();
     });
-    const auto ready = service.wait_until_ready();
-    if (ready)
-        signals.wait_for_end([&] { reload_keys(service, config, log); });
-    else
-        log.error(ready.error().message);
+    signals.wait_for_end([&] { reload_keys(service, config, log); });
+    starter.request_stop();
+    starter.join();
     deadline.start();
     service.drain();
     log.info("shutting down: no new connections are accepted, requests on open ones are answered");
     acceptor.join();
     service.finish();
     log.info("stopped");
-    return served && ready;
+    return served && started;
 }
 
 int serve(const Config& config) {

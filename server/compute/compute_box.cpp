@@ -27,13 +27,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Longest wait for a fork server that is being started again.
+/// Longest wait for a fork server that is being restarted, or for its report of the end of a process.
 constexpr std::chrono::seconds kPatience{2};
 
-/// Reasons why there is no reply.
+/// The reason why there is no reply.
 struct NoReply {
-    bool overdue = false;           ///< it did not stop when it was told to
-    std::optional<ChildEnd> death;  ///< none: it is not known how the process ended
+    bool overdue = false;           ///< the computation did not stop in time when it was told to
+    std::optional<ChildEnd> death;  ///< end of the process; none: unknown
     bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
 };
 
@@ -46,7 +46,7 @@ std::string describe(const NoReply& none) {
     return process + describe_end(none.death->status);
 }
 
-/// Puts a reply together from what comes over a channel, never waiting.
+/// Assembles replies from a channel without waiting.
 class ReplyReader {
 public:
     enum class State { Partial, Complete, Ended };
@@ -67,7 +67,8 @@ public:
     std::string take_text(std::size_t index) { return std::move(texts_[index]); }
 
 private:
-    /// @returns  false if there is none: the reply is complete, or cannot be one
+    /// Begins the next piece of the reply.
+    /// @returns  false if there is none, because the reply is complete or invalid
     bool next_piece() {
         if (pieces_ == 0) {
             wanted_ = {reinterpret_cast<char*>(&reply_), sizeof(reply_)};
@@ -84,7 +85,7 @@ private:
         return !wanted_.empty() || next_piece();
     }
 
-    /// Checks a reply's head: a process that was damaged must not take the server's memory.
+    /// Checks the head of a reply, so that a damaged process cannot exhaust the server's memory.
     bool makes_sense() const {
         constexpr std::uint64_t kMost = std::uint64_t{4} << 30;
         return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
@@ -93,20 +94,21 @@ private:
 
     Reply reply_;
     std::array<std::string, Reply::kTexts> texts_;
-    std::span<char> wanted_;  ///< of the piece that comes now
-    std::size_t pieces_ = 0;  ///< begun: the head, then the texts
+    std::span<char> wanted_;  ///< missing bytes of the current piece
+    std::size_t pieces_ = 0;  ///< number of pieces that have begun: the head, then the texts
     bool complete_ = false;
 };
 
 }  // namespace
 
-/// A process that computes, as the server sees it. Ends when this does.
+/// The server's sockets to a process that computes. The process ends when they are closed.
 struct ComputeBox::Process {
     UniqueFd channel;
     UniqueFd events;
     int nice = 0;
 
-    /// Between computations it has nothing to say.
+    /// Whether an idle process still runs. Between computations a process sends nothing, so its channel becomes
+    /// readable only when the process ends.
     bool is_there() const {
         pollfd polled{channel.get(), POLLIN, 0};
         return poll(&polled, 1, 0) == 0;
@@ -127,10 +129,10 @@ public:
           timings_(timings),
           stopped_(eventfd(0, EFD_CLOEXEC)) {}
 
-    /// Whether a part of the answer has come, and was handed on.
+    /// Whether the head of a large answer has arrived.
     bool has_begun() const { return head_.has_value(); }
 
-    /// Whether the process is still at work on an answer that nobody wants.
+    /// Whether the process is still computing an answer that the receiver has rejected.
     bool is_abandoned() const { return abandoned_; }
 
     Outcome hold(Call call, const ComputeRequest& request) {
@@ -158,14 +160,15 @@ public:
         }
     }
 
-    /// Ends the process, and waits until it has given its memory back.
+    /// Ends the process, and waits until the process has released its memory.
     void end() {
         process_.channel.reset();
         wait_for_death();
     }
 
 private:
-    /// @returns  none if there is more to come
+    /// Handles the replies that have arrived.
+    /// @returns  none unless the computation has ended
     std::optional<Outcome> listen() {
         while (true) {
             const auto state = reader_.read(process_.channel.get());
@@ -197,7 +200,7 @@ private:
     }
 
     Result<void> take_piece() {
-        if (!head_) return failure(ErrorCode::Internal, "a body came before its head");
+        if (!head_) return failure(ErrorCode::Internal, "a piece of a body arrived before its head");
         const std::string piece = reader_.take_text(2);
         if (delivery_.taker != nullptr) return delivery_.taker->take(piece);
         head_->body += piece;
@@ -211,7 +214,7 @@ private:
             return failure(static_cast<ErrorCode>(reply.code), reader_.take_text(0), reader_.take_text(1));
         api::Answer answer = answer_of(reply);
         if (!answer.streamed) return answer;
-        if (!head_) return failure(ErrorCode::Internal, "a body has not come");
+        if (!head_) return failure(ErrorCode::Internal, "the body of the answer did not arrive");
         answer.coding = head_->coding;
         answer.body = std::move(head_->body);
         answer.streamed = delivery_.taker != nullptr;
@@ -235,7 +238,7 @@ private:
         return answer;
     }
 
-    /// Tells the process to stop, and finds how long it may take.
+    /// Tells the process to stop, and sets a time limit for that.
     void pass_on_stop(const Call& call) {
         eventfd_t read_away = 0;
         eventfd_read(stopped_.get(), &read_away);
@@ -246,7 +249,8 @@ private:
         give_up_ = std::min(give_up_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
-    /// Takes an order to the decoder, or how the process ended.
+    /// Receives a message of the events socket. An order to the decoder is passed on. The only other message reports
+    /// the end of the process.
     void take_event() {
         Order order;
         std::array<UniqueFd, 3> files;
@@ -261,7 +265,7 @@ private:
         box_.relay_(order, control_.stop);
     }
 
-    /// The fork server tells soon how the process ended, if it is there.
+    /// Waits until the fork server reports the end of the process, for at most kPatience.
     void wait_for_death() {
         const auto until = Clock::now() + kPatience;
         pollfd events{process_.events.get(), POLLIN, 0};
@@ -281,9 +285,9 @@ private:
     const Delivery& delivery_;
     const Control& control_;
     api::Timings& timings_;
-    const UniqueFd stopped_;  ///< readable once the stop has come
+    const UniqueFd stopped_;  ///< readable once a stop was requested
     ReplyReader reader_;
-    std::optional<api::Answer> head_;  ///< of a large answer; with its body, where nobody takes that in pieces
+    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no taker
     bool abandoned_ = false;
     std::optional<Clock::time_point> give_up_;
     std::optional<ChildEnd> death_;
@@ -359,11 +363,12 @@ Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_t
     for (SupervisedProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
         if (fork_server == nullptr)
-            return failure(ErrorCode::Internal, "there is no process to compute it, nor what makes one");
+            return failure(ErrorCode::Internal, "cannot start a process to compute it: the fork server is not running");
         auto channel = make_sockets(SOCK_STREAM);
         auto events = make_sockets(SOCK_SEQPACKET);
         if (!channel || !events)
-            return failure(ErrorCode::Internal, std::string("no sockets to a process: ") + std::strerror(errno));
+            return failure(ErrorCode::Internal,
+                           std::string("cannot create sockets for a process: ") + std::strerror(errno));
         const timeval longest{options_.to_stop.count(), 0};
         setsockopt(channel->ours.get(), SOL_SOCKET, SO_SNDTIMEO, &longest, sizeof(longest));
         const ForkOrder order{nice};

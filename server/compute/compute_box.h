@@ -27,20 +27,21 @@ struct Order;
 
 /// Computes answers in separate processes, so that a crash costs only the request that caused it.
 ///
-/// A fork server, which is a separate program, makes a process whenever none is idle. So there are as many processes as
-/// ever computed at the same time. If a process is killed from outside, for example because the machine ran out of
-/// memory, its computation is started again, once. Thread-safe.
+/// A fork server, which is a separate program, forks a process when a computation begins and no process of its nice
+/// value is idle. Processes are kept for later computations. If a process is killed from outside, for example because
+/// the machine ran out of memory, its computation is started again, once. Thread-safe.
 class ComputeBox {
 public:
-    /// Passes a process' order on to the decoder. The result goes directly to the process.
+    /// Passes an order from a computing process on to the decoder. The decoder sends the result directly to that
+    /// process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
     struct Options {
         api::Limits limits;
         std::chrono::seconds to_stop{5};  ///< time limit from a request to stop until the computation ends
 
-        /// Time limit when nobody waits for the answer any more. Starting a process takes about a millisecond; freeing
-        /// 3 GB takes a quarter of a second.
+        /// The same time limit if nobody waits for the answer any more. It is short, because ending the process costs
+        /// little: starting another one takes about a millisecond, and freeing 3 GB a quarter of a second.
         std::chrono::milliseconds to_leave{50};
     };
 
@@ -53,21 +54,22 @@ public:
     ComputeBox(const ComputeBox&) = delete;
     ComputeBox& operator=(const ComputeBox&) = delete;
 
-    /// Waits until the fork server is ready for the first time. Errors: Internal if it never will be.
-    Result<void> wait_until_ready() { return fork_server_->wait_until_ready(); }
+    /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
+    Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
-    /// Computes an answer: see Compute. The process has the nice value of the calling thread. A computation that does
-    /// not stop in time is ended with its process; if somebody waits for the answer, it is counted as overdue.
+    /// Computes an answer: see Compute. The process has the nice value of the calling thread. If a computation does not
+    /// stop in time, its process is ended. This counts as overdue if somebody still waits for the answer.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
-    /// Lets each computation use this many threads from its next step on, including its process' main thread.
+    /// Sets the number of threads, including the main thread of its process, that each computation may use from its
+    /// next step on.
     void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
 
     /// Number of threads that each computation may use now; initially 1.
     std::size_t lent() const { return threads_.load(); }
 
-    /// Whether processes can be made now, or soon for the first time.
+    /// Whether the fork server can fork processes now, or is starting for the first time.
     bool is_ready() const { return fork_server_->is_ready(); }
 
     /// Whether the fork server has replied recently.

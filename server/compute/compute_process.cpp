@@ -29,19 +29,19 @@
 namespace ccdt::server {
 namespace {
 
-/// Computations that take longer leave the heap in pieces, which are given back: that takes less than a millisecond,
-/// and the answer has gone out.
+/// Duration above which a computation fragments the heap, so that free memory is returned to the system afterwards.
+/// This takes less than a millisecond, after the answer was sent.
 constexpr std::chrono::milliseconds kLong{50};
 
-/// A request that has come, and whether its answer is still wanted.
+/// A request that has arrived, and the source by which its computation is stopped.
 struct Task {
     Call call;
     ComputeRequest request;
     std::stop_source stop;
 };
 
-/// Takes in what comes over the channel, in a thread of its own: a stop must be heard while computing, and the end of
-/// the channel ends the process.
+/// Receives messages from the channel in a separate thread, so that a stop is noticed during a computation. Ends the
+/// process when the channel is closed.
 class Inbox {
 public:
     explicit Inbox(int channel) : channel_(channel), listener_([this] { listen(); }) {}
@@ -98,13 +98,13 @@ private:
     std::uint64_t last_number_ = 0;
     std::stop_source last_stop_;
 
-    std::jthread listener_;  ///< last: it uses all the rest
+    std::jthread listener_;  ///< last, because it uses all other members
 };
 
-/// The threads that the server lends a computation.
+/// Runs the tasks of a computation on the number of threads that the server allows at the moment.
 class LentThreads : public Executor {
 public:
-    /// @param lent  how many it may have, the caller's among them; outlives this
+    /// @param lent  number of threads, including the caller's; must outlive this object
     explicit LentThreads(const NumberOfOthers& lent)
         : threads_([this, &lent] { return lent_ = Clock::now() - start_ < kAlone ? 1 : lent.load(1); }) {}
 
@@ -113,14 +113,14 @@ public:
         most_ = std::max(most_, std::min(count, lent_));
     }
 
-    /// How many have worked at once, at most.
+    /// The largest number of threads that worked at the same time.
     std::size_t most() const { return most_; }
 
 private:
     using Clock = std::chrono::steady_clock;
 
-    /// Time for which a computation has no thread besides its own: one that has ended by then would be held up by
-    /// others. By it `/sample` of 1,024 sites took 3.8 ms, and 4.1 without it.
+    /// Time for which a computation has only its own thread, because additional threads delay shorter computations:
+    /// `/sample` with 1,024 sites takes 3.8 ms with this limit and 4.1 ms without it.
     static constexpr std::chrono::milliseconds kAlone{5};
 
     const Clock::time_point start_ = Clock::now();
@@ -129,7 +129,7 @@ private:
     ThreadExecutor threads_;
 };
 
-/// Milliseconds that the processors have worked for this process, by all its threads.
+/// Returns the processor time of this process, over all threads, in milliseconds.
 double processor_time() {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -137,13 +137,13 @@ double processor_time() {
 }
 
 /// Sends a reply with its texts.
-/// @returns  false if nobody takes them: the process is about to end
+/// @returns  false if the channel is closed; the process is then about to end
 bool send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
     for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
     return send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3], texts[4]});
 }
 
-/// Sends an answer, or what comes before the pieces of its body.
+/// Sends an answer, or the head of an answer whose body follows in pieces.
 bool send_answer(int channel, Reply reply, const api::Answer& answer) {
     reply.sites = answer.sites;
     reply.pixels = answer.pixels;
@@ -159,10 +159,10 @@ bool send_answer(int channel, Reply reply, const api::Answer& answer) {
                       {answer.media_type, answer.coding, answer.body, answer.repaired, answer.warnings});
 }
 
-/// Sends a large body as it is written.
+/// Sends the pieces of a large body.
 class PieceSender : public api::BodyTaker {
 public:
-    /// @param timings  as far as the computation has come
+    /// @param timings  timings of the current computation, which are sent with the head
     PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
 
     Result<void> begin(const api::Answer& head) override {
@@ -182,7 +182,7 @@ public:
 
 private:
     static Result<void> check(bool sent) {
-        if (!sent) return failure(ErrorCode::Stopped, "nobody takes the answer");
+        if (!sent) return failure(ErrorCode::Stopped, "the server no longer receives the answer");
         return {};
     }
 
@@ -190,7 +190,7 @@ private:
     const api::Timings& timings_;
 };
 
-/// Computes, whatever happens.
+/// Computes an answer. Exceptions become errors (Internal).
 Result<api::Answer> answer(const Task& task, const Computer& compute, const api::Decode& decode, const Control& control,
                            api::Timings& timings, int channel) {
     PieceSender sender(channel, timings);

@@ -15,36 +15,39 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Decodes pictures of strangers in processes that may crash, hang or eat memory: each costs its own picture only.
+/// Decodes untrusted pictures in separate processes. A process that crashes, hangs or exceeds its memory fails only its
+/// own picture.
 ///
-/// A helper forks a child for each picture. Should the helper end it is started again. See decoder_client.h for who
-/// gives orders, decoder_helper.h for how the processes end, decoder_confinement.h and decoder_sandbox.h for what they
-/// may do. Members may be called from any thread.
+/// A helper process forks a child for each picture. If the helper ends, it is restarted. Orders come from
+/// DecoderClient. decoder_helper.h describes how the processes end, decoder_confinement.h and decoder_sandbox.h what
+/// they may do. Thread-safe.
 class DecoderBox {
 public:
-    /// Starts the helper; ends it, and with it what it still does, in the end. Errors: Internal.
-    /// @param launch  starts a process that becomes the helper, by run_decoder_helper
+    /// Starts the helper. The destructor ends the helper and all its children. Errors: Internal.
+    /// @param launch  starts a process that calls run_decoder_helper
     static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell);
 
-    /// Waits until the helper is ready for the first time. Errors: Internal; it is then not started again.
-    Result<void> wait_until_ready() { return helper_->wait_until_ready(); }
+    /// Waits until the helper is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
+    Result<void> wait_until_ready(const std::stop_token& stop = {}) { return helper_->wait_until_ready(stop); }
 
-    /// Hands an order on to the helper, waiting for one that is being started again. If there is none for as long as
-    /// the order may wait, its outcome tells that.
-    /// @returns  false if there was none, or none until the stop
+    /// Passes an order to the helper, and waits while the helper is restarted. If there is no helper by the time limit
+    /// of the order, this is reported as the outcome of the order.
+    /// @returns  false if there was no helper by the time limit, or if a stop was requested
     bool relay(const Order& order, const std::stop_token& stop);
 
-    /// Times that the helper ended, and was or is being started again.
+    /// Number of times that the helper ended and was or is being restarted.
     std::uint64_t restarts() const { return helper_->restarts(); }
 
-    /// Whether the helper has answered lately, and times that it stopped answering.
+    /// Whether the helper has replied recently.
     bool is_responsive() const { return helper_->is_responsive(); }
+
+    /// Number of times that the helper stopped replying.
     std::uint64_t silences() const { return helper_->silences(); }
 
-    /// Whether there is a helper now, or about to be for the first time.
+    /// Whether the helper is ready now, or starting for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 
-    /// Confinement that the first helper found in force; to be asked once it is ready.
+    /// The confinement that the first helper reported. Must be called after the helper has become ready.
     const Confinement& confinement() const { return *confinement_; }
 
 private:

@@ -25,12 +25,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Time for which an order waits for a helper, from the first one that was lost with it.
-constexpr std::chrono::seconds kPatience{5};
+/// Limit of the time that a child may take, as a multiple of its limit of processor time.
+constexpr int kMostPerProcessorTime = 3;
 
 /// Reasons why there is no reply.
 struct NoReply {
-    enum class Reason { Died, TooSlow, Stopped, NotStarted, OrderLost, NoHelper };
+    enum class Reason { Died, TooSlow, Late, Stopped, NotStarted, OrderLost, NoHelper };
     Reason reason = Reason::OrderLost;
     int error = 0;  ///< errno of NotStarted
 };
@@ -55,29 +55,44 @@ struct CloseBothWays {
     void operator()() const { ::shutdown(socket, SHUT_RDWR); }
 };
 
-/// Waits for what becomes of an order.
-/// @returns  none if there is a reply
-std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::time_point deadline, const std::stop_token& stop) {
-    const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
+/// Waits for the next report about an order.
+tl::expected<Outcome, NoReply> next_report(const UniqueFd& outcome, Clock::time_point deadline,
+                                           const std::stop_token& stop) {
     pollfd polled{outcome.get(), POLLIN, 0};
     int ready = 0;
     do ready = poll(&polled, 1, milliseconds_until(deadline));
     while (ready < 0 && errno == EINTR);
-    if (stop.stop_requested()) return NoReply{NoReply::Reason::Stopped};
-    if (ready == 0) return NoReply{NoReply::Reason::TooSlow};
-    Outcome told;
-    if (recv(outcome.get(), &told, sizeof(told), 0) != static_cast<ssize_t>(sizeof(told))) return NoReply{};
-    if (told.fork_error != 0) return NoReply{NoReply::Reason::NotStarted, told.fork_error};
-    if (told.no_helper != 0) return NoReply{NoReply::Reason::NoHelper};
-    if (told.ended != 0) return NoReply{NoReply::Reason::Died};
+    if (stop.stop_requested()) return tl::unexpected(NoReply{NoReply::Reason::Stopped});
+    if (ready == 0) return tl::unexpected(NoReply{NoReply::Reason::Late});
+    Outcome report;
+    if (recv(outcome.get(), &report, sizeof(report), 0) != static_cast<ssize_t>(sizeof(report)))
+        return tl::unexpected(NoReply{});
+    return report;
+}
+
+/// Waits for the end of an order.
+/// @param to_begin  time within which a child must begin
+/// @param to_end    time within which the child must end after it has begun
+/// @returns         none if there is a reply
+std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begin, Clock::duration to_end,
+                                const std::stop_token& stop) {
+    const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
+    auto report = next_report(outcome, Clock::now() + to_begin, stop);
+    if (report && report->begun != 0) report = next_report(outcome, Clock::now() + to_end, stop);
+    if (!report) return report.error();
+    if (report->fork_error != 0) return NoReply{NoReply::Reason::NotStarted, report->fork_error};
+    if (report->no_helper != 0) return NoReply{NoReply::Reason::NoHelper};
+    if (report->too_slow != 0) return NoReply{NoReply::Reason::TooSlow};
+    if (report->ended != 0) return NoReply{NoReply::Reason::Died};
     return std::nullopt;
 }
 
-/// Result that a reply holds.
+/// Type of the result in a reply.
 template <class Reply>
 using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_type;
 
-/// @param text  of the order
+/// Sends one order to a helper, and waits for the reply.
+/// @param text  text of the order
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
                                                   const Order::Text& text, const std::stop_token& stop) {
@@ -88,10 +103,11 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::Hand& han
     order.outcome = std::move(outcome->theirs);
     if (!hand(order, stop))
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
-    const auto deadline = Clock::now() + text.limits.time;
-    order.outcome.reset();  // the helper's alone, or its death would go unseen
-    // To leave closes our end, which ends the child.
-    if (const auto none = wait_for(outcome->ours, deadline, stop)) return tl::unexpected(*none);
+    order.outcome.reset();  // only the helper may keep this end: it closes when the helper ends
+    // Returning closes our end of the socket, which ends the child.
+    const std::chrono::milliseconds to_begin(text.patience_ms);
+    const auto to_end = to_begin + kMostPerProcessorTime * text.limits.time;
+    if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop)) return tl::unexpected(*none);
     const Reply reply(order.reply, most);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
@@ -99,13 +115,16 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::Hand& han
     return *std::move(result);
 }
 
-/// @param what  was to be decoded
+/// Returns the error for a missing reply.
+/// @param what  subject of the message, such as "the image"
 tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     switch (none.reason) {
         case NoReply::Reason::Died:
             return failure(ErrorCode::Unusable, what + " could not be decoded: it made the decoder fail");
         case NoReply::Reason::TooSlow:
             return failure(ErrorCode::Unusable, what + " could not be decoded: it took too long");
+        case NoReply::Reason::Late:
+            return failure(ErrorCode::Unavailable, "the server was too busy to decode " + what);
         case NoReply::Reason::Stopped:
             return failure(ErrorCode::Stopped, "the decoding was stopped");
         case NoReply::Reason::NotStarted:
@@ -114,26 +133,28 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
         case NoReply::Reason::NoHelper:
             break;
     }
-    return failure(ErrorCode::Internal, "the decoder is gone, and was not back in time");
+    return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
-/// Has a file decoded, and gives an order again that was lost with its helper.
-/// @param deaths  counts children that crashed, passed a limit or gave nonsense
+/// Has a file decoded. Repeats an order that was lost with its helper.
+/// @param longest_wait  time for which the order waits for a helper and for a child
+/// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::Hand& hand, std::string_view bytes, Order::Text text,
-                          const std::stop_token& stop, std::atomic<std::uint64_t>& deaths) {
+                          const std::stop_token& stop, std::chrono::milliseconds longest_wait,
+                          std::atomic<std::uint64_t>& deaths) {
     using Reason = NoReply::Reason;
     text.bytes = bytes.size();
     std::optional<Clock::time_point> give_up;
     while (true) {
-        const Clock::duration patience = give_up ? *give_up - Clock::now() : kPatience;
+        const Clock::duration patience = give_up ? *give_up - Clock::now() : longest_wait;
         text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
         auto reply = ask_helper<Reply>(hand, bytes, text, stop);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
-        if (!give_up) give_up = Clock::now() + kPatience;
-        // That a helper ended was not this file's fault.
+        if (!give_up) give_up = Clock::now() + longest_wait;
+        // The file is not the cause if a helper has ended.
         if (reason != Reason::OrderLost || Clock::now() > *give_up)
             return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
     }
@@ -142,16 +163,17 @@ ResultOf<Reply> decode_by(const DecoderClient::Hand& hand, std::string_view byte
 }  // namespace
 
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
-    constexpr std::chrono::milliseconds kTime{5000};
+    constexpr std::chrono::seconds kTime{5};
     constexpr std::uint64_t kPixelsPerMillisecond = 2000;
-    constexpr std::size_t kMemory = std::size_t{24} << 20;  // to tell what is wrong
+    constexpr std::size_t kMemory = std::size_t{24} << 20;  // enough to find out what is wrong with the file
     const auto header = api::read_image_header(file, max_pixels);
     if (!header) return {kMemory, kTime};
-    return {header->decoder_bytes, kTime + std::chrono::milliseconds(header->pixels() / kPixelsPerMillisecond)};
+    const std::chrono::milliseconds for_pixels(header->pixels() / kPixelsPerMillisecond);
+    return {header->decoder_bytes, kTime + std::chrono::ceil<std::chrono::seconds>(for_pixels)};
 }
 
 DecoderLimits shapefile_limits(std::size_t max_bytes) {
-    constexpr std::chrono::milliseconds kTime{10'000};
+    constexpr std::chrono::seconds kTime{10};
     return {api::shapefile_memory(max_bytes), kTime};
 }
 
@@ -163,7 +185,7 @@ Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::R
     text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
     text.reduce = reading.reduce;
     text.limits = limits_(bytes, reading.max_pixels);
-    return decode_by<ReplyMemory<AnyPicture>>(hand_, bytes, text, stop, deaths_);
+    return decode_by<ReplyMemory<AnyPicture>>(hand_, bytes, text, stop, longest_wait_, deaths_);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
@@ -186,7 +208,7 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
     text.product = Order::Product::Map;
     reading.object.copy(text.object.data(), reading.object.size());
     text.limits = shapefile_limits(reading.max_bytes);
-    return decode_by<ReplyText>(hand_, archive, text, stop, deaths_);
+    return decode_by<ReplyText>(hand_, archive, text, stop, longest_wait_, deaths_);
 }
 
 api::Decode DecoderClient::functions() {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -20,41 +21,52 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Limits for a file: the memory that a reader needs for a picture as its header tells it, the time of a slow machine.
+/// Returns the limits for a file: the memory that a reader needs for a picture with the header of this file, and the
+/// processor time that reading takes on a slow machine.
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 
-/// Limits for a zipped shapefile: the memory that its reader needs, the time of a slow machine.
-/// @param max_bytes  as api::ShapefileReading has it
+/// Returns the limits for a zipped shapefile: the memory that its reader needs, and the processor time of a slow
+/// machine.
+/// @param max_bytes  see api::ShapefileReading
 DecoderLimits shapefile_limits(std::size_t max_bytes);
 
-/// Has pictures decoded in the box, wherever that is. May be used from any thread.
+/// Has pictures and shapefiles decoded by a DecoderBox, which may belong to another process. May be used from any
+/// thread.
 class DecoderClient {
 public:
     using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;
 
-    /// Hands an order on to a helper; false: there is none, and none will be there in time.
+    /// Passes an order on to a helper; returns false if no helper is available in time.
     using Hand = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
-    explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits)
-        : hand_(std::move(hand)), limits_(std::move(limits)) {}
+    /// Time that an order may wait for a helper, and then for a child to begin. If the order is lost because its helper
+    /// has ended, repetitions may begin within the same time from that loss.
+    static constexpr std::chrono::milliseconds kLongestWait{5000};
 
-    /// Decodes a file as the decoder does, to the byte; a stop ends it at once. An order that a helper took along when
-    /// it ended is given again.
+    explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits,
+                           std::chrono::milliseconds longest_wait = kLongestWait)
+        : hand_(std::move(hand)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
+
+    /// Decodes a file; the result is identical to that of decoding in this process. A stop ends the decoding at once.
+    /// If an order was lost because its helper ended, the order is repeated.
     ///
-    /// Errors: the decoder's own; Unusable if it crashed, passed a limit or gave nonsense; Stopped; Internal if the
-    /// machine lacks processes or descriptors, or the helper was lost and there was no other in time.
+    /// Errors: those of the picture readers; Unusable if the decoder crashed, exceeded its memory or its processor
+    /// time, or wrote an invalid reply; Stopped; Unavailable if no helper was available or no child began in time, or
+    /// if a child did not end in time although it had processor time left; Internal if the machine lacks processes or
+    /// descriptors.
     Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop);
     Result<ColourPicture> decode_colour(std::string_view bytes, const api::Reading& reading,
                                         const std::stop_token& stop);
 
-    /// Reads a zipped shapefile as api::read_shapefile does, to GeoJSON. Errors besides: as above.
+    /// Converts a zipped shapefile to GeoJSON: see api::read_shapefile. Errors: those of that function, and those of
+    /// decode() that do not come from the picture readers.
     Result<std::string> read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
                                        const std::stop_token& stop);
 
-    /// The two functions, as api takes them. The client must outlive them.
+    /// Returns the two decode functions in the form that api takes. The client must outlive them.
     api::Decode functions();
 
-    /// Files so far whose child crashed, passed a limit or gave nonsense.
+    /// Number of files so far whose child crashed, exceeded a limit or wrote an invalid reply.
     std::uint64_t deaths() const { return deaths_; }
 
 private:
@@ -63,6 +75,7 @@ private:
 
     const Hand hand_;
     const LimitsOf limits_;
+    const std::chrono::milliseconds longest_wait_;
     std::atomic<std::uint64_t> deaths_ = 0;
 };
 

@@ -36,25 +36,26 @@ namespace {
 constexpr int kServerGone = 0;
 constexpr int kFailed = 1;
 
-constexpr int kQuiet = 5;  ///< milliseconds without orders or deaths, after which nobody seems to wait
+constexpr int kQuiet = 5;  ///< in milliseconds; if nothing happens for so long, probably nobody waits for a child
 
-/// Ends with its parent, even if that has ended already.
+/// Makes the calling process end when its parent ends, or now if the parent has ended already.
 void follow(pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kFailed);
 }
 
-/// Files open in helper and spare besides the standard streams: a socket for orders, and /proc, which they could not
-/// open any more.
+/// Descriptors, besides the standard streams, that stay open in the helper and its children: a socket for orders, and
+/// /proc, which they could not open any more.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
 
-/// Closes all files but those two.
+/// Moves the socket to kOrders, and closes all files but kOrders, kProc and the standard streams.
 bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Closes what was open in the server. Sanitizers keep the standard error to write to.
+/// Closes inherited files, and redirects the standard streams to /dev/null. With sanitizers, the standard error stays
+/// as it is, for their reports.
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -69,7 +70,7 @@ public:
     Helper(const Decoder& decoder, const Sandbox& sandbox)
         : decoder_(decoder), sandbox_(sandbox), deaths_(watch_children()) {}
 
-    /// Takes orders until the server has ended.
+    /// Carries out orders until the server has ended.
     void run() {
         while (true) {
             const bool quiet = !wait();
@@ -79,17 +80,18 @@ public:
             if (!is_ready(kOrders)) continue;
             auto order = receive_order(kOrders);
             if (!order) return;
-            start(*std::move(order));  // and lets go of its descriptors, which another child must not get
+            start(*std::move(order));  // also closes the descriptors of the order, which another child must not inherit
         }
     }
 
 private:
     struct Child {
         pid_t process = 0;
-        UniqueFd socket;  ///< to whoever waits for it; a spare's own: to give it an order
+        UniqueFd socket;  ///< to the process that waits for the result; for a spare: to send it an order
     };
 
-    /// @returns  false if nothing happened; only as long as there is no spare
+    /// Waits for an order, for the end of a child, or until nobody waits for the result of a child any more.
+    /// @returns  false if none of this happened for kQuiet milliseconds; if there is a spare, the wait has no limit
     bool wait() {
         polled_.assign({{kOrders, POLLIN, 0}, {deaths_.get(), POLLIN, 0}});
         for (const Child& child : children_) polled_.push_back({child.socket.get(), POLLIN, 0});
@@ -105,16 +107,19 @@ private:
         signalfd_siginfo read_away;
         while (read(deaths_.get(), &read_away, sizeof(read_away)) > 0) {
         }
-        for (pid_t process = 0; (process = waitpid(-1, nullptr, WNOHANG)) > 0;) {
+        int status = 0;
+        for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
             const auto child = std::ranges::find(children_, process, &Child::process);
             if (process == spare_.process) spare_ = {};
             if (child == children_.end()) continue;
-            report(child->socket, {0, 1});
+            const bool too_slow = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+            report(child->socket, {.ended = 1, .too_slow = too_slow ? 1 : 0});
             children_.erase(child);
         }
     }
 
-    /// Its death is yet to be reaped, so the number is still its own.
+    /// Kills a child whose result nobody waits for any more. The child has not been reaped yet, so no other process can
+    /// have its id.
     void end_if_unwanted(Child& child) const {
         if (!child.socket || !is_ready(child.socket.get())) return;
         kill(child.process, SIGKILL);
@@ -125,8 +130,8 @@ private:
         if (outcome) send(outcome.get(), &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
     }
 
-    /// Forks the child for the next order before that comes, and when nobody waits: forking a program with so many
-    /// libraries takes longer than all else that is done here.
+    /// Forks a spare: the child for the next order. This is done before the order arrives and while nobody waits,
+    /// because forking a program with so many libraries takes longer than everything else in this class.
     void fork_spare() {
         std::array<int, 2> ends{};
         if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) return;
@@ -145,13 +150,13 @@ private:
         if (order.probe) return answer_probe(order.probe);
         if (!order.outcome) return;
         if (spare_.process == 0) fork_spare();
-        if (spare_.process == 0) return report(order.outcome, {errno, 1});
-        // To a spare that was killed nothing can be sent. The order is lost then, and given again.
+        if (spare_.process == 0) return report(order.outcome, {.fork_error = errno, .ended = 1});
+        // If the spare was killed, the order cannot be sent. It is then lost, and DecoderClient repeats it.
         if (send_order(spare_.socket.get(), order)) children_.push_back({spare_.process, std::move(order.outcome)});
         spare_ = {};
     }
 
-    /// Waits for an order and carries it out; in the child.
+    /// Waits for an order and carries it out. Called in the child.
     [[noreturn]] void do_order(int orders) const {
         prctl(PR_SET_NAME, "decoder");
         sigset_t none;
@@ -160,6 +165,7 @@ private:
         if (!leave_files(orders)) _exit(kFailed);
         auto order = receive_order(kOrders);
         if (!order || !order->outcome) _exit(kFailed);
+        report(order->outcome, {.begun = 1});
         Sandbox::volunteer_for_out_of_memory(kProc);
         switch (order->text.product) {
             case Order::Product::Grey:
@@ -172,7 +178,8 @@ private:
         _exit(kFailed);
     }
 
-    /// Tells by errno why nothing can be decoded, which is not the picture's fault; in the child.
+    /// Reports why nothing can be decoded, as errno, and ends the process. The picture is not the cause. Called in the
+    /// child.
     [[noreturn]] static void give_up(int outcome) {
         const Outcome told{.fork_error = errno, .ended = 1};
         send(outcome, &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -201,9 +208,10 @@ private:
         });
     }
 
-    /// Decodes; from here on the child has the two mapped files and a socket to whoever waits. It says itself that it
-    /// is done, as ending a process with so many libraries takes milliseconds.
-    /// @param decode_bytes  decodes the file and writes the reply; false: it could not
+    /// Decodes a file and ends the process. From here on the child has only the two mapped files and a socket to the
+    /// process that waits. The child reports itself that it is done, because ending a process with so many libraries
+    /// takes milliseconds.
+    /// @param decode_bytes  decodes the file and writes the reply; returns false if it could not
     template <class Reply, class DecodeBytes>
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
         const auto size = static_cast<std::size_t>(order.text.bytes);
@@ -223,12 +231,12 @@ private:
     const Sandbox& sandbox_;
     const UniqueFd deaths_;
     std::vector<Child> children_;
-    Child spare_;  ///< waits for an order; without a process there is none
+    Child spare_;  ///< a child that waits for an order; process 0: there is none
     std::vector<pollfd> polled_;
 };
 
-/// Waits for all children and ends as the helper did: the first to end besides the one that started it. Its own, where
-/// they have no namespace, follow.
+/// Waits for all children, and ends as the helper did. The helper is the first child to end except the starter. Without
+/// a PID namespace, the children of the helper become children of this process, and are waited for as well.
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
     std::optional<int> end;
@@ -245,10 +253,12 @@ private:
     _exit(end && WIFEXITED(*end) ? WEXITSTATUS(*end) : kFailed);
 }
 
-/// Returns in a process of one thread, in the namespaces; the calling process only waits for its end.
+/// Returns in the helper, a new process with one thread in the new namespaces. The calling process only waits for its
+/// end.
 ///
-/// Libraries start threads before there is anything to decode, with which a namespace of users cannot be entered, and
-/// that of processes is for children. So a child enters them, whose child goes on.
+/// Libraries start threads early, and a process with several threads cannot enter a user namespace. A PID namespace
+/// applies only to children of the process that enters it. So a child enters the namespaces, and a child of that child
+/// becomes the helper.
 void continue_in_namespaces(Confinement& confinement) {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const pid_t child = fork();
@@ -262,7 +272,7 @@ void continue_in_namespaces(Confinement& confinement) {
     end_like_helper(child);
 }
 
-/// @returns  whether the helper was ready
+/// Counts the threads of this process; 0 if that is not possible.
 std::ptrdiff_t count_threads() {
     std::error_code error;
     const std::filesystem::directory_iterator threads("/proc/self/task", error);
@@ -274,8 +284,9 @@ void pause_shortly() {
     nanosleep(&pause, nullptr);
 }
 
-/// Does once what decoding does but once. The libraries start threads for that and detach them: a lock that one of
-/// these holds while this process forks would be held in all its children for good, so they are waited for.
+/// Does in advance what decoding does only once per process. Libraries start threads for this and detach them. If this
+/// process forked while one of these threads holds a lock, the lock would stay held in all children. So the function
+/// waits for the threads to end.
 void warm_up(const Decoder& decoder) {
     if (!decoder.warm_up) return;
     constexpr int kMostPauses = 500;
@@ -284,6 +295,8 @@ void warm_up(const Decoder& decoder) {
     for (int pauses = 0; count_threads() > before && pauses < kMostPauses; ++pauses) pause_shortly();
 }
 
+/// Prepares the helper, and runs it until the server has ended.
+/// @returns  false if the helper could not report that it is ready
 bool be_helper(const Decoder& decoder) {
     warm_up(decoder);
     Confinement confinement;
@@ -303,10 +316,10 @@ bool be_helper(const Decoder& decoder) {
 
 void run_decoder_helper(UniqueFd orders, const Decoder& decoder) {
     leave_signals_to_server();
-    std::signal(SIGCHLD, SIG_DFL);  // ignored, children would leave no status
+    std::signal(SIGCHLD, SIG_DFL);  // if SIGCHLD were ignored, children would leave no status
     try {
         if (leave_files_of_server(orders.release()) && be_helper(decoder)) _exit(kServerGone);
-    } catch (...) {  // as it ends all the same
+    } catch (...) {  // the process ends in any case
     }
     _exit(kFailed);
 }

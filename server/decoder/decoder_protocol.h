@@ -18,111 +18,115 @@
 
 namespace ccdt::server {
 
-/// Messages between server, helper and decoding children. They are built together, so structs travel as they are.
-/// The server trusts the helper; it takes from a child only what makes sense.
+/// Messages between the server, the helper and its decoding children. All three are built together, so structs are sent
+/// as they are in memory. The server trusts the helper, and validates what children send.
 
-/// Message from the helper, once: it is ready.
+/// First message from the helper, sent once it is ready.
 struct Hello {
-    Confinement confinement;  ///< of itself and its children
+    Confinement confinement;  ///< of the helper and its children
 };
 
 /// Message from the server to the helper: a file to decode.
 struct Order {
-    /// Result that the file is decoded to: a Picture, a ColourPicture, or the GeoJSON of a shapefile.
+    /// Type of the result: a Picture, a ColourPicture, or the GeoJSON of a shapefile.
     enum class Product : std::uint32_t { Grey, Colour, Map };
 
-    /// Bytes that the name of a shapefile may have.
+    /// Maximum length of a shapefile's name, in bytes.
     static constexpr std::size_t kLongestName = 1000;
 
     struct Text {
-        std::uint64_t bytes = 0;  ///< of the file
-        std::uint64_t most = 0;   ///< pixels of the picture, or bytes of the map
+        std::uint64_t bytes = 0;  ///< size of the file
+        std::uint64_t most = 0;   ///< maximum number of pixels of the picture or bytes of the map
         Product product = Product::Grey;
-        std::int32_t reduce = 1;                         ///< as api::Reading has it
-        std::array<char, kLongestName + 1> object = {};  ///< as api::ShapefileReading has it; zeros after its end
-        std::int64_t patience_ms = 0;                    ///< for which the order may wait for a helper
+        std::int32_t reduce = 1;                         ///< see api::Reading
+        std::array<char, kLongestName + 1> object = {};  ///< see api::ShapefileReading; padded with zeros
+        std::int64_t patience_ms = 0;                    ///< time limit of the wait for a helper, in milliseconds
         DecoderLimits limits;
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;       ///< made by ReplyMemory
-    UniqueFd outcome;     ///< socket for Outcomes; once its other end is closed nobody waits for the child
-    UniqueFd probe = {};  ///< socket to answer at; none, unless the message was a probe instead
+    UniqueFd reply;       ///< memory made by ReplyMemory or ReplyText
+    UniqueFd outcome;     ///< socket for Outcomes; once its other end is closed, nobody waits for the child
+    UniqueFd probe = {};  ///< socket for the reply to a probe; set only if the message was a probe, not an order
 };
 
-/// The end of an order, of which the first counts: from the child, that its reply is written, from the helper, that the
-/// child has ended or there was none, or from the server, that there was no helper.
+/// Reports about an order. The child reports that it has begun, and then that its reply is written. The helper reports
+/// that the child has ended or could not be forked, and the server that there was no helper. Only the first report
+/// other than `begun` counts.
 struct Outcome {
-    std::int32_t fork_error = 0;  ///< errno for why there was none, or none that could begin; 0: there was
-    std::int32_t ended = 0;       ///< it crashed, was killed or gave up, unless it has said that it is done
-    std::int32_t no_helper = 0;   ///< there was none for as long as the order might wait
+    std::int32_t fork_error = 0;  ///< errno for why no child was forked or could begin; 0: a child began
+    std::int32_t ended = 0;  ///< 1: the child has ended; without an earlier report, it crashed, was killed or gave up
+    std::int32_t no_helper = 0;  ///< 1: there was no helper by the time limit of the order
+    std::int32_t begun = 0;      ///< 1: the child has the order; another report follows
+    std::int32_t too_slow = 0;   ///< 1: the child ended because it used up its processor time
 };
 
-/// Sends an order; false if there is no helper any more.
+/// Sends an order.
+/// @returns  false if the helper has ended
 bool send_order(int socket, const Order& order);
 
-/// Waits for an order. One whose descriptors did not arrive has none.
-/// @returns  none once the server has gone
+/// Waits for an order. Its descriptors are empty if they did not arrive.
+/// @returns  none once the server has ended
 std::optional<Order> receive_order(int socket);
 
-/// A child's reply, in memory that it shares with the server: no pixel is copied.
-/// @tparam AnyPicture  Picture or ColourPicture, whichever the order asked for
+/// A child's reply that is a picture, in memory shared with the server, so that no pixel is copied.
+/// @tparam AnyPicture  Picture or ColourPicture, according to the order
 template <class AnyPicture>
 class ReplyMemory {
 public:
-    /// Memory for it: takes no more than is written to, and can neither shrink nor grow.
+    /// Creates the memory as a file of fixed size. Only the pages that are written to take memory.
     static UniqueFd make_file(std::size_t max_pixels);
 
-    /// Maps it; false afterwards if that failed.
+    /// Maps the memory; the object is false if that failed.
     ReplyMemory(const UniqueFd& file, std::size_t max_pixels);
     explicit operator bool() const { return memory_ != nullptr; }
 
     static std::size_t size(std::size_t max_pixels);
 
-    /// Makes room for the planes of the picture, as api::NewPlane; in the child.
+    /// Allocates a plane of the picture: see api::NewPlane. Called by the child.
     std::shared_ptr<float[]> new_plane(std::size_t size);
 
-    /// Writes a result, in the child. Planes must come from `new_plane`, in the order of the picture's members; false
-    /// if they do not.
+    /// Writes a result. Called by the child.
+    /// @returns  false unless the planes come from `new_plane`, in the order of the picture's members
     bool write(const Result<AnyPicture>& result);
 
-    /// Reads the result, in the server, once the child is done. Whatever the child wrote, the picture is of the size
-    /// that it says, not over the limit. Its values may be anything, and a child that was taken over can still change
-    /// them.
-    /// @returns  none for what no honest child writes
+    /// Reads the result. Called by the server once the child is done. Whatever the child wrote, the planes have the
+    /// size of the picture, which does not exceed the limit. The values are unchecked, and a child under an attacker's
+    /// control could still change them.
+    /// @returns  none if the reply is invalid
     std::optional<Result<AnyPicture>> read() const;
 
 private:
-    static constexpr std::size_t kPlanes = std::is_same_v<AnyPicture, Picture> ? 2 : 4;  ///< that of alpha is the last
+    static constexpr std::size_t kPlanes = std::is_same_v<AnyPicture, Picture> ? 2 : 4;  ///< alpha is the last one
 
     float* plane(std::size_t offset) const;
 
     std::size_t max_pixels_;
-    std::size_t used_ = 0;  ///< values that were given room
+    std::size_t used_ = 0;  ///< number of values that were allocated
     std::shared_ptr<std::byte> memory_;
 };
 
-/// A child's reply that is a text, in memory that it shares with the server.
+/// A child's reply that is a text, in memory shared with the server.
 class ReplyText {
 public:
-    /// Memory for it, as that of a picture.
+    /// Creates the memory, like ReplyMemory::make_file.
     static UniqueFd make_file(std::size_t max_bytes);
 
-    /// Maps it; false afterwards if that failed.
+    /// Maps the memory; the object is false if that failed.
     ReplyText(const UniqueFd& file, std::size_t max_bytes);
     explicit operator bool() const { return memory_ != nullptr; }
 
     static std::size_t size(std::size_t max_bytes);
 
-    /// Appends a piece of the text, in the child.
-    /// @returns  false if there is no room for it
+    /// Appends a piece of the text. Called by the child.
+    /// @returns  false if the text would exceed the limit
     bool append(std::string_view piece);
 
-    /// Ends the text, or replaces it by an error, in the child.
+    /// Ends the text or replaces it by an error. Called by the child.
     void write(const Result<void>& result);
 
-    /// Copies the result, in the server, once the child is done: the child could still change the text.
-    /// @returns  none for what no honest child writes
+    /// Copies the result, because the child could still change the text. Called by the server once the child is done.
+    /// @returns  none if the reply is invalid
     std::optional<Result<std::string>> read() const;
 
 private:

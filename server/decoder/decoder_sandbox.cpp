@@ -27,8 +27,8 @@
 namespace ccdt::server {
 namespace {
 
-/// Calls that allocating, computing and ending take. Everything else fails with EPERM, which libraries can live with,
-/// as when they look for a file that is not there.
+/// System calls for allocating, computing and exiting. All others fail with EPERM, which libraries tolerate, for
+/// example when they look for an optional file.
 constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(brk),
@@ -47,7 +47,7 @@ constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(restart_syscall),
 });
 
-/// Calls that hand out memory, allowed unless code is to run there.
+/// System calls that map memory, allowed unless the memory is to be executable.
 constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
 
 Sandbox::Memory own_memory() {
@@ -72,7 +72,8 @@ bool add_rules(scmp_filter_ctx context) {
     return added && seccomp_rule_add_array(context, SCMP_ACT_ALLOW, SCMP_SYS(write), 1, &to_output) == 0;
 }
 
-/// The kernel's form of the filter: compiled once, not in every child.
+/// Compiles the filter to the form of the kernel, so that children need not compile it.
+/// @returns  empty on failure
 std::vector<sock_filter> compile(scmp_filter_ctx context) {
     const UniqueFd file(memfd_create("filter", MFD_CLOEXEC));
     if (!add_rules(context) || seccomp_export_bpf(context, file.get()) != 0) return {};
@@ -82,15 +83,16 @@ std::vector<sock_filter> compile(scmp_filter_ctx context) {
     return program;
 }
 
-/// Sets a limit; one that is stricter already stays.
-bool limit(__rlimit_resource resource, rlim_t most) {
+/// Lowers a limit, unless it is lower already.
+/// @param margin  amount by which the hard limit is larger
+bool limit(__rlimit_resource resource, rlim_t most, rlim_t margin = 0) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
-    const rlimit both{std::min(most, now.rlim_max), std::min(most, now.rlim_max)};
+    const rlimit both{std::min(most, now.rlim_max), std::min(most + margin, now.rlim_max)};
     return setrlimit(resource, &both) == 0;
 }
 
-/// Whether a limit that cannot be raised any more leaves enough; else with errno.
+/// Whether the hard limit, which cannot be raised, is at least `least`. Sets errno if it is not.
 bool leaves(__rlimit_resource resource, rlim_t least) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
@@ -99,7 +101,8 @@ bool leaves(__rlimit_resource resource, rlim_t least) {
     return false;
 }
 
-/// Rights that Landlock can deny, none of which is granted. Its later versions know more of them.
+/// Rights that Landlock denies, as bit sets. Later versions of Landlock know more rights. The layout is that of
+/// landlock_ruleset_attr in the kernel.
 struct LandlockRules {
     std::uint64_t files = 0;
     std::uint64_t ports = 0;
@@ -108,7 +111,7 @@ struct LandlockRules {
 
 LandlockRules rules_of(long version) {
     constexpr auto bits = [](int count) { return (std::uint64_t{1} << count) - 1; };
-    constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});  // by version; 16 from the fifth on
+    constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});  // by version; 16 from version 5 on
     const auto known = static_cast<std::size_t>(std::clamp(version, 0L, static_cast<long>(kFiles.size()) - 1));
     return {bits(kFiles[known]), version >= 4 ? bits(2) : 0, version >= 6 ? bits(2) : 0};
 }
@@ -117,13 +120,14 @@ long landlock_version() {
     return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
 }
 
-/// Takes no new privileges for granted.
+/// Requires that PR_SET_NO_NEW_PRIVS is set.
 bool enter_landlock(const LandlockRules& rules) {
     const UniqueFd ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &rules, sizeof(rules), 0)));
     return ruleset && syscall(SYS_landlock_restrict_self, ruleset.get(), 0) == 0;
 }
 
-/// errno for why a step fails, told by a child that takes it; 0: it does not.
+/// Runs a step in a child process.
+/// @returns  0 if it succeeded, otherwise its errno
 template <class Step>
 int try_in_child(const Step& step) {
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
@@ -139,7 +143,7 @@ int try_in_child(const Step& step) {
 }  // namespace
 
 struct Sandbox::Filter {
-    std::vector<sock_filter> program;  ///< empty if there is none
+    std::vector<sock_filter> program;  ///< empty if it could not be compiled
 
     static std::unique_ptr<const Filter> create() {
         Filter filter;
@@ -160,28 +164,29 @@ Sandbox::Sandbox()
 Sandbox::~Sandbox() = default;
 
 void Sandbox::volunteer_for_out_of_memory(int proc) {
-    prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);  // or the file would be root's
+    prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);  // otherwise the file belongs to root
     const UniqueFd file(openat(proc, "self/oom_score_adj", O_WRONLY | O_CLOEXEC));
     if (file) static_cast<void>(!write(file.get(), "1000", 4));
 }
 
 bool Sandbox::enter(const DecoderLimits& limits, std::size_t mapped) const {
-    // No core file, and no way in for a debugger of the same user.
+    // Prevents core files, and debuggers of the same user.
     if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) return false;
     if (landlock_error_ == 0 && !enter_landlock(rules_of(landlock_version()))) return false;
     return limit_resources(limits, mapped) && (filter_error_ != 0 || filter_calls());
 }
 
 bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) const {
-    const auto seconds = std::chrono::ceil<std::chrono::seconds>(limits.time).count() + 1;
-    // The allocator reserves address space for threads, of which it may use little.
+    // The allocator reserves address space for threads and uses little of it.
     constexpr std::size_t kReserved = std::size_t{512} << 20;
     const rlim_t data = own_.data + limits.memory;
     const rlim_t space = own_.space + mapped + limits.memory;
     const bool shut = !kIsWhole || (leaves(RLIMIT_DATA, data) && leaves(RLIMIT_AS, space) && limit(RLIMIT_DATA, data) &&
                                     limit(RLIMIT_AS, space + kReserved) && limit(RLIMIT_NOFILE, 0));
-    return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(seconds)) && limit(RLIMIT_FSIZE, 0) && limit(RLIMIT_CORE, 0) &&
-           limit(RLIMIT_NPROC, 0);
+    // SIGXCPU, at the soft limit, tells the helper why the child ended. At the hard limit it would be SIGKILL.
+    constexpr rlim_t kMargin = 1;
+    return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(limits.time.count()), kMargin) && limit(RLIMIT_FSIZE, 0) &&
+           limit(RLIMIT_CORE, 0) && limit(RLIMIT_NPROC, 0);
 }
 
 bool Sandbox::filter_calls() const {
@@ -189,7 +194,7 @@ bool Sandbox::filter_calls() const {
         errno = ENOSYS;
         return false;
     }
-    // Only read by the kernel, which asks for more all the same.
+    // The kernel only reads the program, although the member is not const.
     auto* const begin = const_cast<sock_filter*>(filter_->program.data());
     const sock_fprog program{static_cast<unsigned short>(filter_->program.size()), begin};
     return prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;

@@ -9,14 +9,14 @@ namespace ccdt::server {
 
 /// Resources that decoding one file may use.
 struct DecoderLimits {
-    std::size_t memory = 0;            ///< bytes, besides the program's own, the file and the picture
-    std::chrono::milliseconds time{};  ///< from the order to the picture
+    std::size_t memory = 0;       ///< in bytes, in addition to the program, the file and the picture
+    std::chrono::seconds time{};  ///< processor time; at least 1 s
 };
 
-/// A sandbox for a process that decodes: it can compute, take memory and write to its standard output.
+/// A sandbox for a decoding process, which can only compute, allocate memory and write to its standard output.
 ///
-/// Sanitizers reserve address space without end, open files and pipes and make system calls of their own: where they
-/// are built in, neither memory nor files are limited and system calls are not filtered.
+/// Sanitizers reserve terabytes of address space, open files and pipes, and make system calls of their own. So in
+/// builds with sanitizers, memory and files are not limited and system calls are not filtered.
 class Sandbox {
 public:
     static constexpr bool kIsWhole =
@@ -26,39 +26,39 @@ public:
         true;
 #endif
 
-    /// Bytes of a process.
+    /// Memory of a process, in bytes.
     struct Memory {
-        std::size_t space = 0;  ///< of addresses
-        std::size_t data = 0;   ///< that it may write to and does not share
+        std::size_t space = 0;  ///< address space
+        std::size_t data = 0;   ///< private writable memory
     };
 
-    /// Takes the measure of the calling process, which its children will start from, and has it forgo new privileges.
+    /// Measures the memory of the calling process, which its children inherit, and tries the filters in a child. The
+    /// calling process can gain no privileges afterwards.
     Sandbox();
     ~Sandbox();
     Sandbox(const Sandbox&) = delete;
     Sandbox& operator=(const Sandbox&) = delete;
 
-    /// errno for why this machine does not filter system calls, told by trying; 0: it does. Without it `enter` sets
-    /// the other limits only.
+    /// Returns 0 if this machine can filter system calls, otherwise the errno of the attempt. Without the filter,
+    /// `enter` sets only the other limits.
     int filter_error() const {
         return filter_error_;
     }
 
-    /// errno for why there is no Landlock, in the same way, which denies access to all files, ports and processes
-    /// outside.
+    /// Returns 0 if Landlock is available, which denies access to files, ports and processes outside; otherwise the
+    /// errno of the attempt.
     int landlock_error() const {
         return landlock_error_;
     }
 
-    /// Has the calling process end first if the machine runs out of memory. Where that cannot be said, the limit on
-    /// memory has to do.
-    /// @param proc  where /proc is open
+    /// Makes the kernel end the calling process first if the machine runs out of memory. Failures are ignored.
+    /// @param proc  descriptor of the folder /proc
     static void volunteer_for_out_of_memory(int proc);
 
-    /// Shuts the calling process in, for good.
-    /// @param mapped  bytes that it has mapped besides
-    /// @returns       false, with errno, if that failed; it must then end. ENOMEM: the limits that it was started with
-    ///                (ulimit) leave too little memory
+    /// Confines the calling process irrevocably.
+    /// @param mapped  number of bytes that the process has mapped since the constructor
+    /// @returns       false, with errno set, on failure; the process must then end. ENOMEM: the limits that it was
+    ///                started with (ulimit) leave too little memory
     bool enter(const DecoderLimits& limits, std::size_t mapped) const;
 
 private:
@@ -67,7 +67,7 @@ private:
     bool limit_resources(const DecoderLimits& limits, std::size_t mapped) const;
     bool filter_calls() const;
 
-    const Memory own_;  ///< of the calling process
+    const Memory own_;  ///< memory of the process that called the constructor
     const std::unique_ptr<const Filter> filter_;
     const int filter_error_;
     const int landlock_error_;

@@ -4,6 +4,12 @@
 #include <utility>
 
 namespace ccdt::server {
+namespace {
+
+/// Time after which a request that could not be served at present may succeed.
+constexpr std::chrono::seconds kSoon{2};
+
+}  // namespace
 
 int http_status(ErrorCode code) {
     switch (code) {
@@ -17,6 +23,7 @@ int http_status(ErrorCode code) {
             return 406;
         case ErrorCode::Unsupported:
             return 415;
+        case ErrorCode::Unavailable:
         case ErrorCode::Stopped:
             return 503;
         case ErrorCode::Internal:
@@ -27,6 +34,11 @@ int http_status(ErrorCode code) {
 
 tl::unexpected<Problem> problem(Error error) {
     const int status = http_status(error.code);
+    if (error.code == ErrorCode::Unavailable) {
+        auto refused = busy(status, error.message, kSoon);
+        refused.value().cause = std::move(error.message);
+        return refused;
+    }
     if (status != 500) return tl::unexpected<Problem>(Problem{status, std::move(error)});
     Error told{error.code, "the server failed; its log contains the cause", {}};
     return tl::unexpected<Problem>(Problem{status, std::move(told), {}, std::move(error.message)});

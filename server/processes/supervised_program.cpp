@@ -93,6 +93,7 @@ Result<void> SupervisedProgram::await(Running& running) {
     return cannot_start(name_, "it " + running.program.wait());
 }
 
+/// Starts the program again, with pauses, until it is ready.
 /// @returns  none once the program must not be restarted any more
 std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff, Clock::duration lived) {
     while (true) {
@@ -128,7 +129,7 @@ void SupervisedProgram::watch(Running running) {
     wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // it ends by itself, because its socket is closed
 }
 
-/// Waits for the end of the program, and probes it meanwhile.
+/// Waits for the end of the program, and probes the program meanwhile.
 /// @returns  false once the program must not be restarted any more
 bool SupervisedProgram::attend(const Running& running) {
     UniqueFd answer;
@@ -168,9 +169,10 @@ void SupervisedProgram::end_start(Result<void> started) {
     changed_.notify_all();
 }
 
-Result<void> SupervisedProgram::wait_until_ready() {
+Result<void> SupervisedProgram::wait_until_ready(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return started_.has_value(); });
+    if (!changed_.wait(lock, stop, [this] { return started_.has_value(); }))
+        return failure(ErrorCode::Stopped, "stopped before the program was ready");
     return *started_;
 }
 

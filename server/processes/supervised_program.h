@@ -19,11 +19,11 @@
 
 namespace ccdt::server {
 
-/// A program that the server keeps running: if it ends, it is reaped and restarted. Once a second it is asked whether
-/// it is alive (send_probe), and must reply whatever it is doing.
+/// A program that the server keeps running: if the program ends, it is reaped and restarted. Once a second it is asked
+/// whether it is alive (send_probe), and must reply whatever it is doing.
 ///
-/// The program has a socket that preserves message boundaries, on which it first reports that it is ready. Until then,
-/// its silence counts as that of a program that does not answer. Thread-safe.
+/// The program has a socket that preserves message boundaries. Its first message reports that it is ready. If this
+/// message is late, the program counts as not responding, like one that does not reply to a probe. Thread-safe.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
@@ -38,7 +38,8 @@ public:
     /// Reports when the program ends, stops responding or responds again. Takes a message; called from any thread.
     using Tell = std::function<void(const std::string&)>;
 
-    /// Starts the program. It may need some time to load its libraries; callers that need it wait. Errors: Internal.
+    /// Starts the program, which may need some time to load its libraries. Callers that need the program wait. Errors:
+    /// Internal.
     /// @param name  name for messages
     static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
 
@@ -49,12 +50,13 @@ public:
     SupervisedProgram& operator=(const SupervisedProgram&) = delete;
 
     /// Waits until the program is ready for the first time.
-    /// Errors (Internal): it ended before, and is not restarted.
-    Result<void> wait_until_ready();
+    /// Errors: Internal if the program ended before it was ready, in which case it is not restarted; Stopped.
+    Result<void> wait_until_ready(const std::stop_token& stop = {});
 
-    /// Returns the socket to the program. Waits while the program is restarted; the first start may exceed the
-    /// deadline. Returns another socket than `lost`, whose program is known to have ended.
-    /// @returns  none if there was no program until the deadline, or if a stop was requested
+    /// Returns the socket to the program, and waits while the program is restarted. The deadline does not limit the
+    /// wait for the first start.
+    /// @param lost  socket whose program is known to have ended, and which is not returned again; null: none
+    /// @returns     none if there was no program by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 
     /// Whether the program is ready now, or starting for the first time.

@@ -30,7 +30,7 @@ void tell(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time limit for calls without which a request can be answered: shared answers and rates.
+/// Time limit for calls that a request can do without: to the Redis of shared answers or rates.
 constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
@@ -49,7 +49,7 @@ Result<void> check_pictures(const Config& config) {
     return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
 }
 
-/// @param redis  null: jobs are stored in this process or folder
+/// @param redis  null: jobs are stored in this process, or in the data folder
 Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient* redis, const Log& log) {
     if (redis != nullptr)
         return std::make_unique<RedisJobStore>(
@@ -76,7 +76,7 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
     return client ? client->counts() : RedisClient::Counts();
 }
 
-/// Raises the limit of open files, and reduces the limits of connections if it is still too low.
+/// Raises the limit of open files. If that limit stays too low, reduces the limits of connections.
 Result<Config> with_descriptors(Config config, const Log& log) {
     allow_open_files(wanted_descriptors(config));
     const auto plan = share_descriptors(config, most_descriptors());
@@ -173,11 +173,11 @@ Service::Service(const Config& config, Parts parts, const Log& log)
     pool_.on_change(lend);
 }
 
-Result<void> Service::wait_until_ready() const {
-    const auto ready = parts_.decoder->wait_until_ready();
+Result<void> Service::wait_until_ready(const std::stop_token& stop) const {
+    const auto ready = parts_.decoder->wait_until_ready(stop);
     if (!ready) return ready;
     tell(parts_.decoder->confinement(), log_);
-    return parts_.computing->wait_until_ready();
+    return parts_.computing->wait_until_ready(stop);
 }
 
 std::string Service::address() const {
@@ -192,7 +192,7 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// Returns what prevents computations now; empty: nothing.
+/// Returns a message that says what prevents computations now; empty if nothing does.
 std::string Service::missing() const {
     if (!parts_.decoder->is_ready()) return "the picture decoder is being restarted";
     if (!parts_.decoder->is_responsive()) return "the picture decoder does not answer";

@@ -28,21 +28,21 @@ namespace ccdt::server {
 /// All parts of the server, from its start to its end.
 class Service {
 public:
-    /// Starts the parts in the order of their dependencies: the process that starts decoders, the fork server of
-    /// computations, the keys, memory, the job store, the port, and stored jobs. The two processes get ready in the
-    /// background, and take longer than the rest. Clients that connect wait until `serve` is called.
+    /// Starts the parts of the server: the decoder and the fork server of computations, the clients of Redis, the keys,
+    /// the job store, the port, and finally the stored jobs. The decoder and the fork server get ready in the
+    /// background, which takes longer than everything else. Clients that connect wait until `serve` is called.
     ///
     /// @param log  must outlive the service
-    /// Errors: those of the parts; parts that were started have ended then.
+    /// Errors: those of the parts. After an error, no part runs any more.
     static Result<std::unique_ptr<Service>> start(const Config& config, const Log& log);
 
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
 
-    /// Waits until the programs that decode and compute are ready, and logs how decoders are confined. Requests wait
-    /// meanwhile.
-    /// Errors: Internal; nothing can be decoded or computed.
-    Result<void> wait_until_ready() const;
+    /// Waits until the programs that decode and compute are ready, and logs how decoders are confined. Requests that
+    /// need these programs wait meanwhile.
+    /// Errors: Internal if a program did not become ready; Stopped.
+    Result<void> wait_until_ready(const std::stop_token& stop) const;
 
     /// The listening address: a URL, or `unix:` and a path.
     std::string address() const;
@@ -50,14 +50,14 @@ public:
     /// Reloads the key files. After an error, the keys stay as they were.
     Result<void> read_keys() { return parts_.gate->read_keys(); }
 
-    /// Serves until `drain`. Returns once all accepted requests are answered.
-    /// @returns  false if accepting failed for any other reason
+    /// Serves until `drain` is called. Returns once all accepted requests are answered.
+    /// @returns  false if it ended because accepting connections failed
     bool serve() { return server_.serve(); }
 
     /// Stops accepting connections and new computations. May be called from any thread.
     void drain();
 
-    /// Answers all clients that wait for a result that the server shuts down.
+    /// Tells all clients that wait for a result that the server is shutting down.
     void abandon() { routes_.abandon(); }
 
     /// Returns once no computation is running. To be called after `serve` has returned.
@@ -71,7 +71,7 @@ private:
         std::unique_ptr<RedisClient> rates;
     };
 
-    /// Parts whose start may fail. Redis comes first, because others use it.
+    /// Parts whose start may fail. Redis comes first, because other parts use it.
     struct Parts {
         RedisClients redis;
         std::unique_ptr<DecoderBox> decoder;
@@ -96,7 +96,7 @@ private:
     WorkerPool pool_;
     Metrics metrics_;
     Jobs jobs_;
-    DecoderClient decoding_;  ///< of shapefiles, which the server itself has decoded
+    DecoderClient decoding_;  ///< for shapefiles only: computing processes order the pictures that they need
     Routes routes_;
     HttpServer server_;
 };

@@ -20,13 +20,14 @@
 #include "server/compute/compute_process.h"
 #include "server/compute/fork_server.h"
 #include "server/decoder/decoder_protocol.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
 
 using std::chrono::seconds;
 
-/// Waits for a stop; forever, if none can be requested.
+/// Waits for a stop request; never returns if none can be made.
 void wait_for_stop(const std::stop_token& stop) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
@@ -34,7 +35,7 @@ void wait_for_stop(const std::stop_token& stop) {
     never.wait(lock, stop, [] { return false; });
 }
 
-/// Returns whether `count` threads work at once: each waits for the others for a short time.
+/// Whether `count` threads run tasks at the same time. Each waits for the others for 10 ms.
 bool can_meet(Executor& executor, std::size_t count) {
     constexpr std::chrono::milliseconds kLittle{10};
     std::set<std::thread::id> threads;
@@ -49,7 +50,7 @@ bool can_meet(Executor& executor, std::size_t count) {
     return threads.size() == count;
 }
 
-/// Acts according to the request's path, in the process that computes.
+/// Does what the path of the request says, in the process that computes.
 Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                          const api::Decode&, const Control& control, api::Timings& timings) {
     timings = {1, 2, 3};
@@ -63,7 +64,10 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     if (request.path == "refuse") return failure(ErrorCode::Unusable, "no", "/a field");
     if (request.path == "meet") {
         control.progress({.iteration = 1});
+        const auto deadline = std::chrono::steady_clock::now() + test::kPatience;
         while (!can_meet(*control.executor, std::stoul(request.query))) {
+            if (std::chrono::steady_clock::now() > deadline)
+                return failure(ErrorCode::Internal, "waited for " + request.query + " threads at the same time");
         }
     }
     if (request.path == "endless") wait_for_stop({});
@@ -151,6 +155,16 @@ protected:
         return file >> id >> name >> state && state != "Z";
     }
 
+    static testing::AssertionResult wait_for_end(pid_t process) {
+        return test::wait_until("the end of a process", [process] { return !is_there(process); });
+    }
+
+    /// Computes until `count` threads run at the same time.
+    void meet(int count, const Control& control = {}) {
+        const auto met = ask({"meet", std::to_string(count), "", "", ""}, control);
+        EXPECT_TRUE(met) << met.error().message;
+    }
+
     static std::unique_ptr<ComputeBox> start(seconds to_stop) {
         return *ComputeBox::start(
             launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = to_stop},
@@ -213,7 +227,7 @@ TEST_F(ComputeBoxTest, KillsTheProcessOfAnAbandonedAnswer) {
     ASSERT_FALSE(left);
     EXPECT_EQ(left.error().code, ErrorCode::Stopped);
     EXPECT_EQ(box_->counts().crashes, 0U);
-    while (is_there(process)) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_end(process));
     EXPECT_NE(process_of_next(), process);
 }
 
@@ -246,25 +260,25 @@ TEST_F(ComputeBoxTest, ReportsEveryProgressStep) {
 
 TEST_F(ComputeBoxTest, LendsThreads) {
 #ifdef __SANITIZE_THREAD__
-    GTEST_SKIP() << "the sanitizer ends forked processes that make a thread where one was before";
+    GTEST_SKIP() << "the thread sanitizer ends forked processes that create a thread after another one has ended";
 #endif
     box_->lend(3);
-    ASSERT_TRUE(ask({"meet", "3", "", "", ""}));
+    meet(3);
     EXPECT_EQ(timings_.threads, 3U);
     EXPECT_GT(timings_.processor, 0);
-    ASSERT_TRUE(ask({"meet", "2", "", "", ""}));
-    EXPECT_EQ(timings_.threads, 2U) << "as there was no more to do";
+    meet(2);
+    EXPECT_EQ(timings_.threads, 2U) << "there were only two tasks";
     box_->lend(1);
-    ASSERT_TRUE(ask({"meet", "1", "", "", ""}));
-    EXPECT_EQ(timings_.threads, 1U) << "the process is there, and has fewer";
+    meet(1);
+    EXPECT_EQ(timings_.threads, 1U) << "an idle process must use fewer threads from now on";
     box_->lend(2);
-    ASSERT_TRUE(ask({"meet", "2", "", "", ""}));
+    meet(2);
     EXPECT_EQ(timings_.threads, 2U);
 }
 
 TEST_F(ComputeBoxTest, LendsThreadsToARunningComputation) {
     const Control control{{}, [&](const Progress&) { box_->lend(2); }};
-    ASSERT_TRUE(ask({"meet", "2", "", "", ""}, control));
+    meet(2, control);
     EXPECT_EQ(timings_.threads, 2U);
 }
 
@@ -276,7 +290,7 @@ TEST_F(ComputeBoxTest, ReusesProcesses) {
         setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
         const pid_t other = process_of_next();
         EXPECT_NE(other, first);
-        EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(other)), kNice) << "as the thread that asks";
+        EXPECT_EQ(getpriority(PRIO_PROCESS, static_cast<id_t>(other)), kNice) << "the nice value of the calling thread";
     }).join();
     EXPECT_EQ(process_of_next(), first);
 }
@@ -286,7 +300,7 @@ TEST_F(ComputeBoxTest, FailsOnlyTheComputationThatCrashes) {
     std::jthread other([&] {
         const auto answer = ask({"wait", "", "", "", ""}, {stop.get_token(), [](const Progress&) {}});
         EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
-        EXPECT_EQ(answer.error().message, "stopped") << "by itself";
+        EXPECT_EQ(answer.error().message, "stopped") << "it must stop by itself, not be killed";
     });
     api::Timings timings;
     for (int i = 1; i <= 3; ++i) {
@@ -316,7 +330,7 @@ TEST_F(ComputeBoxTest, RetriesAComputationWhoseProcessWasKilled) {
 TEST_F(ComputeBoxTest, ReplacesIdleProcessesThatDied) {
     const pid_t process = process_of_next();
     kill(process, SIGKILL);
-    while (kill(process, 0) == 0) std::this_thread::yield();  // until it is reaped
+    ASSERT_TRUE(test::wait_until("a killed process to be reaped", [&] { return kill(process, 0) != 0; }));
     EXPECT_NE(process_of_next(), process);
     EXPECT_EQ(box_->counts().crashes, 0U);
 }
@@ -329,7 +343,7 @@ TEST_F(ComputeBoxTest, KillsProcessesThatDoNotStop) {
     const auto answer = ask({"endless", "", "", "", ""}, control);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
-    while (is_there(process)) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_end(process));
     EXPECT_EQ(box_->counts().crashes, 0U);
     EXPECT_EQ(box_->counts().overdue, 1U);
 }
@@ -346,7 +360,7 @@ TEST_F(ComputeBoxTest, KillsUnwantedComputationsSoon) {
                                       {stop.get_token(), {}}, timings_);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
-    EXPECT_FALSE(is_there(process)) << "its memory is free";
+    EXPECT_FALSE(is_there(process)) << "its memory must have been released";
     EXPECT_EQ(box_->counts().crashes, 0U);
 }
 
@@ -363,7 +377,7 @@ TEST_F(ComputeBoxTest, DoesNotStopTheNextComputationByALateStop) {
 TEST_F(ComputeBoxTest, KillsItsProcessesOnDestruction) {
     const pid_t process = process_of_next();
     box_.reset();
-    while (is_there(process)) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_end(process));
 }
 
 }  // namespace

@@ -31,6 +31,7 @@
 #include "server/decoder/decoder_client.h"
 #include "server/decoder/decoder_helper.h"
 #include "server/decoder/decoder_protocol.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
@@ -38,7 +39,7 @@ namespace {
 constexpr std::size_t kMaxPixels = 1'000'000;
 constexpr DecoderLimits kLimits{std::size_t{64} << 20, std::chrono::seconds(60)};
 
-/// Returns the outcome of a system call in the message of an error, since an error about a picture cannot hold it.
+/// Returns the outcome of a system call as the message of an error, because a picture cannot contain it.
 Result<Picture> outcome(long returned) {
     return failure(ErrorCode::Unsupported, returned < 0 ? "refused" : "done");
 }
@@ -47,7 +48,7 @@ Result<Picture> outcome(long returned) {
     for (volatile unsigned turns = 0;;) turns = turns + 1;
 }
 
-/// Allocates blocks until none is left. They are vectors, so all are freed when an exception ends the loop.
+/// Allocates memory until std::bad_alloc is thrown, which frees all of it.
 void eat_memory() {
     std::vector<std::vector<char>> eaten;
     while (true) eaten.emplace_back(1 << 20, 'x');
@@ -63,7 +64,7 @@ Picture picture_of(int width, std::initializer_list<float> luminance, const api:
     return {width, 1, plane_of(luminance, make_plane), {}};
 }
 
-/// Decodes by doing what the file says.
+/// Does what the file says, instead of decoding it.
 Result<Picture> obey(std::string_view file, const api::Reading& reading, const api::NewPlane& make_plane) {
     if (file == "picture") {
         Picture picture = picture_of(3, {0, 0.5F, 1}, make_plane);
@@ -92,7 +93,7 @@ Result<Picture> obey(std::string_view file, const api::Reading& reading, const a
     return failure(ErrorCode::Internal, "no such order");
 }
 
-/// Does the same for colour; files that yield no picture fail in the same way as in grey.
+/// Does the same for colour. Files without a picture have the effect that they have in grey.
 Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& reading,
                                      const api::NewPlane& make_plane) {
     ColourPicture picture;
@@ -122,7 +123,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& 
     return tl::unexpected(obey(file, reading, make_plane).error());
 }
 
-/// The same for a shapefile.
+/// Does the same for a shapefile.
 Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& reading, const api::TakeText& take) {
     if (file == "crash") std::abort();
     if (file == "refuse") return failure(ErrorCode::Unusable, "choose", "object");
@@ -133,7 +134,7 @@ Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& rea
     return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
 }
 
-/// Returns a launcher of a forked process that becomes the helper, with a decoder of the tests.
+/// Returns a launcher that forks a process, which becomes the helper with the given decoder.
 SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
         const pid_t process = fork();
@@ -144,7 +145,7 @@ SupervisedProgram::Launch forking(Decoder decoder) {
 
 void ignore(const std::string&) {}
 
-/// A box, and a client that sends orders to it.
+/// A DecoderBox, and a client that sends orders to it.
 class BoxOfTests {
 public:
     BoxOfTests(const SupervisedProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
@@ -252,15 +253,39 @@ std::string name_of(pid_t process) {
     return name;
 }
 
-/// Returns the helper, once it has a child that waits for an order. After a death there is none for a moment.
-pid_t helper() {
-    while (true) {
-        for (const pid_t keeper : children_of(getpid())) {
-            for (const pid_t helper : children_of(keeper)) {
-                if (name_of(helper) == "decoder-helper" && !children_of(helper).empty()) return helper;
-            }
+/// Finds the helper if it has a child, which waits for an order.
+std::optional<pid_t> find_helper() {
+    for (const pid_t keeper : children_of(getpid())) {
+        for (const pid_t helper : children_of(keeper)) {
+            if (name_of(helper) == "decoder-helper" && !children_of(helper).empty()) return helper;
         }
     }
+    return std::nullopt;
+}
+
+/// Returns the helper once it has a child that waits for an order. After a restart it takes a moment to fork one.
+/// Throws if there is no such helper, because callers pass the process to kill().
+pid_t helper() {
+    std::optional<pid_t> found;
+    const auto waited = test::wait_until("a helper with a waiting child", [&] {
+        found = find_helper();
+        return found.has_value();
+    });
+    EXPECT_TRUE(waited);
+    return found.value();
+}
+
+testing::AssertionResult wait_for_decoding(pid_t helper) {
+    return test::wait_until("a decoding child beside the waiting one",
+                            [helper] { return children_of(helper).size() >= 2; });
+}
+
+testing::AssertionResult wait_for_end_of_decoding() {
+    return test::wait_until("the end of the decoding child", [] { return children_of(helper()).size() == 1; });
+}
+
+testing::AssertionResult wait_for_restart(const BoxOfTests& box, unsigned restarts = 1) {
+    return test::wait_until("a new helper", [&] { return box.restarts() >= restarts && box.is_ready(); });
 }
 
 /// Returns an entry of a process in /proc/PID/status.
@@ -396,25 +421,25 @@ TEST(DecoderBox, RefusesInvalidOutputOfTheDecoder) {
 }
 
 TEST(DecoderBox, KillsADecoderThatHangs) {
-    const auto box = make_box({kLimits.memory, std::chrono::milliseconds(50)});
+    const auto box = make_box({kLimits.memory, std::chrono::seconds(1)});
     ASSERT_TRUE(box);
     const auto result = box->decode("spin", kMaxPixels, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
     EXPECT_NE(result.error().message.find("too long"), std::string::npos);
     EXPECT_EQ(box->deaths(), 1U);
-    while (children_of(helper()).size() != 1) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_end_of_decoding());
 }
 
 TEST(DecoderBox, KillsADecoderThatExceedsItsMemory) {
-    if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers take all address space";
+    if (!Sandbox::kIsWhole) GTEST_SKIP() << "the memory of sanitizers cannot be limited";
     const auto box = make_box();
     ASSERT_TRUE(box);
     expect_death(*box, "eat");
 }
 
 TEST(DecoderBox, ReportsLimitsOnTheServerAsInternalErrors) {
-    if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve address space without end";
+    if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve terabytes of address space";
     for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
         const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
             const pid_t process = fork();
@@ -449,8 +474,8 @@ TEST(DecoderBox, StopsOnRequest) {
     ASSERT_TRUE(box);
     std::stop_source stop;
     const std::jthread asking([&] {
-        // The working decoder and the next one: decoding has begun.
-        while (children_of(helper()).size() < 2) std::this_thread::yield();
+        // With two children, one is decoding and the other one waits for the next order.
+        EXPECT_TRUE(wait_for_decoding(helper()));
         stop.request_stop();
     });
     const auto result = box->decode("spin", kMaxPixels, stop.get_token());
@@ -458,7 +483,7 @@ TEST(DecoderBox, StopsOnRequest) {
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
     EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
     EXPECT_EQ(box->deaths(), 0U);
-    while (children_of(helper()).size() != 1) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_end_of_decoding());
 }
 
 TEST(DecoderBox, ServesManyThreads) {
@@ -489,8 +514,8 @@ TEST(DecoderBox, LeaksNeitherProcessesNorDescriptors) {
         }
     }
     EXPECT_EQ(open_files(getpid()), ours);
-    constexpr std::ptrdiff_t kInPassing = 3;  // of a child that starts or ends
-    while (children_of(helper()).size() != 1) std::this_thread::yield();
+    constexpr std::ptrdiff_t kInPassing = 3;  // descriptors for a child that starts or ends
+    EXPECT_TRUE(wait_for_end_of_decoding());
     EXPECT_LE(open_files(helper()), theirs + kInPassing);
 }
 
@@ -499,7 +524,7 @@ TEST(DecoderBox, ReplacesAKilledHelper) {
     ASSERT_TRUE(box);
     for (unsigned round = 1; round <= 3; ++round) {
         kill(helper(), SIGKILL);
-        while (box->restarts() < round || !box->is_ready()) std::this_thread::yield();
+        EXPECT_TRUE(wait_for_restart(*box, round));
         const auto result = box->decode("picture", kMaxPixels, {});
         EXPECT_TRUE(result) << result.error().message;
     }
@@ -522,9 +547,9 @@ TEST(DecoderBox, RetriesPicturesAfterTheDeathOfAHelper) {
         });
     }
     for (unsigned round = 1; round <= 4; ++round) {
-        // The processes are killed in turn.
+        // Kills the helper and its parent alternately.
         kill(round % 2 == 0 ? helper() : keeper(), SIGKILL);
-        while (box->restarts() < round || !box->is_ready()) std::this_thread::yield();
+        EXPECT_TRUE(wait_for_restart(*box, round));
     }
     done = true;
     threads.clear();
@@ -540,7 +565,7 @@ TEST(DecoderBox, ReportsHowAHelperEnded) {
                                                       told += message;
                                                   });
     kill(helper(), SIGKILL);
-    while (box->restarts() == 0 || !box->is_ready()) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_restart(*box));
     const std::lock_guard lock(mutex);
     EXPECT_EQ(told, "the decoder was killed by signal 9 (Killed), and is started again");
 }
@@ -551,16 +576,16 @@ TEST(DecoderBox, EndsDecodersWithTheirHelper) {
     std::stop_source stop;
     const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
     const pid_t first = helper();
-    while (children_of(first).size() < 2) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_decoding(first));
     const auto children = children_of(first);
     kill(first, SIGKILL);
     for (const pid_t child : children) {
-        while (is_running(child)) std::this_thread::yield();
+        EXPECT_TRUE(test::wait_until("the end of a child", [child] { return !is_running(child); }));
     }
     stop.request_stop();
 }
 
-/// Returns a launcher that starts a helper once and fails from then on.
+/// Returns a launcher that starts a helper once, and fails after that.
 SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
         if (attempts++ == 0) return launch(std::move(orders));
@@ -573,11 +598,11 @@ TEST(DecoderBox, ReportsThatThereIsNoHelper) {
     const auto box = std::make_unique<BoxOfTests>(forking_once(attempts), limits_of_tests);
     EXPECT_TRUE(box->is_ready());
     kill(helper(), SIGKILL);
-    while (attempts < 3) std::this_thread::yield();
+    EXPECT_TRUE(test::wait_until("three attempts to start a helper", [&] { return attempts >= 3; }));
     EXPECT_FALSE(box->is_ready());
     const auto result = box->decode("picture", kMaxPixels, {});
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::Internal);
+    EXPECT_EQ(result.error().code, ErrorCode::Unavailable);
     std::stop_source stop;
     stop.request_stop();
     EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
@@ -590,7 +615,7 @@ TEST(DecoderBox, FailsOrdersWithoutAHelper) {
     const auto box = DecoderBox::start(forking_once(attempts), ignore).value();
     ASSERT_TRUE(box->wait_until_ready());
     kill(helper(), SIGKILL);
-    while (box->is_ready()) std::this_thread::yield();
+    EXPECT_TRUE(test::wait_until("the end of the helper to be noticed", [&] { return !box->is_ready(); }));
     std::array<int, 2> ends{};
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
     const UniqueFd ours(ends[0]);
@@ -619,6 +644,36 @@ TEST(DecoderBox, ReadsShapefiles) {
     EXPECT_EQ(box.deaths(), 1U);
 }
 
+/// Returns a client whose orders are accepted and never carried out.
+/// @param kept   receives the sockets of the orders
+/// @param begun  whether a child reports that it has begun
+DecoderClient client_without_replies(std::vector<UniqueFd>& kept, bool begun) {
+    return DecoderClient(
+        [&kept, begun](const Order& order, const std::stop_token&) {
+            kept.emplace_back(dup(order.outcome.get()));
+            const Outcome report{.begun = 1};
+            if (begun) send(kept.back().get(), &report, sizeof(report), MSG_NOSIGNAL);
+            return true;
+        },
+        [](std::string_view, std::size_t) {
+            return DecoderLimits{kLimits.memory, std::chrono::seconds(0)};
+        },
+        std::chrono::milliseconds(20));
+}
+
+TEST(DecoderClient, DoesNotBlameAPictureForAMachineThatIsTooBusy) {
+    for (const bool begun : {false, true}) {
+        std::vector<UniqueFd> kept;
+        auto client = client_without_replies(kept, begun);
+        const auto result = client.decode("picture", kMaxPixels, {});
+        ASSERT_FALSE(result);
+        EXPECT_EQ(result.error().code, ErrorCode::Unavailable);
+        EXPECT_EQ(result.error().message, "the server was too busy to decode the image");
+        EXPECT_EQ(client.deaths(), 0U);
+        EXPECT_EQ(kept.size(), 1U);
+    }
+}
+
 TEST(DecoderClient, WaitsForAHelperOnlyOnce) {
     std::vector<std::int64_t> patience;
     DecoderClient client(
@@ -626,13 +681,13 @@ TEST(DecoderClient, WaitsForAHelperOnlyOnce) {
             patience.push_back(order.text.patience_ms);
             const Outcome none{.no_helper = 1};
             if (patience.size() == 2) send(order.outcome.get(), &none, sizeof(none), MSG_NOSIGNAL);
-            return true;  // the first order is lost, as with a helper that took it along
+            return true;  // the first order is lost, as if its helper had ended
         },
         limits_of_tests);
     const auto result = client.decode("picture", kMaxPixels, {});
     ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, ErrorCode::Internal);
-    ASSERT_EQ(patience.size(), 2U) << "where there was no helper in time it is not asked for again";
+    EXPECT_EQ(result.error().code, ErrorCode::Unavailable);
+    ASSERT_EQ(patience.size(), 2U) << "the order must not be repeated after there was no helper in time";
     EXPECT_EQ(patience.front(), 5000);
     EXPECT_LE(patience.back(), patience.front());
 }
@@ -675,6 +730,7 @@ TEST(DecoderBox, QueuesOrdersUntilItIsReady) {
     auto picture = std::async(std::launch::async, [&] { return client.decode("picture", kMaxPixels, {}); });
     EXPECT_EQ(picture.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
     lets_go.reset();
+    ASSERT_TRUE(test::wait_for("a picture", picture));
     EXPECT_TRUE(picture.get());
     EXPECT_TRUE(box->wait_until_ready());
     EXPECT_EQ(box->restarts(), 0U);
@@ -700,7 +756,8 @@ TEST(DecoderBox, IgnoresSignalsToItsGroup) {
     EXPECT_EQ(box->restarts(), 0U);
 }
 
-/// Counts the processes that the kernel would kill first if the machine ran out of memory.
+/// Counts the processes with the highest oom_score_adj, which the kernel kills first when the machine runs out of
+/// memory.
 std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     return std::ranges::count_if(processes, [](pid_t process) {
         int score = 0;
@@ -715,8 +772,10 @@ TEST(DecoderBox, MakesTheDecoderTheFirstVictimOfTheOomKiller) {
     ASSERT_EQ(volunteers({keeper(), process}), 0);
     std::stop_source stop;
     const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
-    while (children_of(process).size() < 2 || volunteers(children_of(process)) == 0) std::this_thread::yield();
-    EXPECT_EQ(volunteers(children_of(process)), 1) << "not the one that waits";
+    EXPECT_TRUE(wait_for_decoding(process));
+    EXPECT_TRUE(test::wait_until("the decoder to raise its oom_score_adj",
+                                 [&] { return volunteers(children_of(process)) > 0; }));
+    EXPECT_EQ(volunteers(children_of(process)), 1) << "the waiting child must not be one of them";
     EXPECT_EQ(volunteers({keeper(), process}), 0);
     stop.request_stop();
 }
@@ -726,10 +785,10 @@ TEST(DecoderBox, IsConfinedAsReported) {
     ASSERT_TRUE(box);
     const Confinement& confinement = box->confinement();
     const pid_t process = helper();
-    // Checks the decoder at work, and the one that waits.
+    // Checks the helper, the decoding child and the waiting one.
     std::stop_source stop;
     const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
-    while (children_of(process).size() < 2) std::this_thread::yield();
+    EXPECT_TRUE(wait_for_decoding(process));
     auto decoding = children_of(process);
     decoding.push_back(process);
     const std::string user = std::to_string(confinement.user);
