@@ -11,6 +11,8 @@
 #include <array>
 #include <utility>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 
 RunningServer::RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger)
@@ -29,8 +31,7 @@ void RunningServer::stop() {
 }
 
 Client::Client(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    // A test waits this long only if there is a fault.
-    const timeval patience{60, 0};
+    const timeval patience{test::kPatience.count(), 0};
     EXPECT_EQ(setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience)), 0);
     sockaddr_in address{};
     address.sin_family = AF_INET;

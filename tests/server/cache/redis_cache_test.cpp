@@ -49,7 +49,8 @@ TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
     EXPECT_EQ(found->dots->radius, answer.dots->radius);
     EXPECT_EQ(found->dots->tone, answer.dots->tone);
     EXPECT_EQ(found->plot_seconds, answer.plot_seconds);
-    EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:2:answer:a"})->number, 0) << "jobs are never dropped for it";
+    EXPECT_GT(client_.run(RedisCommand{"TTL", "ccdt:2:answer:a"})->number, 0)
+        << "entries must expire, so that Redis evicts them before jobs";
     api::Answer plain;
     plain.body = "plain";
     cache_.keep("b", plain);
@@ -76,7 +77,7 @@ TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
     ASSERT_TRUE(client_.run(RedisCommand{"SET", "ccdt:2:answer:a", "junk"}));
     EXPECT_FALSE(cache_.find("a"));
     cache_.keep("a", whole_answer());
-    EXPECT_TRUE(cache_.find("a")) << "it can be kept again";
+    EXPECT_TRUE(cache_.find("a")) << "it must be possible to store it again";
     EXPECT_EQ(client_.counts().damages, 13U);
 }
 
@@ -94,7 +95,7 @@ TEST_F(RedisCacheTest, IsQueriedAfterTheLocalCache) {
     first.keep("a", whole_answer());
     ASSERT_NE(second.find("a"), nullptr);
     redis_.kill();
-    EXPECT_NE(second.find("a"), nullptr) << "it is kept here, too";
+    EXPECT_NE(second.find("a"), nullptr) << "the local cache must have it, too";
     EXPECT_EQ(second.load().hits, 2U);
     EXPECT_EQ(second.load().misses, 1U);
     EXPECT_EQ(second.load().answers, 1U);

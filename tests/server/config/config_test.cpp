@@ -231,7 +231,7 @@ TEST(Config, ReadsTheRedisAddress) {
     ASSERT_TRUE(parsed->config.redis);
     EXPECT_EQ(parsed->config.redis->name(), "example.org:7000");
     EXPECT_EQ(parsed->config.jobs.lease, std::chrono::seconds(2));
-    EXPECT_FALSE(parsed->config.cache_redis || parsed->config.rate_redis) << "each by choice";
+    EXPECT_FALSE(parsed->config.cache_redis || parsed->config.rate_redis) << "each must be configured explicitly";
     EXPECT_EQ(parsed->config.jobs.bytes, std::size_t{1} << 30);
     const auto wrong = parse({"--redis=redis://:secret@a:99999"});
     ASSERT_FALSE(wrong);

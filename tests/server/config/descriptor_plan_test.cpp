@@ -35,7 +35,7 @@ TEST(DescriptorPlan, ReducesAllConnectionLimitsIfFewDescriptorsAreAllowed) {
         EXPECT_GE(plan->capacity.connections, 16u);
         EXPECT_GE(plan->capacity.reserve, 8u);
         EXPECT_LE(connections(plan->capacity) + 32 + 12, allowed);
-        EXPECT_GE(connections(plan->capacity) + 32 + 12 + 4, allowed) << "none is left unused";
+        EXPECT_GE(connections(plan->capacity) + 32 + 12 + 4, allowed) << "no descriptor may be left unused";
         EXPECT_EQ(plan->capacity.per_address, config.capacity.per_address);
         EXPECT_NE(describe(*plan).find("ulimit -n) is " + std::to_string(allowed)), std::string::npos);
     }
@@ -47,7 +47,7 @@ TEST(DescriptorPlan, RefusesALimitThatIsTooLow) {
     EXPECT_EQ(plan.error().message, "the limit of open files (ulimit -n) is 64: at least 76 are needed");
     EXPECT_TRUE(share_descriptors(config_of(2), 76));
     EXPECT_FALSE(share_descriptors(config_of(2), 75));
-    EXPECT_FALSE(share_descriptors(config_of(32), 128)) << "workers take some, too";
+    EXPECT_FALSE(share_descriptors(config_of(32), 128)) << "workers need descriptors, too";
 }
 
 TEST(DescriptorPlan, NeedsOnlyTheConfiguredConnections) {

@@ -38,7 +38,7 @@ TEST(Capacity, LimitsConnectionsPerAddress) {
     EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull);
     EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted);
     EXPECT_TRUE(first->move_to(ConnectionClass::Streams));
-    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "wherever its slot is";
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "connections of all classes count";
     first.reset();
     EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::Admitted);
     EXPECT_EQ(capacity.counts().refused_by_address, 2u);
@@ -49,10 +49,10 @@ TEST(Capacity, ReassignsAConnectionToAnAddressBelowItsLimit) {
     ConnectionSlot proxied(capacity, "");
     std::optional<ConnectionSlot> other(std::in_place, capacity, "b");
     EXPECT_TRUE(proxied.count_by("a"));
-    EXPECT_TRUE(proxied.count_by("a")) << "it is its own";
+    EXPECT_TRUE(proxied.count_by("a")) << "it counts by this address already";
     EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull);
     EXPECT_FALSE(proxied.count_by("b"));
-    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "it counts as before";
+    EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::AddressFull) << "it must count by its previous address";
     other.reset();
     EXPECT_TRUE(proxied.count_by("b"));
     EXPECT_EQ(ConnectionSlot(capacity, "a").entry(), Entry::Admitted);
@@ -69,7 +69,7 @@ TEST(Capacity, DoesNotCountClientsWithoutAddress) {
     EXPECT_EQ(capacity.counts().open, 1u);
 }
 
-TEST(Capacity, UsesTheReserveAfterTheCommonPlaces) {
+TEST(Capacity, UsesTheReserveAfterTheCommonSlots) {
     Capacity capacity({.connections = 1, .reserve = 1, .streams = 0});
     std::optional<ConnectionSlot> common(std::in_place, capacity, "a");
     ConnectionSlot other(capacity, "b");
@@ -85,7 +85,7 @@ TEST(Capacity, UsesTheReserveAfterTheCommonPlaces) {
     EXPECT_EQ(ConnectionSlot(capacity, "c").connection_class(), ConnectionClass::Reserve);
 }
 
-/// A connection whose thread only waits for its end.
+/// An idle connection, whose thread waits until it is closed.
 class IdleClient {
 public:
     explicit IdleClient(Capacity& capacity, std::optional<Clock::time_point> head_begun = {})
@@ -109,8 +109,8 @@ public:
 
     bool is_closed() const { return closed_; }
 
-    /// Whether the client can still be answered.
-    bool can_be_told() const { return send(sockets_[0], "!", 1, MSG_NOSIGNAL) == 1; }
+    /// Whether an answer can still be sent to the client.
+    bool can_be_answered() const { return send(sockets_[0], "!", 1, MSG_NOSIGNAL) == 1; }
 
 private:
     std::array<int, 2> sockets_{};
@@ -149,9 +149,10 @@ TEST(Capacity, ClosesIncompleteHeadsForANewcomer) {
     const ConnectionSlot newcomer(capacity, "a");
     EXPECT_EQ(newcomer.entry(), Entry::Admitted);
     EXPECT_TRUE(late.is_closed());
-    EXPECT_TRUE(late.can_be_told());
+    EXPECT_TRUE(late.can_be_answered());
     EXPECT_FALSE(recent.is_closed());
-    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted) << "the other one has less than a second left";
+    EXPECT_EQ(ConnectionSlot(capacity, "b").entry(), Entry::Admitted)
+        << "the idle connection must be closed within a second";
     EXPECT_TRUE(recent.is_closed());
     EXPECT_EQ(capacity.counts().refused, 0u);
 }

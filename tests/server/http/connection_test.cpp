@@ -9,6 +9,8 @@
 #include <array>
 #include <thread>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -16,7 +18,7 @@ bool never(std::chrono::milliseconds) {
     return false;
 }
 
-/// A connection with the test as its client.
+/// A connection whose client is the test.
 class Pair {
 public:
     explicit Pair(const Patience& patience = {}, Capacity* capacity = nullptr)
@@ -125,7 +127,7 @@ TEST(Connection, ReadsChunksHoweverTheyArrive) {
     }
 }
 
-/// Returns status and text of an error; none for a body that was accepted.
+/// Returns the status and message of an error; empty if the body was accepted.
 std::string detail_of(const HttpResult<std::string>& body) {
     return body ? "" : std::to_string(body.error().status) + ' ' + body.error().error.message;
 }
@@ -191,7 +193,8 @@ TEST(Connection, SendsContinueOnlyIfTheBodyIsWanted) {
     const auto head = wanted.connection().read_head();
     ASSERT_TRUE(head);
     std::jthread client([&] {
-        while (wanted.receive() != "HTTP/1.1 100 Continue\r\n\r\n") std::this_thread::yield();
+        EXPECT_TRUE(
+            test::wait_until("100 Continue", [&] { return wanted.receive() == "HTTP/1.1 100 Continue\r\n\r\n"; }));
         wanted.send("ok");
     });
     EXPECT_EQ(wanted.connection().read_body(*head, 100), "ok");

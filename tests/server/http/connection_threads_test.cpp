@@ -8,16 +8,18 @@
 #include <thread>
 #include <vector>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 namespace {
 
 using namespace std::chrono_literals;
 
 void wait_until_idle(const ConnectionThreads& threads) {
-    while (threads.counts().busy > 0) std::this_thread::yield();
+    ASSERT_TRUE(test::wait_until("idle threads", [&] { return threads.counts().busy == 0; }));
 }
 
-/// Runs `tasks` tasks at once, and returns when their threads are idle.
+/// Runs `tasks` tasks at the same time, and returns once their threads are idle.
 void run_at_once(ConnectionThreads& threads, int tasks) {
     std::latch all(tasks);
     for (int i = 0; i < tasks; ++i) ASSERT_TRUE(threads.run([&] { all.arrive_and_wait(); }));
@@ -45,7 +47,7 @@ TEST(ConnectionThreads, EndAfterTheIdleTime) {
     ConnectionThreads threads(1ms);
     for (int i = 0; i < 3; ++i) {
         run_at_once(threads, 50);
-        while (threads.counts().idle > 0) std::this_thread::yield();
+        ASSERT_TRUE(test::wait_until("the end of idle threads", [&] { return threads.counts().idle == 0; }));
     }
 }
 

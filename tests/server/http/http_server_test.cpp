@@ -10,13 +10,14 @@
 #include <thread>
 
 #include "tests/server/running_server.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kRequest = "GET / HTTP/1.1\r\nHost: h\r\nConnection: close\r\n\r\n";
 
-/// Answers with `hello`, and errors with their status.
+/// Answers with `hello`, or with the status of the error.
 Response greet(const Request&, const HttpResult<void>& received, Connection&) {
     Response response;
     response.status = received ? 200 : received.error().status;
@@ -30,7 +31,7 @@ bool is_answered(const RunningServer& server, const std::string& status) {
     return answer.starts_with("HTTP/1.1 " + status) && answer.ends_with("\r\n\r\nhello");
 }
 
-TEST(HttpServer, AnswersThoughItsLoggerThrows) {
+TEST(HttpServer, AnswersEvenIfItsLoggerThrows) {
     std::atomic<int> logged = 0;
     RunningServer server({}, greet, [&](const Exchange&) {
         ++logged;
@@ -55,7 +56,7 @@ TEST(HttpServer, ServesConnectedClientsWhileDraining) {
     EXPECT_EQ(logged, 20);
 }
 
-TEST(HttpServer, RefusesThoughItsLoggerThrows) {
+TEST(HttpServer, RefusesEvenIfItsLoggerThrows) {
     std::atomic<int> logged = 0;
     RunningServer server({.connections = 0, .reserve = 0}, greet, [&](const Exchange&) {
         ++logged;
@@ -89,7 +90,7 @@ TEST(HttpServer, ClosesIncompleteHeadsForNewcomers) {
     EXPECT_EQ(server.connections().refused, 0u);
 }
 
-/// Streams three pieces, of which the second is empty.
+/// Streams three pieces; the second one is empty.
 Response dictate(const Request&, const HttpResult<void>&, Connection&) {
     Response response;
     response.media_type = "text/plain";
@@ -143,6 +144,10 @@ TEST(HttpServer, StreamsNoBodyForHeadRequests) {
     EXPECT_EQ(answer.find("one"), std::string::npos) << answer;
 }
 
+testing::AssertionResult wait_until_gone(const Connection& connection) {
+    return test::wait_until("the client to disconnect", [&] { return connection.client_gone(); });
+}
+
 TEST(HttpServer, EndsAStreamWhoseClientLeft) {
     std::promise<void> streaming;
     std::atomic<int> status = 0;
@@ -150,9 +155,8 @@ TEST(HttpServer, EndsAStreamWhoseClientLeft) {
         Response response;
         response.stream = [&](const Send& send, Record&) {
             streaming.set_value();
-            while (!connection.client_gone()) std::this_thread::yield();
-            while (send("more")) {
-            }
+            EXPECT_TRUE(wait_until_gone(connection));
+            EXPECT_TRUE(test::wait_until("a failure to send", [&] { return !send("more"); }));
             return false;
         };
         return response;
@@ -161,7 +165,7 @@ TEST(HttpServer, EndsAStreamWhoseClientLeft) {
     {
         const Client client(server.port());
         ASSERT_TRUE(client.say(kRequest));
-        streaming.get_future().wait();
+        ASSERT_TRUE(test::wait_for("the beginning of a stream", streaming.get_future()));
     }
     server.stop();
     EXPECT_EQ(status, 499);
@@ -174,7 +178,7 @@ TEST(HttpServer, LogsNoErrorForAStreamWhoseClientLeft) {
         Response response;
         response.stream = [&](const Send&, Record&) {
             streaming.set_value();
-            while (!connection.client_gone()) std::this_thread::yield();
+            EXPECT_TRUE(wait_until_gone(connection));
             return false;
         };
         return response;
@@ -183,7 +187,7 @@ TEST(HttpServer, LogsNoErrorForAStreamWhoseClientLeft) {
     {
         const Client client(server.port());
         ASSERT_TRUE(client.say(kRequest));
-        streaming.get_future().wait();
+        ASSERT_TRUE(test::wait_for("the beginning of a stream", streaming.get_future()));
     }
     server.stop();
     EXPECT_EQ(status, 499);

@@ -53,10 +53,11 @@ TEST(ProxyHeader, ReadsVersion2) {
     EXPECT_EQ(read(version_2('\x21', '\x11', kVersion4) + "GET /"), "203.0.113.1:4711 in 28");
     EXPECT_EQ(read(version_2('\x21', '\x21', kVersion6) + "GET /"), "[2001:db8::1]:4711 in 52");
     EXPECT_EQ(read(version_2('\x21', '\x11', kVersion4 + std::string(500, 'x'))), "203.0.113.1:4711 in 528");
-    EXPECT_EQ(read(version_2('\x20', '\x11', kVersion4)), "proxy in 28") << "as health checks are sent";
+    EXPECT_EQ(read(version_2('\x20', '\x11', kVersion4)), "proxy in 28")
+        << "health checks of the proxy use this command";
     EXPECT_EQ(read(version_2('\x20', '\x00', "")), "proxy in 16");
     EXPECT_EQ(read(version_2('\x21', '\x00', "")), "proxy in 16");
-    EXPECT_EQ(read(version_2('\x21', '\x31', std::string(216, 'x'))), "proxy in 232") << "of a Unix socket";
+    EXPECT_EQ(read(version_2('\x21', '\x31', std::string(216, 'x'))), "proxy in 232") << "the family of Unix sockets";
 }
 
 TEST(ProxyHeader, RefusesMalformedVersion2) {

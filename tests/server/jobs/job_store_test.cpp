@@ -18,6 +18,7 @@
 #include "server/jobs/sqlite_job_store.h"
 #include "tests/server/jobs/example_jobs.h"
 #include "tests/server/redis/local_redis.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
@@ -28,12 +29,13 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Place where a test stores jobs: empty at first, removed at its end.
+/// Storage for the jobs of a test: initially empty, removed by the destructor.
 class Place {
 public:
     virtual ~Place() = default;
 
-    /// Opens a store there. No other one is open, unless stores of this kind are shared. Returns null on failure.
+    /// Opens a store. Unless stores of this kind are shared, no other one may be open.
+    /// @returns  null on failure
     virtual std::unique_ptr<JobStore> open(const JobLimits& limits) = 0;
 };
 
@@ -73,7 +75,7 @@ private:
     RedisClient client_{redis_.address()};
 };
 
-/// Kind of store that must fulfil the contract of JobStore. A new kind is a new row.
+/// A kind of store, for which all tests of this file run.
 struct Kind {
     const char* name;
     bool outlives_its_server;
@@ -88,7 +90,7 @@ const Kind kKinds[] = {
     {"Redis", true, [] { return std::unique_ptr<Place>(std::make_unique<Redis>()); }},
 };
 
-/// Notifications of a store, one word each.
+/// Records the notifications of a store as texts.
 class Heard : public JobListener {
 public:
     void work() override { add("work"); }
@@ -99,12 +101,10 @@ public:
     /// Waits for a notification.
     bool has(const std::string& news) {
         std::unique_lock lock(mutex_);
-        return more_.wait_for(lock, kPatience, [&] { return std::ranges::count(heard_, news) > 0; });
+        return more_.wait_for(lock, test::kPatience, [&] { return std::ranges::count(heard_, news) > 0; });
     }
 
 private:
-    static constexpr std::chrono::minutes kPatience{2};
-
     void add(std::string news) {
         const std::lock_guard lock(mutex_);
         heard_.push_back(std::move(news));
@@ -120,7 +120,7 @@ class JobStoreTest : public testing::TestWithParam<Kind> {
 protected:
     void SetUp() override { open_with({}); }
 
-    /// Closes the last store, and opens another one in its place.
+    /// Closes the store and opens it again with these limits.
     void open_with(const JobLimits& limits) {
         store_.reset();
         store_ = place_->open(limits);
@@ -136,12 +136,13 @@ protected:
 
     /// Waits until a lease has expired, and claims the job again.
     Job claim_again() {
-        while (true) {
-            auto job = store_->claim(kMemory);
-            EXPECT_TRUE(job);
-            if (!job || *job) return job ? **std::move(job) : Job{};
-            std::this_thread::yield();
-        }
+        Result<std::optional<Job>> job;
+        EXPECT_TRUE(test::wait_until("an expired lease", [&] {
+            job = store_->claim(kMemory);
+            return !job || *job;
+        }));
+        EXPECT_TRUE(job);
+        return job && *job ? **std::move(job) : Job{};
     }
 
     Job find(const std::string& id) {
@@ -150,7 +151,7 @@ protected:
         return job && *job ? **std::move(job) : Job{};
     }
 
-    /// Begins to listen. Where others share the place, that takes a while.
+    /// Sets the listener. For shared stores, waits until notifications arrive.
     static void listen(JobStore& store, Heard& heard) {
         store.listen(&heard);
         if (store.is_shared()) {
@@ -200,7 +201,7 @@ TEST_P(JobStoreTest, StoresJobsAndRequests) {
     EXPECT_EQ((*request)->accept, kComputeRequest.accept);
     EXPECT_EQ((*request)->body, kComputeRequest.body);
     EXPECT_EQ(bytes(), 2 * JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
-    EXPECT_EQ(claim().id, "a") << "in the order in which they came";
+    EXPECT_EQ(claim().id, "a") << "jobs must be claimed in the order of their arrival";
     EXPECT_EQ(claim().id, "b");
 }
 
@@ -323,9 +324,9 @@ TEST_P(JobStoreTest, RefusesPiecesBeyondTheByteLimit) {
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
     }
-    EXPECT_TRUE(is_there("done")) << "nothing has to go for what will not be";
+    EXPECT_TRUE(is_there("done")) << "no result may be dropped for a piece that is refused";
     job.status = JobStatus::Failed;
-    EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
+    EXPECT_TRUE(*store_->finish(job, {})) << "a job without a result needs no space";
 }
 
 TEST_P(JobStoreTest, StoresBodiesOfAllSizes) {
@@ -391,7 +392,7 @@ TEST_P(JobStoreTest, StoresTheProgressOfAClaimedJob) {
     Job job = claim();
     EXPECT_EQ(job.starts, 1);
     EXPECT_GT(job.claim, 0u);
-    EXPECT_EQ(find("a").status, JobStatus::Queued) << "it may have to wait where it was claimed";
+    EXPECT_EQ(find("a").status, JobStatus::Queued) << "a claimed job may wait in its server's queue";
     EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
     EXPECT_EQ(find("a").started, std::nullopt);
     job.status = JobStatus::Running;
@@ -400,7 +401,7 @@ TEST_P(JobStoreTest, StoresTheProgressOfAClaimedJob) {
     EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
     const Job found = find("a");
     EXPECT_EQ(found.status, JobStatus::Running);
-    EXPECT_EQ(found.started, began->now) << "the first time";
+    EXPECT_EQ(found.started, began->now) << "only the first call sets the time of the start";
     EXPECT_EQ(found.progress.fraction, 0.25);
     EXPECT_EQ(found.progress.iteration, 2);
     EXPECT_EQ(found.progress.variation, 0.1);
@@ -420,7 +421,7 @@ TEST_P(JobStoreTest, ReturnsJobsWithoutCountingTheStart) {
     EXPECT_EQ(find("a").started, std::nullopt);
     EXPECT_EQ(find("a").starts, 0);
     const Job again = claim();
-    EXPECT_EQ(again.id, "a") << "its turn has come";
+    EXPECT_EQ(again.id, "a") << "the returned job must be claimed first";
     EXPECT_EQ(again.starts, 1);
     EXPECT_GT(again.claim, job.claim);
     EXPECT_EQ(*store_->finish(succeeded(job, "late"), "late"), std::nullopt);
@@ -440,13 +441,14 @@ TEST_P(JobStoreTest, RequeuesJobsWhoseLeaseHasExpired) {
     EXPECT_TRUE(store_->give_back(lost));
     EXPECT_EQ(*store_->finish(succeeded(lost, "late"), "late"), std::nullopt);
     EXPECT_EQ(find("a").claim, job.claim);
-    EXPECT_TRUE(*store_->finish(succeeded(job, "good"), "good")) << "late, but nobody else has it";
+    EXPECT_TRUE(*store_->finish(succeeded(job, "good"), "good"))
+        << "the lease has expired, but no other server has claimed the job";
     EXPECT_EQ(**store_->result("a"), "good");
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
 }
 
 TEST_P(JobStoreTest, RequeuesRunningJobsAfterARestart) {
-    if (!GetParam().outlives_its_server) GTEST_SKIP() << "it ends with its server";
+    if (!GetParam().outlives_its_server) GTEST_SKIP() << "a store in memory ends with its server";
     open_with(kBrief);
     add(*store_, job_named("a"));
     Job job = claim();
@@ -491,10 +493,10 @@ TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
     EXPECT_EQ(add_for("a", "3"), JobStore::Added::QueueFull);
     EXPECT_FALSE(is_there("3"));
     EXPECT_FALSE(*store_->is_full("b"));
-    EXPECT_EQ(add_for("b", "4"), JobStore::Added::Accepted) << "others are let in";
+    EXPECT_EQ(add_for("b", "4"), JobStore::Added::Accepted) << "a client without a waiting job is admitted";
     EXPECT_EQ(add_for("b", "5"), JobStore::Added::QueueFull);
     EXPECT_EQ(add_for("c", "6"), JobStore::Added::Accepted);
-    EXPECT_EQ(add_for("d", "7"), JobStore::Added::QueueFull) << "twice as long";
+    EXPECT_EQ(add_for("d", "7"), JobStore::Added::QueueFull) << "the queue has twice the capacity";
     EXPECT_TRUE(*store_->cancel("4"));
     EXPECT_FALSE(*store_->is_full("b"));
     EXPECT_TRUE(*store_->remove("6"));
@@ -503,7 +505,7 @@ TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
 
 TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     const std::string result(4000, 'x');
-    constexpr std::size_t kRoom = 16'000;  // for three results and a request
+    constexpr std::size_t kRoom = 16'000;  // bytes of three results and a request
     open_with({.bytes = kRoom});
     for (const char* id : {"oldest", "older", "newest"}) add_finished(*store_, id, result);
     EXPECT_TRUE(*store_->result("oldest"));
@@ -524,7 +526,7 @@ TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
     add_finished(*store_, "done", "result");
     add(*store_, job_named("a"));
     add(*store_, job_named("b"));
-    EXPECT_FALSE(is_there("done")) << "it made room";
+    EXPECT_FALSE(is_there("done")) << "the oldest result must be dropped to free space";
     Job refused = job_named("c");
     EXPECT_EQ(*store_->add(refused, kComputeRequest), JobStore::Added::NoRoom);
     EXPECT_FALSE(is_there("c"));
@@ -534,7 +536,7 @@ TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
     ASSERT_FALSE(finished);
     EXPECT_EQ(finished.error().code, ErrorCode::LimitExceeded);
     job.status = JobStatus::Failed;
-    EXPECT_TRUE(*store_->finish(job, {})) << "takes no room";
+    EXPECT_TRUE(*store_->finish(job, {})) << "a job without a result needs no space";
 }
 
 TEST_P(JobStoreTest, CancelsUnfinishedJobs) {
@@ -583,7 +585,7 @@ TEST_P(JobStoreTest, RemovesExpiredJobs) {
     open_with({.ttl = std::chrono::milliseconds(1)});
     if (!GetParam().outlives_its_server) add_finished(*store_, "a", "result");
     add(*store_, job_named("waits"));
-    while (is_there("a")) std::this_thread::yield();
+    ASSERT_TRUE(test::wait_until("the expiry of a job", [&] { return !is_there("a"); }));
     EXPECT_FALSE(*store_->forget());
     EXPECT_TRUE(is_there("waits"));
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
@@ -592,7 +594,7 @@ TEST_P(JobStoreTest, RemovesExpiredJobs) {
 TEST_P(JobStoreTest, RemovesExpiredJobsInBatches) {
     open_with({.ttl = std::chrono::milliseconds(1)});
     for (int i = 0; i < 150; ++i) add_finished(*store_, std::to_string(i), "result");
-    while (is_there("149")) std::this_thread::yield();
+    ASSERT_TRUE(test::wait_until("the expiry of the last job", [&] { return !is_there("149"); }));
     EXPECT_TRUE(*store_->forget());
     EXPECT_GT(bytes(), 0u);
     EXPECT_FALSE(*store_->forget());
@@ -614,7 +616,7 @@ TEST_P(JobStoreTest, NotifiesTheListener) {
 }
 
 TEST_P(JobStoreTest, IsSharedByAllServers) {
-    if (!store_->is_shared()) GTEST_SKIP() << "it is one server's";
+    if (!store_->is_shared()) GTEST_SKIP() << "this store belongs to one server";
     const auto other = place_->open({});
     Heard heard;
     listen(*other, heard);
@@ -625,7 +627,7 @@ TEST_P(JobStoreTest, IsSharedByAllServers) {
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
     job.status = JobStatus::Running;
     job.progress = {0.5, 3, {}};
-    ASSERT_TRUE(store_->hold(job)) << "whose a claim is its number tells";
+    ASSERT_TRUE(store_->hold(job)) << "a claim is identified by its number, not by the server";
     EXPECT_TRUE(heard.has("changed a"));
     EXPECT_EQ(find("a").progress.iteration, 3);
     EXPECT_TRUE(*store_->cancel("a"));
@@ -641,7 +643,7 @@ TEST_P(JobStoreTest, IsThreadSafe) {
         for (int i = 0; i < kJobs; ++i) {
             const std::string id = std::to_string(thread) + "-" + std::to_string(i);
             add(*store_, job_named(id));
-            const Job job = claim();  // any
+            const Job job = claim();  // possibly that of another thread
             ASSERT_TRUE(*store_->finish(succeeded(job, job.id), job.id));
             EXPECT_EQ(**store_->result(job.id), job.id);
             if (i % 2 == 0) {

@@ -10,6 +10,7 @@
 
 #include "server/jobs/sqlite_job_store.h"
 #include "tests/server/computing_in_process.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
@@ -25,13 +26,13 @@ ComputeRequest sample(const std::string& members) {
 
 const ComputeRequest kShort = sample(R"("sites":50)");
 
-/// Takes longer than any test; ends when it is stopped.
+/// A request that takes longer than any test unless it is stopped.
 const ComputeRequest kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
 
-/// Has the same answer on every run.
+/// A request that has the same answer on every run.
 const ComputeRequest kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
 
-/// A store that is unreachable the first time that a request is read.
+/// A store that cannot be reached when a request is read for the first time.
 class AwayOnce : public JobStore {
 public:
     Result<bool> is_full(std::string_view client) override { return store_->is_full(client); }
@@ -64,7 +65,7 @@ private:
     std::atomic<bool> away_ = true;
 };
 
-/// A store whose clock is ahead of this machine's, and which is not notified when jobs start.
+/// A store whose clock is ahead of this machine's, and which fails to record the starts of jobs.
 class Ahead : public AwayOnce {
 public:
     Result<std::optional<Job>> claim(std::size_t memory) override {
@@ -103,25 +104,27 @@ protected:
     }
 
     /// Watches a job until a condition holds for it.
-    template <class Test>
-    Job follow(const std::string& id, Test test) {
+    template <class Condition>
+    Job follow(const std::string& id, const std::string& what, Condition condition) {
         auto watch = jobs_->watch(id, kAlice);
-        while (true) {
-            const auto job = watch->next(Jobs::Clock::now() + std::chrono::minutes(2));
-            if (job && test(*job)) return *job;
-            if (!job || is_finished(job->status)) {
-                ADD_FAILURE() << "it never came to that";
-                return {};
-            }
-        }
+        Job job;
+        bool holds = false;
+        EXPECT_TRUE(test::wait_until(what, [&] {
+            const auto next = watch->next(Jobs::Clock::now() + test::kPatience);
+            if (next) job = *next;
+            holds = next && condition(job);
+            return holds || !next || is_finished(job.status);
+        }));
+        EXPECT_TRUE(holds) << "waited for " << what << "; last status: " << name_of(job.status);
+        return job;
     }
 
     Job wait_for_end(const std::string& id) {
-        return follow(id, [](const Job& job) { return is_finished(job.status); });
+        return follow(id, "the end of a job", [](const Job& job) { return is_finished(job.status); });
     }
 
     void wait_until_running(const std::string& id) {
-        follow(id, [](const Job& job) { return job.progress.variation.has_value(); });
+        follow(id, "the first iteration of a job", [](const Job& job) { return job.progress.variation.has_value(); });
     }
 
     int status_of(const std::string& id, const std::string& owner = kAlice) {
@@ -165,7 +168,8 @@ TEST_F(JobsTest, ReportEveryProgressStep) {
     double done = 0;
     auto job = watch->next(never());
     for (int step = 0; job->status == JobStatus::Running; job = watch->next(never()), ++step) {
-        EXPECT_EQ(job->progress.iteration, std::min(step, 7)) << "the polish comes after the iterations";
+        EXPECT_EQ(job->progress.iteration, std::min(step, 7))
+            << "the polish follows the iterations and does not change their number";
         EXPECT_GT(job->progress.fraction, done);
         EXPECT_GT(job->progress.variation, 0);
         done = job->progress.fraction;
@@ -175,7 +179,7 @@ TEST_F(JobsTest, ReportEveryProgressStep) {
     EXPECT_EQ(job->status, JobStatus::Succeeded);
     EXPECT_EQ(watch->next(Jobs::Clock::now()), std::nullopt);
     EXPECT_EQ(jobs_->watch(id, kAlice)->next(never())->status, JobStatus::Succeeded)
-        << "at once for those who come late";
+        << "late watchers must get the current state at once";
 }
 
 TEST_F(JobsTest, FailLikeTheSynchronousAnswer) {
@@ -200,7 +204,7 @@ TEST_F(JobsTest, AreCancelledWhileTheyRunOrWait) {
     EXPECT_EQ(jobs_->find(waiting, kAlice)->status, JobStatus::Cancelled);
     EXPECT_TRUE(jobs_->remove(running, kAlice));
     EXPECT_EQ(jobs_->find(running, kAlice)->status, JobStatus::Cancelled);
-    EXPECT_EQ(wait_for_end(submit(kShort)).status, JobStatus::Succeeded) << "the worker is free again";
+    EXPECT_EQ(wait_for_end(submit(kShort)).status, JobStatus::Succeeded) << "the worker must be free again";
     EXPECT_TRUE(jobs_->remove(running, kAlice));
     EXPECT_EQ(status_of(running), 404);
 }
@@ -242,7 +246,7 @@ TEST_F(JobsTest, AreRefusedIfTheQueueIsFull) {
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().status, 429);
     EXPECT_EQ(refused.error().headers.at(0).name, "Retry-After");
-    EXPECT_TRUE(try_to_submit(kEndless, kBob)) << "others are let in";
+    EXPECT_TRUE(try_to_submit(kEndless, kBob)) << "a client without a waiting job is admitted";
     EXPECT_FALSE(try_to_submit(kEndless, kBob));
 }
 
@@ -279,9 +283,9 @@ TEST_F(JobsTest, AreRefusedIfTheyExceedTheByteLimit) {
 TEST_F(JobsTest, AreRemovedAfterTheirTtl) {
     start({.ttl = milliseconds(1)});
     const std::string id = submit(kShort);
-    while (status_of(id) == 200) std::this_thread::yield();
+    ASSERT_TRUE(test::wait_until("the expiry of a job", [&] { return status_of(id) != 200; }));
     EXPECT_EQ(status_of(id), 404);
-    while (stored_bytes() > 0) std::this_thread::yield();
+    EXPECT_TRUE(test::wait_until("the deletion of an expired job", [&] { return stored_bytes() == 0; }));
 }
 
 TEST_F(JobsTest, EndTheirWatchesWhenRemoved) {
@@ -291,12 +295,12 @@ TEST_F(JobsTest, EndTheirWatchesWhenRemoved) {
     const std::string lost = submit(kShort);
     auto watch = *jobs_->watch(lost, kAlice);
     EXPECT_TRUE(watch.next(Jobs::Clock::now()));
-    ASSERT_TRUE(*store_->remove(lost)) << "which tells nobody";
+    ASSERT_TRUE(*store_->remove(lost)) << "removing a job sends no notification";
     EXPECT_FALSE(watch.next(Jobs::Clock::now()));
     EXPECT_FALSE(watch.is_over());
     watch.look_again();
-    while (watch.next(Jobs::Clock::now() + std::chrono::minutes(2))) {
-    }
+    EXPECT_TRUE(
+        test::wait_until("the end of a watch", [&] { return !watch.next(Jobs::Clock::now() + test::kPatience); }));
     EXPECT_TRUE(watch.is_over());
 }
 
@@ -340,7 +344,10 @@ TEST_F(JobsTest, FailAfterThreeInterruptedStarts) {
     ASSERT_TRUE(store_->add(job, kShort));
     for (int start = 1; start <= 3; ++start) {
         std::optional<Job> claimed;
-        while (!claimed) claimed = *store_->claim(1000);
+        ASSERT_TRUE(test::wait_until("an expired lease", [&] {
+            claimed = *store_->claim(1000);
+            return claimed.has_value();
+        }));
         EXPECT_EQ(claimed->starts, start);
     }
     start(kBrief, true);
@@ -357,7 +364,9 @@ TEST_F(JobsTest, NeverWaitANegativeTime) {
                   [&](const JobEnd& end) { waited.set_value(end.stages.queue); });
     jobs_->start();
     submit(kAnalysis);
-    EXPECT_GE(waited.get_future().get(), 0);
+    auto queued = waited.get_future();
+    ASSERT_TRUE(test::wait_for("the end of a job", queued));
+    EXPECT_GE(queued.get(), 0);
     jobs_.reset();  // before the promise is destroyed
 }
 

@@ -11,6 +11,7 @@
 
 #include "tests/server/jobs/example_jobs.h"
 #include "tests/server/redis/local_redis.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
@@ -21,7 +22,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Events that can occur in a Redis that others use, too.
+/// Tests of events that can occur in a Redis that other programs use.
 class RedisJobStoreTest : public testing::Test {
 protected:
     std::unique_ptr<JobStore> open(const JobLimits& limits = {}) { return open_at(client_, limits); }
@@ -49,7 +50,7 @@ protected:
                         [this](const std::string& report) { reports_.push_back(report); }};
 };
 
-/// Commands that write a value of each type, without the key.
+/// Commands that write a value of each type; the key is inserted.
 const std::vector<std::string> kJunk[] = {{"SET", "junk"},          {"LPUSH", "junk"},        {"SADD", "junk"},
                                           {"ZADD", "1", "junk"},    {"HSET", "junk", "junk"}, {"HSET", "turn", "junk"},
                                           {"HSET", "bytes", "junk"}};
@@ -70,10 +71,10 @@ TEST_F(RedisJobStoreTest, DropsLeasesOfMissingJobs) {
     add(*store, job_named("gone"));
     ASSERT_EQ((**store->claim(1000)).id, "gone");
     call({"DEL", "ccdt:1:job:gone"});
-    while (store->load()->running > 0) {
+    ASSERT_TRUE(test::wait_until("the lease of a missing job to be dropped", [&] {
         EXPECT_EQ(store->claim(1000), std::nullopt);
-        std::this_thread::yield();
-    }
+        return store->load()->running == 0;
+    }));
     add_finished(*store, "next", "result");
 }
 
@@ -142,7 +143,7 @@ TEST_F(RedisJobStoreTest, RecountsWaitingJobsAfterDamage) {
     EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:1:waiting"})->number, 0);
 }
 
-/// Fields of a job that are not free text, so that junk in them is detected.
+/// Fields of a job that have a fixed format, so that junk in them is detected.
 constexpr const char* kFields[] = {"memory",   "seconds",   "status", "starts", "claim",    "created",     "place",
                                    "fraction", "iteration", "turn",   "bytes",  "finished", "result_bytes"};
 
@@ -228,7 +229,8 @@ TEST_F(RedisJobStoreTest, DetectsDamagedBodies) {
         call({"SET", "ccdt:1:question:any", "junk"});
         EXPECT_EQ(store->request("any").error().code, ErrorCode::Unusable);
         call({"SET", "ccdt:1:result:any", "junk"});
-        EXPECT_TRUE(store->finish(succeeded(claimed, body), body)->has_value()) << "it is written over";
+        EXPECT_TRUE(store->finish(succeeded(claimed, body), body)->has_value())
+            << "the damaged key must be overwritten";
         EXPECT_EQ(store->result("any"), body);
         call({"HSET", "ccdt:1:result:any", "0", "junk"});
         EXPECT_EQ(store->result("any").error().code, ErrorCode::Unusable);
@@ -258,7 +260,8 @@ TEST_F(RedisJobStoreTest, TreatsAReadOnlyReplicaAsUnavailable) {
     const test::LocalRedis copy({"--replicaof", "127.0.0.1", redis_.address().port});
     RedisClient client(copy.address());
     const auto store = open_at(client);
-    while (!store->find("before").value_or(std::nullopt)) std::this_thread::yield();
+    ASSERT_TRUE(test::wait_until("the replica to have the job",
+                                 [&] { return store->find("before").value_or(std::nullopt).has_value(); }));
     Job job = job_named("now");
     EXPECT_EQ(store->add(job, kComputeRequest).error().code, ErrorCode::Stopped);
     EXPECT_EQ(store->claim(1000).error().code, ErrorCode::Stopped);

@@ -49,7 +49,7 @@ protected:
         return text ? 200 : text.error().status;
     }
 
-    /// Returns whether the answer is that of an unknown name.
+    /// Whether the answer is the same as for an unknown name.
     bool is_unknown(std::string_view name) const {
         const auto text = read(name), unknown = read("unknown");
         return !text && text.error().status == 404 && text.error().error.message == unknown.error().error.message;
@@ -87,7 +87,7 @@ TEST_F(PictureFolderTest, ReadsNothingOutsideTheFolder) {
 
 TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
     ASSERT_EQ(mkfifo((path_ / "fifo").c_str(), 0600), 0);
-    EXPECT_TRUE(is_unknown("fifo")) << "nor waits for whoever writes there";
+    EXPECT_TRUE(is_unknown("fifo")) << "opening a FIFO must not wait for a writer";
     const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
     sockaddr_un address{.sun_family = AF_UNIX, .sun_path = {}};
     const std::string place = path_ / "socket";
@@ -96,7 +96,7 @@ TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
     ASSERT_EQ(bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
     EXPECT_TRUE(is_unknown("socket"));
     ::close(socket);
-    if (mknod((path_ / "device").c_str(), S_IFCHR | 0666, makedev(1, 5)) == 0) {  // as root may
+    if (mknod((path_ / "device").c_str(), S_IFCHR | 0666, makedev(1, 5)) == 0) {  // succeeds for root only
         EXPECT_TRUE(is_unknown("device"));
     }
 }
@@ -104,7 +104,7 @@ TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
 TEST_F(PictureFolderTest, ReportsUnreadableFilesOnlyToTheLog) {
     std::filesystem::permissions(path_ / "cat", std::filesystem::perms::none);
     const bool is_root = geteuid() == 0;
-    ASSERT_TRUE(!is_root || seteuid(65534) == 0) << "whom permissions bind";
+    ASSERT_TRUE(!is_root || seteuid(65534) == 0) << "permissions do not apply to root";
     const auto text = read("cat");
     EXPECT_TRUE(is_unknown("cat"));
     ASSERT_TRUE(!is_root || seteuid(0) == 0);
@@ -162,11 +162,12 @@ TEST_F(PictureFolderTest, RequiresTheFolderToExist) {
     for (const auto& place : {root_ / "nowhere", path_ / "cat"}) {
         const auto checked = PictureFolder(place).check();
         ASSERT_FALSE(checked);
-        EXPECT_NE(checked.error().message.find(place.string()), std::string::npos) << "who starts the server is told";
+        EXPECT_NE(checked.error().message.find(place.string()), std::string::npos) << "the operator must see the path";
         const auto opened = PictureFolder(place).open("cat", 100);
         ASSERT_FALSE(opened);
         EXPECT_EQ(opened.error().status, 500);
-        EXPECT_EQ(opened.error().error.message.find(place.string()), std::string::npos) << "clients are not";
+        EXPECT_EQ(opened.error().error.message.find(place.string()), std::string::npos)
+            << "clients must not see the path";
     }
 }
 

@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -78,7 +80,8 @@ TEST(ChildProgram, NoticesThatTheSocketWasClosed) {
     pollfd polled{child->ended(), POLLIN, 0};
     EXPECT_EQ(poll(&polled, 1, 0), 0);
     sockets.ours.reset();
-    EXPECT_EQ(poll(&polled, 1, -1), 1);
+    const auto patience = std::chrono::milliseconds(test::kPatience);
+    ASSERT_EQ(poll(&polled, 1, static_cast<int>(patience.count())), 1) << "waited for the end of the child";
     EXPECT_EQ(child->wait(), "exited with 1");
 }
 
@@ -101,7 +104,7 @@ TEST(ChildProgram, IsSpawnedByManyThreads) {
                 auto sockets = make_sockets();
                 auto child = spawn(std::move(sockets.theirs), {"wait"});
                 ASSERT_TRUE(child);
-                sockets.ours.reset();  // no other child has it
+                sockets.ours.reset();  // closes the connection, because no other child has inherited it
                 EXPECT_EQ(child->wait(), "exited with 1");
             }
         });

@@ -16,12 +16,13 @@
 #include <gtest/gtest.h>
 
 #include "server/redis/redis_connection.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server::test {
 namespace {
 
-/// Debian's redis-server is a link to this program, which acts according to the name by which it is called. The package
-/// of redis-server would start a daemon; the one with this program does not.
+/// Debian's redis-server is a link to this program, which behaves according to the name in its first argument.
+/// Installing the package redis-server would start a daemon; the package with this program does not.
 constexpr const char* kProgram = "/usr/bin/redis-check-rdb";
 
 int free_port() {
@@ -72,12 +73,12 @@ void LocalRedis::start() {
         execv(kProgram, arguments.data());
         _exit(127);
     }
-    const auto until = RedisConnection::Clock::now() + std::chrono::minutes(1);
+    const auto until = RedisConnection::Clock::now() + test::kPatience;
     while (true) {
         auto connection = RedisConnection::open(address(), until);
         if (connection || connection.error().message.find("NOAUTH") != std::string::npos) return;
-        ASSERT_LT(RedisConnection::Clock::now(), until) << connection.error().message;
-        ASSERT_EQ(waitpid(process_, nullptr, WNOHANG), 0) << "it has ended; see " << folder_ << "/log";
+        ASSERT_LT(RedisConnection::Clock::now(), until) << "waited for redis-server: " << connection.error().message;
+        ASSERT_EQ(waitpid(process_, nullptr, WNOHANG), 0) << "redis-server has ended; see " << folder_ << "/log";
         std::this_thread::yield();
     }
 }

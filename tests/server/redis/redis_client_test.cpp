@@ -17,6 +17,7 @@
 
 #include "server/redis/redis_subscription.h"
 #include "tests/server/redis/local_redis.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
@@ -33,7 +34,8 @@ protected:
 
     /// Waits until Redis is reachable again.
     void wait_until_back() {
-        while (!client_.run(RedisCommand{"PING"})) std::this_thread::yield();
+        ASSERT_TRUE(
+            test::wait_until("a reply of Redis", [&] { return client_.run(RedisCommand{"PING"}).has_value(); }));
     }
 
     LocalRedis redis_;
@@ -57,7 +59,7 @@ TEST_F(RedisClientTest, ReadsRepliesOfEveryKind) {
     EXPECT_EQ(replies->at(3).items.at(1).text, "b");
     const auto failed = client_.run(RedisCommand{"INCR", "l"});
     ASSERT_FALSE(failed);
-    EXPECT_EQ(failed.error().code, ErrorCode::Unusable) << "the key holds a list";
+    EXPECT_EQ(failed.error().code, ErrorCode::Unusable) << "the key has a list";
     EXPECT_EQ(client_.counts().calls, 2u);
     EXPECT_EQ(client_.counts().failures, 1u);
 }
@@ -81,7 +83,7 @@ TEST_F(RedisClientTest, Reconnects) {
     wait_until_back();
     redis_.kill();
     redis_.start();
-    EXPECT_TRUE(client_.run(RedisCommand{"PING"})) << "what was idle is made again at once";
+    EXPECT_TRUE(client_.run(RedisCommand{"PING"})) << "a lost idle connection must be replaced at once";
 }
 
 TEST_F(RedisClientTest, RespectsItsDeadline) {
@@ -94,7 +96,7 @@ TEST_F(RedisClientTest, RespectsItsDeadline) {
     wait_until_back();
 }
 
-/// Server that answers any request with `answer`, then repeats `rest` until the client leaves.
+/// A server that replies to any request with `answer`, then repeats `rest` until the client disconnects.
 class NoRedis {
 public:
     NoRedis(std::string answer, std::string rest) : answer_(std::move(answer)), rest_(std::move(rest)) {
@@ -111,8 +113,9 @@ public:
             const int client = accept(listener_, nullptr, nullptr);
             char asked[1000];
             if (recv(client, asked, sizeof(asked), 0) > 0) send(client, answer_.data(), answer_.size(), MSG_NOSIGNAL);
-            while (!rest_.empty() && send(client, rest_.data(), rest_.size(), MSG_NOSIGNAL) > 0)
-                std::this_thread::yield();
+            EXPECT_TRUE(test::wait_until("the client to disconnect", [&] {
+                return rest_.empty() || send(client, rest_.data(), rest_.size(), MSG_NOSIGNAL) <= 0;
+            }));
             close(client);
         });
     }
@@ -193,7 +196,8 @@ TEST(RedisSubscription, Resubscribes) {
     };
     const auto wait_for = [&](const std::string& what, std::ptrdiff_t times) {
         std::unique_lock lock(mutex);
-        more.wait(lock, [&] { return std::ranges::count(told, what) >= times; });
+        const auto is_told = [&] { return std::ranges::count(told, what) >= times; };
+        EXPECT_TRUE(more.wait_for(lock, test::kPatience, is_told)) << "waited for the event '" << what << "'";
     };
     const RedisSubscription subscription(redis.address(), "news",
                                          {.message = [&](std::string_view text) { add(std::string(text)); },

@@ -14,11 +14,12 @@
 
 #include "server/jobs/sqlite_job_store.h"
 #include "tests/server/computing_in_process.h"
+#include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
 
-/// Sends requests directly to the routes, as if they had come over a connection.
+/// Passes requests directly to the routes, as if they had arrived over a connection.
 class RoutesTest : public testing::Test {
 protected:
     RoutesTest() { EXPECT_EQ(socketpair(AF_UNIX, SOCK_STREAM, 0, sockets_.data()), 0); }
@@ -31,7 +32,7 @@ protected:
         return routes_.answer(*parse_head(head + "\r\n\r\n"), received, connection);
     }
 
-    /// Sends a request, which is read first, over a connection that stays open.
+    /// Parses a request and passes it to the routes, with a connection that stays open.
     Response ask(const std::string& head, Connection& connection) {
         const std::string sent = head + "\r\n\r\n";
         EXPECT_EQ(write(sockets_[1], sent.data(), sent.size()), static_cast<ssize_t>(sent.size()));
@@ -192,11 +193,9 @@ TEST_F(RoutesTest, ListTheMethodsOfAPath) {
     EXPECT_EQ(ask("PUT /sample HTTP/1.1").status, 405);
 }
 
-/// Routes whose computations are ended by the test, and clients that send requests at the same time.
+/// Routes whose computations end when the test says so, and clients that send requests concurrently.
 class DeadlineTest : public RoutesTest {
 protected:
-    static constexpr std::chrono::seconds kPatience{60};
-
     DeadlineTest() {
         config_.timeout = std::chrono::seconds(1);
         compute_ = [this](const ComputeRequest& request, const Delivery&, const Control& control, api::Timings&) {
@@ -204,21 +203,21 @@ protected:
         };
     }
 
-    /// Stops when requested, but answers only after the other request has been answered.
+    /// Stops when requested, but returns its answer only after the other request was answered.
     Result<api::Answer> compute_part(const Control& control) {
         begun_.set_value();
         std::promise<void> stopped;
         const std::stop_callback tell(control.stop, [&stopped] { stopped.set_value(); });
-        stopped.get_future().wait_for(kPatience);
-        other_answered_.get_future().wait_for(kPatience);
+        EXPECT_TRUE(test::wait_for("a request to stop", stopped.get_future()));
+        EXPECT_TRUE(test::wait_for("the other answer", other_answered_.get_future()));
         api::Answer answer;
         answer.partial = true;
         return answer;
     }
 
-    /// Ignores stops.
+    /// Ignores requests to stop.
     Result<api::Answer> compute_nothing() {
-        over_.get_future().wait_for(kPatience);
+        EXPECT_TRUE(test::wait_for("the end of the test", over_.get_future()));
         return failure(ErrorCode::Stopped, "stopped");
     }
 
@@ -243,7 +242,7 @@ TEST_F(DeadlineTest, GrantsTimeBeyondItForPartialAnswersOnly) {
     const std::string common = R"({"sites":1000,"domain":{"type":"rectangle","width":1,"height":1})";
     auto partial =
         std::async(std::launch::async, [&] { return status(routes, common + R"(,"on_deadline":"partial"})"); });
-    ASSERT_EQ(begun_.get_future().wait_for(kPatience), std::future_status::ready);
+    ASSERT_TRUE(test::wait_for("the beginning of a computation", begun_.get_future()));
     EXPECT_EQ(status(routes, common + '}'), 504);
     other_answered_.set_value();
     EXPECT_EQ(partial.get(), 200) << "the other request, which began later, was answered first";
@@ -333,7 +332,7 @@ TEST_F(RoutesTest, SendsPingsInEventStreams) {
     Config config;
     config.jobs.ping = std::chrono::milliseconds(1);
     Routes routes = make(config);
-    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // waits, since nothing has been started
+    const auto job = jobs_.accept({}, {"/sample", "", "", "", "{}"});  // stays queued, because start() was not called
     Connection connection(socket());
     const auto request = parse_head("GET /jobs/" + job->id + "/events HTTP/1.1\r\n\r\n");
     const Response response = routes.answer(*request, {}, connection);

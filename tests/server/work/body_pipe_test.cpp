@@ -6,6 +6,8 @@
 #include <string>
 #include <thread>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -13,7 +15,7 @@ using Clock = BodyPipe::Clock;
 using std::chrono::seconds;
 
 Clock::time_point later() {
-    return Clock::now() + seconds(60);
+    return Clock::now() + test::kPatience;
 }
 
 class BodyPipeTest : public testing::Test {
@@ -21,8 +23,10 @@ protected:
     /// Takes all pieces until the end.
     std::string take_all() {
         std::string text;
-        while (!pipe_.is_over())
+        EXPECT_TRUE(test::wait_until("the end of the body", [&] {
             if (const auto piece = pipe_.pop(later())) text += *piece;
+            return pipe_.is_over();
+        }));
         return text;
     }
 

@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "tests/server/waiting.h"
+
 namespace ccdt::server {
 namespace {
 
@@ -18,16 +20,16 @@ constexpr bool kMayBeShort = false;
 constexpr api::Cost kShortJob{0, WorkerPool::kShort};
 constexpr api::Cost kLongJob{0, 1};
 
-/// A job that runs until its gate is opened.
+/// Makes a job that runs until open() is called.
 class Gate {
 public:
     WorkerPool::Job job() {
         return [this](const std::stop_token&) {
             started_.set_value();
-            opened_.wait();
+            EXPECT_TRUE(test::wait_for("the call of open()", opened_));
         };
     }
-    void wait_until_started() { started_.get_future().wait(); }
+    void wait_until_started() { ASSERT_TRUE(test::wait_for("the start of a job", started_.get_future())); }
     void open() { open_.set_value(); }
 
 private:
@@ -35,6 +37,10 @@ private:
     std::promise<void> open_;
     std::shared_future<void> opened_ = open_.get_future().share();
 };
+
+testing::AssertionResult wait_for_stop(const std::stop_token& stop) {
+    return test::wait_until("a request to stop", [&] { return stop.stop_requested(); });
+}
 
 TEST(WorkerPool, RunsEveryJob) {
     std::atomic<int> done = 0;
@@ -120,10 +126,10 @@ TEST(WorkerPool, StopsARunningJob) {
     WorkerPool pool(1, 0);
     const auto id = pool.submit(kClient, [&](const std::stop_token& stop) {
         started.set_value();
-        while (!stop.stop_requested()) std::this_thread::yield();
+        EXPECT_TRUE(wait_for_stop(stop));
     });
     ASSERT_TRUE(id);
-    started.get_future().wait();
+    ASSERT_TRUE(test::wait_for("the start of a job", started.get_future()));
     EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Running);
     pool.drain();
     EXPECT_EQ(pool.cancel(*id), WorkerPool::Cancelled::Unknown);
@@ -161,10 +167,10 @@ TEST(WorkerPool, StopsItsJobsWhenDestroyed) {
         WorkerPool pool(1, 1);
         ASSERT_TRUE(pool.submit(kClient, [&](const std::stop_token& stop) {
             started.set_value();
-            while (!stop.stop_requested()) std::this_thread::yield();
+            EXPECT_TRUE(wait_for_stop(stop));
             stopped = true;
         }));
-        started.get_future().wait();
+        ASSERT_TRUE(test::wait_for("the start of a job", started.get_future()));
         ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) { ADD_FAILURE() << "a dropped job ran"; }));
     }
     EXPECT_TRUE(stopped);
@@ -173,7 +179,7 @@ TEST(WorkerPool, StopsItsJobsWhenDestroyed) {
 TEST(WorkerPool, EstimatesItsBacklog) {
     Gate gate;
     WorkerPool pool(1, 100);
-    EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "nothing is known, nothing waits";
+    EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "the minimum, because no job has run and none waits";
     // One job that takes at least 30 ms, by the clock of the pool.
     ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {
         const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
@@ -206,7 +212,7 @@ TEST(WorkerPool, IgnoresJobsWithLentThreadsInItsPace) {
     pool.drain();
 }
 
-/// Returns the order of jobs that wait behind another one, by client.
+/// Returns the order in which the jobs of these clients run after waiting for another job.
 std::string order_of(const std::vector<std::string>& clients) {
     Gate gate;
     std::string order;
@@ -292,7 +298,7 @@ TEST(WorkerPool, RunsShortJobsBeforeLongOnes) {
         "a", [](const std::stop_token&) {}, kLongJob));
     ASSERT_TRUE(pool.submit(
         "a", [&](const std::stop_token&) { done.set_value(); }, kShortJob));
-    done.get_future().wait();
+    ASSERT_TRUE(test::wait_for("a short job", done.get_future()));
     gate.open();
     longer.open();
     pool.drain();
@@ -345,7 +351,7 @@ TEST(WorkerPool, ContinuesWhenMemoryIsReleasedElsewhere) {
     auto ran = done.get_future();
     EXPECT_EQ(pool.load().waiting, 1U);
     lease.reset();
-    ran.wait();
+    ASSERT_TRUE(test::wait_for("a job that needs released memory", ran));
     pool.drain();
 }
 
