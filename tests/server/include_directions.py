@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks that the code's folders include each other only downwards: server -> api -> core, and that no rooms of a floor
-include each other in a circle.
+"""Checks the includes of the code: folders may include only those below them, server -> api -> core, and there are no
+cycles among the subfolders of a folder or among files. Each third-party library is included in one place.
 
-Usage: include_directions.py ROOT         check the tree
-       include_directions.py --self-check  check that planted violations are found
+Usage: include_directions.py ROOT         check the source tree
+       include_directions.py --self-check  check that violations are found
 """
 
 import pathlib
@@ -12,10 +12,9 @@ import sys
 import tempfile
 
 FOLDERS = ("core", "api", "server")
-FLOORS_WITHOUT_CIRCLES = ("core", "api", "server")
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
-# What a header may be included by, for all that not every folder may include: the first match decides.
+# Restricted headers, and the files or folders that may include them. The first match decides.
 RULES = (
     (re.compile(r"^server/"), ("server/",)),
     (re.compile(r"^api/"), ("api/", "server/")),
@@ -39,7 +38,7 @@ RULES = (
 
 
 def includes(root, folder):
-    """Names of files, each with a file that it includes."""
+    """Yields pairs of a file and a file that it includes."""
     for path in sorted((root / folder).rglob("*")):
         if path.suffix in (".h", ".cpp"):
             for included in INCLUDE.findall(path.read_text()):
@@ -54,24 +53,30 @@ def violations(root):
                 yield f"{name} includes {included}"
 
 
-def rooms(root, floor):
-    """Folders of a floor, each with the others that it includes."""
+def subfolder(name):
+    return pathlib.PurePath(name).parent.as_posix()
+
+
+def graph(root, folder, node_of):
+    """Returns the nodes of a folder, each with the other nodes of the folder that it includes."""
     included_by = {}
-    for name, included in includes(root, floor):
-        room, other = (pathlib.PurePath(each).parent.as_posix() for each in (name, included))
-        if other.startswith(floor) and other != room:
-            included_by.setdefault(room, set()).add(other)
+    for name, included in includes(root, folder):
+        node, other = node_of(name), node_of(included)
+        if other.startswith(folder) and other != node:
+            included_by.setdefault(node, set()).add(other)
     return included_by
 
 
-def circles(root):
-    for floor in FLOORS_WITHOUT_CIRCLES:
-        left = rooms(root, floor)
-        while free := [room for room in left if not left[room] & left.keys()]:
-            for room in free:
-                del left[room]
-        for room, others in sorted(left.items()):
-            yield f"{room} is in a circle with or includes one of {', '.join(sorted(others & left.keys()))}"
+def cycles(root):
+    """Yields the subfolders and the files that belong to a cycle of includes or include one."""
+    for folder in FOLDERS:
+        for node_of in (subfolder, str):
+            left = graph(root, folder, node_of)
+            while free := [node for node in left if not left[node] & left.keys()]:
+                for node in free:
+                    del left[node]
+            for node, others in sorted(left.items()):
+                yield f"{node} belongs to a cycle or includes one: {', '.join(sorted(others & left.keys()))}"
 
 
 def self_check():
@@ -128,19 +133,20 @@ def self_check():
         found = sorted(violations(root))
         if found != expected:
             sys.exit(f"expected {expected}\nfound {found}")
-        check_circles(root)
+        check_cycles(root)
 
 
-def check_circles(root):
+def check_cycles(root):
     planted = {"server/one/a.h": "server/two/a.h", "server/two/a.h": "server/three/a.h",
                "server/three/a.cpp": "server/one/a.h", "server/four/a.h": "server/five/a.h",
-               "core/one/a.cpp": "core/two/a.h", "core/two/a.cpp": "core/one/b.h"}
+               "core/one/a.cpp": "core/two/a.h", "core/two/a.cpp": "core/one/b.h",
+               "api/one/a.h": "api/one/b.h", "api/one/b.h": "api/one/a.h", "api/one/c.h": "api/one/d.h"}
     for name, included in planted.items():
         path = root / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(f'#include "{included}"\n')
-    found = [line.split()[0] for line in circles(root)]
-    if found != ["core/one", "core/two", "server/one", "server/three", "server/two"]:
+    found = [line.split()[0] for line in cycles(root)]
+    if found != ["core/one", "core/two", "api/one/a.h", "api/one/b.h", "server/one", "server/three", "server/two"]:
         sys.exit(f"found {found}")
 
 
@@ -150,7 +156,7 @@ def main():
         return
     root = pathlib.Path(sys.argv[1])
     missing = [folder for folder in FOLDERS if not (root / folder).is_dir()]
-    found = list(violations(root)) + list(circles(root))
+    found = list(violations(root)) + list(cycles(root))
     for line in missing + found:
         print(line)
     sys.exit(1 if missing or found else 0)
