@@ -15,15 +15,17 @@ namespace {
 
 constexpr int kBoxes = 2;
 
-/// Columns that are filtered together: their sums stay in the cache.
+/// Number of columns filtered together, so that their sums stay in the cache.
 constexpr std::size_t kColumns = 256;
 
-/// Rows that are filtered together: a sum has to wait for the one before it in its row, but not for other rows'.
+/// Number of rows filtered together. Additions along a row depend on each other; additions in different rows can
+/// overlap.
 constexpr std::size_t kRows = 4;
 
-/// Weighs 2 * reach + 1 values alike, and one more at each end by a share of that.
+/// Box filter with fractional ends: 2 * reach + 1 values have equal weight, and one further value at each end has the
+/// fraction `end` of that weight.
 struct Box {
-    /// Of a variance.
+    /// Constructs the filter with exactly this variance, in squared pixels.
     explicit Box(double variance)
         : reach(static_cast<int>((std::sqrt(12 * variance + 1) - 1) / 2)),
           end((2 * reach + 1) * (reach * (reach + 1.0) - 3 * variance) /
@@ -40,20 +42,20 @@ Box box_of(double sigma, int side) {
     return Box(most * most / kBoxes);
 }
 
-/// The place in [0, side) that a place beyond the sides mirrors.
+/// Returns the index in [0, side) of the pixel whose mirror image lies at `place`.
 int mirrored(int place, int side) {
     const int period = 2 * side;
     const int within = ((place % period) + period) % period;
     return within < side ? within : period - 1 - within;
 }
 
-/// Filters columns of a plane.
-/// @param from, to  the first of these columns
-/// @param columns   kColumns at most
+/// Filters some adjacent columns of an image.
+/// @param from, to  top of the first column
+/// @param columns   at most kColumns
 void filter_columns(const Box& box, int width, int height, const float* from, float* to, std::size_t columns) {
     const auto stride = static_cast<std::size_t>(width);
     const auto row = [&](int y) { return from + static_cast<std::size_t>(mirrored(y, height)) * stride; };
-    std::array<double, kColumns> sums{};  // of the values in reach
+    std::array<double, kColumns> sums{};  // sums of the values in reach
     for (int y = -box.reach; y <= box.reach; ++y) {
         for (std::size_t x = 0; x < columns; ++x) sums[x] += static_cast<double>(row(y)[x]);
     }
@@ -68,7 +70,7 @@ void filter_columns(const Box& box, int width, int height, const float* from, fl
     }
 }
 
-/// Copies a row with what its sides mirror.
+/// Copies a row and extends it on both sides by mirrored pixels.
 void pad(const float* row, int width, int margin, float* padded) {
     std::copy_n(row, width, padded + margin);
     for (int x = 1; x <= margin; ++x) {
@@ -78,13 +80,13 @@ void pad(const float* row, int width, int margin, float* padded) {
 }
 
 /// Filters some rows in place.
-/// @param padded  room for the rows and what their sides mirror
+/// @param padded  buffer for the extended rows
 template <std::size_t kCount>
 void filter_rows(const Box& box, int width, float* rows, std::vector<float>& padded) {
     const int margin = box.reach + 1;
     const auto columns = static_cast<std::size_t>(width), stride = columns + 2 * static_cast<std::size_t>(margin);
     padded.resize(kCount * stride);
-    std::array<double, kCount> sums{};  // of the values in reach
+    std::array<double, kCount> sums{};  // sums of the values in reach
     for (std::size_t row = 0; row < kCount; ++row) {
         const float* values = padded.data() + row * stride;
         pad(rows + row * columns, width, margin, padded.data() + row * stride);
@@ -118,10 +120,10 @@ void blur(std::vector<float>& values, int width, int height, double sigma, std::
                [&](std::size_t begin, std::size_t end) {
                    std::vector<float> padded;
                    for (std::size_t row = begin; row < end;) {
-                       const bool alone = end - row < kRows;
-                       const auto filter = alone ? filter_rows<1> : filter_rows<kRows>;
+                       const bool single = end - row < kRows;
+                       const auto filter = single ? filter_rows<1> : filter_rows<kRows>;
                        for (int i = 0; i < kBoxes; ++i) filter(across, width, values.data() + row * columns, padded);
-                       row += alone ? 1 : kRows;
+                       row += single ? 1 : kRows;
                    }
                });
 }

@@ -12,11 +12,11 @@ namespace {
 
 constexpr std::uint8_t kFull = 255;
 
-/// Where an error goes, ahead being the way along the row.
+/// A pixel that receives part of an error.
 struct Neighbour {
-    int ahead;
-    int rows;
-    float weight;
+    int ahead;     ///< number of columns in the direction of travel
+    int rows;      ///< number of rows below
+    float weight;  ///< relative share of the error
 };
 constexpr std::array<Neighbour, 4> kNeighbours = {{{1, 0, 7}, {-1, 1, 3}, {0, 1, 5}, {1, 1, 1}}};
 
@@ -30,7 +30,7 @@ public:
     void run() {
         for (int y = 0; y < height_; ++y) {
             const int ahead = y % 2 == 0 ? 1 : -1;
-            for (int i = 0; i < width_; ++i) settle(ahead > 0 ? i : width_ - 1 - i, y, ahead);
+            for (int i = 0; i < width_; ++i) quantize(ahead > 0 ? i : width_ - 1 - i, y, ahead);
             errors_[0].swap(errors_[1]);
             errors_[1].assign(errors_[1].size(), 0);
         }
@@ -45,20 +45,20 @@ private:
         return x >= 0 && x < width_ && y < height_ && share(x, y) != 0 && share(x, y) != kFull;
     }
 
-    void settle(int x, int y, int ahead) {
+    void quantize(int x, int y, int ahead) {
         if (!is_open(x, y)) return;
         std::uint8_t& here = share(x, y);
-        const float wanted = here + errors_[0][static_cast<std::size_t>(x)] + std::exchange(waiting_, 0.0f);
+        const float wanted = here + errors_[0][static_cast<std::size_t>(x)] + std::exchange(carried_, 0.0f);
         here = wanted > kFull / 2.0f ? kFull : 0;
-        hand_on(wanted - here, x, y, ahead);
+        distribute_error(wanted - here, x, y, ahead);
     }
 
-    void hand_on(float error, int x, int y, int ahead) {
+    void distribute_error(float error, int x, int y, int ahead) {
         float weights = 0;
         for (const auto& [along, rows, weight] : kNeighbours) {
             if (is_open(x + along * ahead, y + rows)) weights += weight;
         }
-        if (!(weights > 0)) waiting_ += error;
+        if (!(weights > 0)) carried_ += error;
         for (const auto& [along, rows, weight] : kNeighbours) {
             const int to = x + along * ahead;
             if (is_open(to, y + rows))
@@ -69,8 +69,8 @@ private:
     std::vector<std::uint8_t>& shares_;
     int width_;
     int height_;
-    std::array<std::vector<float>, 2> errors_;  ///< [width] of this row and of the next
-    float waiting_ = 0;                         ///< what no neighbour could take
+    std::array<std::vector<float>, 2> errors_;  ///< [width] errors that pixels of this row and of the next row receive
+    float carried_ = 0;                         ///< error that no neighbour could take
 };
 
 }  // namespace

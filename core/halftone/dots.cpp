@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Rows of a canvas, from the first to before the last.
+/// Rows [top, bottom) of a canvas.
 struct Band {
     int top = 0;
     int bottom = 0;
@@ -27,7 +27,7 @@ struct Band {
     int clip(double y) const { return static_cast<int>(std::clamp<double>(y, top, bottom)); }
 };
 
-/// Radii of dots in canvas pixels: one for all, or one for each.
+/// Radii of dots in canvas pixels: one radius for all dots, or one for each dot.
 class Radii {
 public:
     explicit Radii(double all) : all_(all), largest_(all) {}
@@ -47,13 +47,13 @@ private:
     double largest_;
 };
 
-/// Rows that a reach around a point may touch, as far as they belong to a band.
+/// Returns the rows of a band that lie at least partly within a distance of y.
 Band rows_within(double y, double reach, const Band& band) {
     return {band.clip(std::floor(y - reach)), band.clip(std::ceil(y + reach))};
 }
 
-/// Calls visit(pixel, squared distance) for a band's pixels whose centres lie within a reach of a point, and a few
-/// more.
+/// Calls visit(pixel, squared distance) for the pixels of a band whose centres lie within a distance of a point. May
+/// also call it for a few other pixels.
 template <class Visit>
 void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, double reach, const Visit& visit) {
     const auto clip = [](double v, int size) {
@@ -75,7 +75,8 @@ void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, dou
     }
 }
 
-/// A value for each pixel of a canvas. Whoever draws sets them: an executor does so faster than its caller alone.
+/// A value for each pixel of a canvas. The memory starts uninitialised, so that the drawing tasks can initialise it in
+/// parallel.
 struct Values {
     std::unique_ptr<float[]> values;
     std::size_t count = 0;
@@ -84,8 +85,8 @@ struct Values {
     float* end() const { return values.get() + count; }
 };
 
-/// Dots by the bands of a canvas that they reach into, in each in their order: a pixel meets its dots in the same order
-/// whatever the bands, and bands have no pixel in common.
+/// Dots grouped by the bands of rows that they touch. Within a band, dots keep their original order. Bands share no
+/// pixels, and each pixel receives its dots in the same order whatever the height of the bands.
 class Bands {
 public:
     Bands(std::span<const Point> dots, const Canvas& canvas, double reach)
@@ -98,9 +99,8 @@ public:
         }
     }
 
-    /// Makes a value for each pixel, and then calls draw(values, band, dot) for each band and the dots that reach into
-    /// it.
-    /// @param bare  value of pixels where there is no dot
+    /// Creates a value for each pixel, and calls draw(values, band, dot) for each band and each dot that touches it.
+    /// @param bare  initial value of each pixel
     template <class Draw>
     Values draw(float bare, Executor& executor, const std::stop_token& stop, const Draw& draw) const {
         const std::size_t columns = static_cast<std::size_t>(width_);
@@ -118,7 +118,7 @@ public:
         return values;
     }
 
-    /// Calls visit(band, dot) for each band and the dots that reach into it.
+    /// Calls visit(band, dot) for each band and each dot that touches it.
     template <class Visit>
     void visit(Executor& executor, const std::stop_token& stop, const Visit& visit) const {
         executor.run(dots_.size(), [&](std::size_t number) {
@@ -135,20 +135,21 @@ private:
         return {top, std::min(top + rows_, height_)};
     }
 
-    /// As many as make it seldom that a dot reaches into several, as long as there are bands for many.
+    /// Returns a height of bands at which few dots touch more than one band. There are at least kBands bands to run in
+    /// parallel, if possible.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
-        const double seldom = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
-        return std::max(static_cast<int>(seldom), static_cast<int>(rows_of_task(canvas.width)));
+        const double preferred = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
+        return std::max(static_cast<int>(preferred), static_cast<int>(rows_of_task(canvas.width)));
     }
 
     int width_;
     int height_;
-    int rows_;  ///< of a band
+    int rows_;  ///< rows of a band
     std::vector<std::vector<std::uint32_t>> dots_;
 };
 
-/// Squared distance from each pixel's centre to the nearest dot's, where that is within a reach.
+/// Squared distance from each pixel's centre to the centre of the nearest dot; infinite beyond a given reach.
 class DistanceMap {
 public:
     DistanceMap(std::span<const Point> dots, const Canvas& canvas, double reach, const std::stop_token& stop,
@@ -164,9 +165,10 @@ public:
 
     const Values& squared() const { return squared_; }
 
-    /// The k-th smallest squared distance, k from 1; infinite beyond the reach.
+    /// Returns the k-th smallest squared distance, with k from 1; infinite beyond the reach.
     float smallest(std::size_t k) const {
-        // Positive floats sort like their bits: find the upper half of the bits, then the lower.
+        // Positive floats are ordered like their bit patterns. So a radix selection finds the upper 16 bits, and then
+        // the lower 16 bits.
         const std::uint32_t upper = select(k, [](std::uint32_t bits) { return bits >> 16; });
         const std::uint32_t lower =
             select(k, [&](std::uint32_t bits) { return bits >> 16 == upper ? bits & 0xffff : kOther; });
@@ -176,7 +178,8 @@ public:
 private:
     static constexpr std::uint32_t kOther = ~std::uint32_t{0};
 
-    /// The key of rank k, counted from 1, among those that are not kOther; k becomes the rank among equal keys.
+    /// Returns the key of rank k, counted from 1, among the keys other than kOther. On return, k is the rank among the
+    /// equal keys.
     template <class Key>
     std::uint32_t select(std::size_t& k, Key&& key) const {
         std::vector<std::size_t> count(1 << 16, 0);
@@ -192,12 +195,14 @@ private:
     Values squared_;
 };
 
-/// Share of a pixel that a disc covers whose rim passes its centre at this distance, inside being positive.
+/// Returns the share of a pixel that a disc covers.
+/// @param inside  distance of the pixel's centre from the rim, positive inside the disc
 double pixel_coverage(double inside) {
     return std::clamp(inside + 0.5, 0.0, 1.0);
 }
 
-/// The radius at which antialiased dots have the mean coverage; -0.5 if none has.
+/// Returns the radius at which antialiased dots have the mean coverage. If the mean coverage is 0, the radius is about
+/// -0.5.
 double antialiased_radius(const Values& squared, double mean_coverage, double reach) {
     constexpr std::size_t kBins = 1 << 16;
     std::vector<std::size_t> count(kBins, 0);
@@ -225,15 +230,15 @@ struct Fitted {
     double radius;
 };
 
-/// Finds the radius for the mean coverage, looking further out until the reach is enough.
+/// Finds the radius for the mean coverage. Increases the reach of the distance map until the reach exceeds the radius.
 Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                   const std::stop_token& stop, Executor& executor) {
     const double pixels = static_cast<double>(canvas.width) * canvas.height;
     const double mean_coverage = std::clamp(options.mean_coverage, 0.0, 1.0);
     const auto wanted = static_cast<std::size_t>(std::lround(mean_coverage * pixels));
-    const double alone = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
+    const double without_overlap = std::sqrt(mean_coverage * pixels / (kPi * static_cast<double>(dots.size())));
     const double furthest = std::hypot(canvas.width, canvas.height) + 1;
-    for (double reach = std::min(1.4 * alone + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
+    for (double reach = std::min(1.4 * without_overlap + 2, furthest);; reach = std::min(1.6 * reach, furthest)) {
         DistanceMap map(dots, canvas, reach, stop, executor);
         const float squared = map.smallest(std::max(wanted, std::size_t{1}));
         const double margin = options.antialias ? 1 : 0;
@@ -246,17 +251,18 @@ Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOp
     }
 }
 
-/// Draws soft discs that cover, overlaps counted once, what discs do.
+/// Draws antialiased discs. Their total coverage is that of exact discs whose overlaps count once.
 ///
-/// Rims that face each other in a pixel cover what each does, added up; rims that cross, what the one leaves bare of
-/// the other's share. Measured on flat greys: with seven parts of the first and three of the second, all together cover
-/// what discs do to 0.002 at a radius of 3 pixels, and to 0.005 at 1.5.
+/// Two rules apply where two discs cover parts of the same pixel. If the rims face each other, the coverages add up. If
+/// the rims cross, each disc covers its share of the area that the other disc leaves bare. The result is a mixture of
+/// both rules with the weights 0.7 and 0.3. With these weights, the total coverage of flat greys is exact to 0.002 at a
+/// radius of 3 pixels, and to 0.005 at 1.5.
 Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
                  Executor& executor) {
     constexpr float kFacing = 0.7f;
     const Bands bands(dots, canvas, radii.largest() + 0.5);
     const Values bare = bands.draw(1, executor, stop, [&](float* to, const Band& band, std::size_t dot) {
-        // A rim a pixel wide adds pi / 12 to the area of a disc.
+        // A rim that is one pixel wide and falls off linearly adds pi / 12 to the area of a disc.
         const double middle = std::sqrt(std::max(0.0, radii[dot] * radii[dot] - 1.0 / 12));
         const auto core = static_cast<float>(middle > 0.5 ? (middle - 0.5) * (middle - 0.5) : -1);
         const auto cover = [core, middle, to](std::size_t pixel, float squared) {
@@ -279,7 +285,7 @@ Raster draw_soft(std::span<const Point> dots, const Canvas& canvas, const Radii&
     return raster;
 }
 
-/// Draws discs of pixels whose centres they cover.
+/// Draws discs without antialiasing: a pixel is covered if a disc contains its centre.
 Raster draw_hard(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, const std::stop_token& stop,
                  Executor& executor) {
     Raster raster{canvas.width, canvas.height, radii.largest(), {}};
@@ -294,7 +300,7 @@ Raster draw_hard(std::span<const Point> dots, const Canvas& canvas, const Radii&
     return raster;
 }
 
-/// Appends the mean of blocks of samples.
+/// Appends the mean of each block of samples x samples values.
 void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& coverage) {
     const auto side = static_cast<std::size_t>(samples);
     std::vector<unsigned> sums(static_cast<std::size_t>(fine.width) / side);
@@ -308,16 +314,16 @@ void append_reduced(const Raster& fine, int samples, std::vector<std::uint8_t>& 
     }
 }
 
-/// Draws band by band, so that not all samples are there at once.
+/// Draws with several samples per pixel. Proceeds band by band, so that only the samples of one band are in memory.
 /// @param radii  in samples
 Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Radii& radii, int samples,
                     const std::stop_token& stop, Executor& executor) {
-    constexpr int kBand = 1 << 20;  // samples, about
-    const int a_row = canvas.width * samples * samples;
+    constexpr int kBand = 1 << 20;  // approximate number of samples in a band
+    const int samples_per_row = canvas.width * samples * samples;
     Raster raster{canvas.width, canvas.height, radii.largest() / samples, {}};
     std::vector<Point> shifted(dots.begin(), dots.end());
     for (int top = 0; top < canvas.height;) {
-        const int rows = std::min(canvas.height - top, std::max(1, kBand / a_row));
+        const int rows = std::min(canvas.height - top, std::max(1, kBand / samples_per_row));
         const Canvas band{samples * canvas.width, samples * rows, samples * canvas.scale};
         append_reduced(draw_soft(shifted, band, radii, stop, executor), samples, raster.coverage);
         for (Point& dot : shifted) dot.y -= rows / canvas.scale;

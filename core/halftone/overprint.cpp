@@ -13,21 +13,21 @@ namespace {
 
 using Channels = Overprint::Channels;
 
-/// Overlap of two inks over what it would be, did they know nothing of each other.
+/// Returns the factor by which the overlap of two inks differs from that of independent patterns.
 ///
-/// @param a, b    areas of their dots per area
-/// @param others  those of all other inks
-/// Fitted to 1,300 flat tints of two to four inks, 8,000 dots, quality standard: the shares that two inks both cover
-/// come out to 0.002 (root mean square). Shown by Overprint.MatchesRasterizedDots.
+/// @param a, b    total dot area of each of the two inks per unit area
+/// @param others  total dot area of all other inks per unit area
+/// Fitted to 1,300 flat tints of two to four inks, with 8,000 dots and quality standard. The root mean square error of
+/// the share that both inks cover is 0.002. Shown by Overprint.MatchesRasterizedDots.
 double overlap(double a, double b, double others) {
     const double crowding = 1.94 * (a * a + b * b) + 0.73 * a * b + 0.91 * (1 - std::exp(-others / 0.68)) - 0.106;
     return 1 - std::exp(-std::max(0.0, crowding));
 }
 
-/// What an ink's dots cover less because those of others push them.
+/// Returns the coverage that an ink loses because dots of other inks push its dots, which makes its pattern less even.
 ///
-/// @param own, others  areas of dots per area
-/// Measured as overlap(), to 0.002.
+/// @param own, others  total dot area per unit area
+/// Fitted in the same way as overlap(); the error is 0.002.
 double disorder(double own, double others) {
     const double crowd = others / 0.22, off = (own - 1.015) / 0.243;
     return 0.016 * (1 - std::exp(-crowd * crowd)) * std::exp(-off * off / 2);
@@ -49,16 +49,16 @@ Light printed(const InkSet& inks, std::span<const float> cover) {
 
 Overprint::Overprint(const InkSet& inks) : count_(inks.inks.size()) {
     assert(count_ >= 1 && count_ <= kMostInks);
-    for (std::size_t inks_there = 0; inks_there < std::size_t{1} << count_; ++inks_there) {
-        const int many = std::popcount(inks_there);
+    for (std::size_t combination = 0; combination < std::size_t{1} << count_; ++combination) {
+        const int inks_in_it = std::popcount(combination);
         for (std::size_t c = 0; c < 3; ++c) {
             double change = channels_of(inks.paper)[c];
             for (std::size_t i = 0; i < count_; ++i) {
-                if ((inks_there >> i & 1) == 0) continue;
+                if ((combination >> i & 1) == 0) continue;
                 const double ink = channels_of(inks.inks[i])[c];
-                change = !inks.additive ? change * (ink - 1) : many == 1 ? ink : 0;
+                change = !inks.additive ? change * (ink - 1) : inks_in_it == 1 ? ink : 0;
             }
-            changes_[inks_there][c] = change;
+            changes_[combination][c] = change;
         }
     }
 }

@@ -16,22 +16,23 @@ namespace {
 
 using Channels = Overprint::Channels;
 
-/// Samples a radius. With two and a half, gaps in what is nearly solid are missed, and shadows err two thirds more.
+/// Samples per radius. With 2.5, gaps in nearly solid areas are missed, and errors in shadows are two thirds larger.
 constexpr double kFine = 4;
-constexpr double kCoarse = 2;           // at least
-constexpr int kCell = 10;               // samples a side
-constexpr double kSamplesPerDot = 200;  // at most
+constexpr double kCoarse = 2;           // least number of samples per radius; with fewer, no dot moves
+constexpr int kCell = 10;               // samples along each side of a cell
+constexpr double kSamplesPerDot = 200;  // largest number of samples in all, per dot
 
 constexpr std::size_t kCellsOfTask = 256;
 constexpr std::size_t kSitesOfTask = 1024;
 
-/// Slope of half the squared difference from what is wanted by the light of each channel, over the squared slopes and
-/// the light that there is: so a step is as long where light is scarce.
-Channels pull(const Channels& wanted, const Channels& seen) {
+/// Returns the derivative of half the squared colour difference with respect to the light of each channel, scaled for a
+/// step of steepest descent. The derivative is divided by the squared slopes and by the wanted luminance. So steps have
+/// similar lengths in light and in dark areas.
+Channels gradient(const Channels& wanted, const Channels& seen) {
     constexpr double kLeastLight = 0.01;
     const ColourDifference difference(lab_of(wanted));
     const Lab off = difference(lab_of(seen));
-    Channels pull{};
+    Channels gradient{};
     double squares = 0;
     for (std::size_t c = 0; c < 3; ++c) {
         const double step = 0.02 * wanted[c] + 0.002;
@@ -39,12 +40,12 @@ Channels pull(const Channels& wanted, const Channels& seen) {
         more[c] += step;
         Lab slope = difference(lab_of(more));
         for (std::size_t k = 0; k < 3; ++k) slope[k] = (slope[k] - off[k]) / step;
-        pull[c] = dot(slope, off);
+        gradient[c] = dot(slope, off);
         squares += dot(slope, slope);
     }
     const double level = luminance_of(wanted[0], wanted[1], wanted[2]);
-    for (double& each : pull) each /= squares * (level + kLeastLight);
-    return pull;
+    for (double& each : gradient) each /= squares * (level + kLeastLight);
+    return gradient;
 }
 
 Channels at(const LightPlanes& planes, std::size_t number) {
@@ -64,9 +65,9 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
     height_ = std::max(1, static_cast<int>(height / step_));
     columns_ = (width_ + kCell - 1) / kCell;
     rows_ = (height_ + kCell - 1) / kCell;
-    for (std::size_t i = 0; i < ways_.size(); ++i) {
-        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(ways_.size());
-        ways_[i] = {std::cos(angle), std::sin(angle)};
+    for (std::size_t i = 0; i < directions_.size(); ++i) {
+        const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(directions_.size());
+        directions_[i] = {std::cos(angle), std::sin(angle)};
     }
     for (std::size_t bits = 0; bits < std::size_t{1} << inks.inks.size(); ++bits) {
         std::vector<float> cover;
@@ -86,7 +87,7 @@ PrintProof::PrintProof(const LightPlanes& light, const CellGrid& cells, int widt
         executor);
 }
 
-/// The mean light of each cell's samples, blurred over a cell.
+/// Returns the mean light of the samples in each cell, blurred with a standard deviation of one cell.
 template <class LightAt>
 LightPlanes PrintProof::means(const LightAt& light_at, Executor& executor) const {
     LightPlanes means;
@@ -103,7 +104,7 @@ LightPlanes PrintProof::means(const LightAt& light_at, Executor& executor) const
     return means;
 }
 
-/// The mean light of a cell's samples.
+/// Returns the mean light of the samples in a cell.
 template <class LightAt>
 PrintProof::Channels PrintProof::mean(const LightAt& light_at, int column, int row) const {
     const int right = std::min(width_, (column + 1) * kCell), below = std::min(height_, (row + 1) * kCell);
@@ -119,7 +120,7 @@ PrintProof::Channels PrintProof::mean(const LightAt& light_at, int column, int r
     return mean;
 }
 
-/// Inks that cover each sample's centre, as bits.
+/// Returns the inks that cover the centre of each sample, as a set of bits.
 std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vector<Point>> sites,
                                                       const std::stop_token& stop, Executor& executor) const {
     std::vector<std::uint8_t> samples(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
@@ -127,7 +128,7 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     const auto first = [](double from, int least, int most) {
         return static_cast<int>(std::clamp<double>(std::ceil(from), least, most));
     };
-    // A band of rows each: all have a look at all sites.
+    // Each task draws one band of rows and visits all sites.
     constexpr std::size_t kBands = 16;
     for_ranges(executor, static_cast<std::size_t>(height_), (static_cast<std::size_t>(height_) + kBands - 1) / kBands,
                [&](std::size_t begin, std::size_t end) {
@@ -149,47 +150,48 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     return samples;
 }
 
-/// What a unit of light more in each cell would cost.
-LightPlanes PrintProof::pulls(const std::vector<std::uint8_t>& samples, Executor& executor) const {
+/// Returns the cost of one more unit of light in each cell.
+LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Executor& executor) const {
     const LightPlanes seen = means(
         [&](int x, int y) {
             return colours_[samples[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
                                     static_cast<std::size_t>(x)]];
         },
         executor);
-    LightPlanes pulls = seen;
+    LightPlanes gradients = seen;
     for_ranges(executor, seen[0].size(), kCellsOfTask, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            const Channels here = pull(at(wanted_, cell), at(seen, cell));
-            for (std::size_t c = 0; c < 3; ++c) pulls[c][cell] = static_cast<float>(here[c]);
+            const Channels here = gradient(at(wanted_, cell), at(seen, cell));
+            for (std::size_t c = 0; c < 3; ++c) gradients[c][cell] = static_cast<float>(here[c]);
         }
     });
-    return pulls;
+    return gradients;
 }
 
-/// A dot's move, by what its rim would cover of what lies there.
+/// Returns the move of a dot. Samples just outside the dot's rim show how the cost would change if the dot covered
+/// them.
 Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
-                       const LightPlanes& pulls) const {
-    constexpr double kStrength = 0.2;  // radii
-    constexpr double kLongest = 0.15;  // radii
-    constexpr double kOutside = 0.7;   // samples: the dot itself covers none of these
+                       const LightPlanes& gradients) const {
+    constexpr double kStrength = 0.2;  // radii per unit of the slope
+    constexpr double kLongest = 0.15;  // largest length of a move, radii
+    constexpr double kOutside = 0.7;   // distance from the rim in samples, at which the dot covers no sample
     const double reach = radius_ / step_ + kOutside;
     const Point centre = 1 / step_ * site;
     const auto cell = [](double place, int size) {
         return static_cast<std::size_t>(std::clamp(static_cast<int>(place / kCell), 0, size - 1));
     };
-    const Channels pull =
-        at(pulls, cell(centre.y, rows_) * static_cast<std::size_t>(columns_) + cell(centre.x, columns_));
+    const Channels gradient =
+        at(gradients, cell(centre.y, rows_) * static_cast<std::size_t>(columns_) + cell(centre.x, columns_));
     Point slope{};
-    for (const Point& way : ways_) {
-        const Point rim = centre + reach * way;
+    for (const Point& direction : directions_) {
+        const Point rim = centre + reach * direction;
         if (!(rim.x >= 0 && rim.x < width_ && rim.y >= 0 && rim.y < height_)) continue;
         const unsigned there = samples[static_cast<std::size_t>(rim.y) * static_cast<std::size_t>(width_) +
                                        static_cast<std::size_t>(rim.x)];
         if ((there >> ink & 1U) != 0) continue;
         double cost = 0;
-        for (std::size_t c = 0; c < 3; ++c) cost += pull[c] * (colours_[there | 1U << ink][c] - colours_[there][c]);
-        slope = slope + cost * way;
+        for (std::size_t c = 0; c < 3; ++c) cost += gradient[c] * (colours_[there | 1U << ink][c] - colours_[there][c]);
+        slope = slope + cost * direction;
     }
     const double length = kStrength * std::sqrt(dot(slope, slope));
     return -radius_ * kStrength * std::min(1.0, length > kLongest ? kLongest / length : 1.0) * slope;
@@ -201,12 +203,12 @@ std::vector<std::vector<Point>> PrintProof::moves(std::span<const std::vector<Po
     for (const auto& each : sites) moves.emplace_back(each.size());
     if (columns_ == 0) return moves;
     const auto samples = printed_samples(sites, stop, executor);
-    const LightPlanes pulls = this->pulls(samples, executor);
+    const LightPlanes gradients = this->gradients(samples, executor);
     for (unsigned ink = 0; ink < sites.size(); ++ink) {
         if (stop.stop_requested()) break;
         for_ranges(executor, sites[ink].size(), kSitesOfTask, [&](std::size_t begin, std::size_t end) {
             for (std::size_t site = begin; site < end; ++site)
-                moves[ink][site] = move(sites[ink][site], ink, samples, pulls);
+                moves[ink][site] = move(sites[ink][site], ink, samples, gradients);
         });
     }
     return moves;

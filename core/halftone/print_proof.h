@@ -15,30 +15,31 @@
 
 namespace ccdt {
 
-/// Trial print of dots in several inks, which is compared with what shall be seen.
+/// Simulates a print of dots in several inks and compares its local mean light with the wanted picture.
 ///
-/// Each ink by itself is spread evenly, but how inks overlap varies from place to place, and shows as blotches many
-/// dots wide. A dot that moves lays bare what is behind it and covers what is before it: where nothing else lies there
-/// that changes nothing in the mean, but where the one is covered already by another ink and the other is not, it does.
-/// So moves of a few hundredths of a radius suffice to make the light of all inks together what it should be.
+/// The dots of each ink are spread evenly. But the overlap of inks varies from place to place, which is visible as
+/// blotches many dots wide. A dot that moves uncovers an area behind it and covers an area ahead. The mean light
+/// changes if another ink lies on only one of these two areas. So moves of a few hundredths of a radius suffice to
+/// correct the light of all inks together.
 class PrintProof {
 public:
-    /// @param light          [cells] what shall be seen, as far as inks can make it
-    /// @param cells          of the picture; pixels, or what is as good for such dots
-    /// @param width, height  pixels, >= 1
-    /// @param radius         of all dots, pixels, > 0
-    /// @param sites          how many dots there are, of all inks; bounds the memory
+    /// @param light          [cells] the wanted light, within the gamut of the inks
+    /// @param cells          grid of `light`: either the picture's pixels or the cells of resolved_cells()
+    /// @param width, height  size of the picture in pixels, >= 1
+    /// @param radius         radius of all dots in pixels, > 0
+    /// @param sites          number of dots of all inks; limits the memory
     PrintProof(const LightPlanes& light, const CellGrid& cells, int width, int height, const InkSet& inks,
                double radius, std::size_t sites, Executor& executor = inline_executor());
 
-    /// Computes the moves of a round: a step of steepest descent on the squared difference of what is seen, by
-    /// ColourDifference, blurred over about three radii.
+    /// Computes the moves of a retouch round: one step of steepest descent. It reduces the squared ColourDifference
+    /// between print and picture, both of which are first blurred over about three radii.
     ///
-    /// @param sites  [inks] in pixels, y as rows go
-    /// @param stop   asked now and then; the rest is not moved, then
-    /// @returns      [inks][sites], none longer than a seventh of a radius; none at all where dots are so few on a
-    ///               large picture that they hardly meet
-    /// Same input, same bytes, whatever the executor. O(sites).
+    /// @param sites  [inks] in pixels, y down the rows
+    /// @param stop   polled regularly; after a stop, the remaining moves are zero
+    /// @returns      [inks][sites] moves of at most 0.15 radii; all zero on a large picture with so few dots that they
+    ///               hardly touch
+    ///
+    /// Deterministic for any number of threads. O(sites).
     std::vector<std::vector<Point>> moves(std::span<const std::vector<Point>> sites, const std::stop_token& stop = {},
                                           Executor& executor = inline_executor()) const;
 
@@ -51,16 +52,16 @@ private:
     Channels mean(const LightAt& light_at, int column, int row) const;
     std::vector<std::uint8_t> printed_samples(std::span<const std::vector<Point>> sites, const std::stop_token& stop,
                                               Executor& executor) const;
-    LightPlanes pulls(const std::vector<std::uint8_t>& samples, Executor& executor) const;
-    Point move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples, const LightPlanes& pulls) const;
+    LightPlanes gradients(const std::vector<std::uint8_t>& samples, Executor& executor) const;
+    Point move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples, const LightPlanes& gradients) const;
 
-    double radius_;                  ///< pixels
-    double step_;                    ///< pixels a sample
-    int width_ = 0, height_ = 0;     ///< samples
-    int columns_ = 0, rows_ = 0;     ///< cells, in which what is seen is compared
-    std::array<Point, 24> ways_{};   ///< directions all around a dot
-    std::vector<Channels> colours_;  ///< by the inks that lie on each other, as bits
-    LightPlanes wanted_;             ///< [cells]
+    double radius_;               ///< pixels
+    double step_;                 ///< pixels per sample
+    int width_ = 0, height_ = 0;  ///< samples
+    int columns_ = 0, rows_ = 0;  ///< number of cells of kCell x kCell samples, in which light is compared; 0: no moves
+    std::array<Point, 24> directions_{};  ///< unit vectors in equally spaced directions
+    std::vector<Channels> colours_;       ///< [2^inks] colour of each combination of inks, given as a set of bits
+    LightPlanes wanted_;                  ///< [cells] mean wanted light
 };
 
 }  // namespace ccdt

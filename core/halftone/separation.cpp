@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// A mixture: the cover of each ink, and what light it makes more than it should of each channel.
+/// A mixture of inks: the cover of each ink, followed by the excess of predicted over wanted light in each channel.
 using Node = std::array<float, kMostInks + 3>;
 using Numbers = Overprint::Numbers;
 using Channels = Overprint::Channels;
@@ -29,9 +29,12 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-/// Finds the cover of each ink whose halftone looks most like a colour: the least difference, and of equals the least
-/// cover. By Gauss and Newton's method, in the box of covers, along a way from the paper to the colour: so mixtures
-/// follow from one another, and inks that black hides do not hold it up.
+/// Finds the covers of the inks whose halftone is closest to a colour. Among equally close covers, it chooses those
+/// with the least sum.
+///
+/// Minimises by Gauss and Newton's method, with covers bounded to [0, 1]. The target moves in steps from the paper's
+/// colour to the wanted colour. Each step starts from the mixture that the previous step found. So the minimisation
+/// does not get stuck where black hides the effect of the other inks.
 class Separator {
 public:
     Separator(const InkSet& inks, Tone tone) : model_(toned(inks, tone)) {}
@@ -39,20 +42,20 @@ public:
     Node node_of(const Light& light) const;
 
 private:
-    /// What a full cover costs, in squared differences of colour: decides between mixtures that look alike, and leaves
-    /// out dots that would not be seen. Without it greys are not black alone, and a hundredfold is seen:
-    /// Separation.UsesBlackOnlyForGreys and MatchesColoursOfPicture.
+    /// Cost of full cover by an ink, in squared colour differences. The cost decides between mixtures of the same
+    /// colour, and leaves out dots that would be invisible. Without it, greys contain other inks than black. A hundred
+    /// times this value causes visible errors: Separation.UsesBlackOnlyForGreys and Separation.MatchesColoursOfPicture.
     static constexpr double kPriceOfCover = 0.1;
 
-    /// A mixture and what it looks like.
+    /// A mixture and its colour.
     struct Mixture {
         Numbers cover{};
-        Lab off{};  ///< from the colour
+        Lab off{};  ///< difference from the wanted colour
         double cost = 0;
     };
 
     Mixture mixture(const Numbers& cover, const ColourDifference& difference) const;
-    Numbers aim(const Mixture& from, const ColourDifference& difference) const;
+    Numbers linearised_minimum(const Mixture& from, const ColourDifference& difference) const;
     Numbers improve(const Numbers& cover, const Lab& wanted, int steps, double exact) const;
 
     Overprint model_;
@@ -63,8 +66,9 @@ Separator::Mixture Separator::mixture(const Numbers& cover, const ColourDifferen
     return {cover, off, dot(off, off) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0)};
 }
 
-/// The best cover, were all changes as they are at this one; no further from it than they may be so.
-Numbers Separator::aim(const Mixture& from, const ColourDifference& difference) const {
+/// Returns the minimum of the cost, linearised around a mixture. Damping keeps the result in the range in which the
+/// linearisation is valid.
+Numbers Separator::linearised_minimum(const Mixture& from, const ColourDifference& difference) const {
     constexpr double kStep = 1.0 / 256;
     constexpr double kDamping = 1;
     BoundedLeastSquares problem;
@@ -89,13 +93,14 @@ Numbers Separator::aim(const Mixture& from, const ColourDifference& difference) 
     return problem.minimize();
 }
 
-/// Takes steps that each gain, until one gains less than a squared difference of colour.
+/// Takes steps that each lower the cost, until a step lowers it by `exact` or less.
+/// @param exact  squared colour difference
 Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, double exact) const {
     constexpr double kLeastStep = 1.0 / 64;
     const ColourDifference difference(wanted);
     Mixture best = mixture(cover, difference);
     for (int step = 0; step < steps; ++step) {
-        const Numbers from = best.cover, to = aim(best, difference);
+        const Numbers from = best.cover, to = linearised_minimum(best, difference);
         double gain = 0;
         for (double share = 1; share >= kLeastStep && !(gain > 0); share /= 2) {
             Numbers between{};
@@ -110,16 +115,16 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, d
 }
 
 Node Separator::node_of(const Light& light) const {
-    // Fewer parts, or one step in each, get lost: Separation.MatchesColoursOfPicture.
-    constexpr int kParts = 6, kStepsOnTheWay = 2, kMostSteps = 20;
-    constexpr double kExactOnTheWay = 1, kExact = 1e-4;
+    // With fewer parts, or one step in each, some colours end in a wrong mixture: Separation.MatchesColoursOfPicture.
+    constexpr int kParts = 6, kStepsPerPart = 2, kMostSteps = 20;
+    constexpr double kExactPerPart = 1, kExact = 1e-4;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(Overprint::channels_of(light));
     Numbers cover{};
     for (int part = 1; part <= kParts; ++part) {
         Lab wanted{};
         for (std::size_t k = 0; k < wanted.size(); ++k)
             wanted[k] = std::lerp(paper[k], colour[k], static_cast<double>(part) / kParts);
-        cover = part < kParts ? improve(cover, wanted, kStepsOnTheWay, kExactOnTheWay)
+        cover = part < kParts ? improve(cover, wanted, kStepsPerPart, kExactPerPart)
                               : improve(cover, wanted, kMostSteps, kExact);
     }
     Node node{};
@@ -208,7 +213,7 @@ std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size
         shares[ink] = 1;
         --left;
     }
-    // The largest quotient of sum and share takes the next one; what is far below its part is filled at once.
+    // First, inks get the whole parts of their quotas. Then the ink farthest below its quota gets the next site.
     const auto quota = [&](std::size_t ink) { return ink_sums[ink] / total * static_cast<double>(sites); };
     for (const std::size_t ink : order) {
         const auto whole = static_cast<std::size_t>(quota(ink));

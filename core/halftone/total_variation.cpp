@@ -13,7 +13,7 @@ namespace ccdt {
 
 namespace {
 
-/// Solver state: the dual field and its extrapolation, one vector a pixel, and the smoothed image.
+/// Solver state: the dual field, its extrapolation (both one vector per pixel), and the smoothed image.
 class TotalVariation {
 public:
     TotalVariation(const std::vector<float>& values, int width, int height, float strength, Executor& executor)
@@ -29,12 +29,12 @@ public:
           smooth_(values.size()) {}
 
     std::vector<float> solve(int steps) {
-        float pace = 1;
+        float t = 1;
         for (int i = 0; i < steps; ++i) {
             smooth(ahead_x_, ahead_y_);
-            const float next = (1 + std::sqrt(1 + 4 * pace * pace)) / 2;
-            ascend((pace - 1) / next);
-            pace = next;
+            const float next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
+            ascend((t - 1) / next);
+            t = next;
         }
         smooth(dual_x_, dual_y_);
         return std::move(smooth_);
