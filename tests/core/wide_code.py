@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Checks that code compiled for AVX2 is only called on processors with AVX2: no function that other files may share, as
-all inline functions of the standard library, contains AVX instructions.
+"""Checks that code compiled for AVX2 is only called on processors with AVX2.
+
+The linker keeps one copy of an inline function for all files, such as those of the standard library. So no such
+function may contain AVX instructions.
 
 Usage: wide_code.py OBJECT...
 """
@@ -16,7 +18,8 @@ KEPT_APART = re.compile(r"pocketfft_by_avx2")
 
 
 def functions_with_wide_code(path):
-    listing = subprocess.run(["objdump", "-d", "-C", "--no-show-raw-insn", path], capture_output=True, text=True, check=True)
+    command = ["objdump", "-d", "-C", "--no-show-raw-insn", path]
+    listing = subprocess.run(command, capture_output=True, text=True, check=True)
     name = None
     for line in listing.stdout.splitlines():
         if found := FUNCTION.match(line):
@@ -29,7 +32,7 @@ def functions_with_wide_code(path):
 def main(paths):
     wide = [(path, name) for path in paths for name in functions_with_wide_code(path)]
     shared = [f"{path}: {name}" for path, name in wide if SHARED.match(name) and not KEPT_APART.search(name)]
-    print("\n".join(shared) or f"{len(wide)} functions of their own")
+    print("\n".join(shared) or f"{len(wide)} functions with AVX code, none of them shared")
     return 1 if shared or not wide else 0
 
 

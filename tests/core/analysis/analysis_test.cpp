@@ -69,7 +69,7 @@ Means means_of(const Analysis& analysis) {
 }
 
 TEST(Analysis, MeasuresWhiteNoiseAsOneAndIsotropic) {
-    // About 64,000 frequencies: their mean deviates by 0.4 % divided by the square root of the number of sets.
+    // The mean over about 64,000 frequencies has a standard deviation of 0.4 % / sqrt(number of sets).
     for (const std::size_t count : {1, 10}) {
         for (const Point sides : {Point{1, 1}, Point{300, 100}}) {
             const auto analysis = measured(white_noise(count, 2500, sides), torus(sides.x, sides.y));
@@ -282,7 +282,7 @@ TEST(Analysis, ComputesLargeSpectraInParts) {
             for (int i = -whole.width / 2; i <= whole.width / 2; ++i)
                 ASSERT_NEAR(std::sqrt(parts.at(i, j)), std::sqrt(whole.at(i, j)), 1e-9) << i << ' ' << j;
         }
-        EXPECT_EQ(std::ranges::count(parts.values, 0.0), 1) << "none is left out, but for (0, 0)";
+        EXPECT_EQ(std::ranges::count(parts.values, 0.0), 1) << "only (0, 0) is left out";
     }
 }
 

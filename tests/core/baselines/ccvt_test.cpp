@@ -11,7 +11,7 @@
 namespace ccdt {
 namespace {
 
-TEST(Ccvt, EndsByItself) {
+TEST(Ccvt, EndsAtConvergence) {
     for (const Domain& domain : {Domain::rectangle(1, 1).value(), Domain::torus(1, 1).value()}) {
         const auto result = ccvt(domain, Density::uniform(), {.sites = 256, .seed = 1, .iterations = kCcvtIterations});
         EXPECT_GT(result->iterations, 5);

@@ -16,7 +16,7 @@ using test::grid_of;
 
 constexpr int kCells = 300;
 
-/// Visits the centres of a fine grid over the unit square, each with its nearest site.
+/// Calls visit(nearest site, vector from it, column, row) for each cell centre of a fine grid over the unit square.
 template <class Visit>
 void for_each_place(const std::vector<Point>& sites, bool around, Visit&& visit) {
     for (int j = 0; j < kCells; ++j) {
@@ -54,7 +54,7 @@ TEST(Cvt, LowersTheEnergy) {
             EXPECT_LT(now, before) << iterations;
             before = now;
         }
-        // A hexagonal grid has 5 / (18 sqrt 3) times the cell's area.
+        // The energy per area of a hexagonal grid is 5 / (18 sqrt 3) times the area of a cell.
         EXPECT_GT(before, 0.1603 / 60);
         EXPECT_LT(before, 0.1603 / 60 * 1.06);
     }
@@ -86,7 +86,7 @@ TEST(Cvt, PlacesASingleSiteAtTheCentroid) {
     EXPECT_NEAR(p.y, 1, 1e-12);
 }
 
-TEST(Cvt, ComesToRest) {
+TEST(Cvt, Converges) {
     const auto result = cvt(Domain::rectangle(1, 1).value(), Density::uniform(), {.sites = 4, .iterations = 1000});
     EXPECT_LT(result->iterations, 1000);
 }

@@ -14,23 +14,24 @@ namespace ccdt {
 namespace {
 
 /// Returns the shortest vector between two corners on the unit torus.
-Point way(Point from, Point to) {
+Point offset_of(Point from, Point to) {
     const Point d = to - from;
     return {d.x - std::round(d.x), d.y - std::round(d.y)};
 }
 
 double doubled_area(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
-    return cross(way(mesh.vertices[t[0]], mesh.vertices[t[1]]), way(mesh.vertices[t[0]], mesh.vertices[t[2]]));
+    return cross(offset_of(mesh.vertices[t[0]], mesh.vertices[t[1]]),
+                 offset_of(mesh.vertices[t[0]], mesh.vertices[t[2]]));
 }
 
-/// Returns the error of the piecewise linear interpolation of the squared distance from a point: over a triangle, a
-/// twelfth of its area times the sum of its squared edges.
+/// Returns the error of the piecewise linear interpolation of the squared distance from a point. Over a triangle, it is
+/// a twelfth of its area times the sum of its squared edges.
 double interpolation_error(const TriangleMesh& mesh) {
     double error = 0;
     for (const auto& t : mesh.triangles) {
         double edges = 0;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Point edge = way(mesh.vertices[t[i]], mesh.vertices[t[(i + 1) % 3]]);
+            const Point edge = offset_of(mesh.vertices[t[i]], mesh.vertices[t[(i + 1) % 3]]);
             edges += dot(edge, edge);
         }
         error += doubled_area(mesh, t) * edges / 24;
@@ -51,7 +52,7 @@ TEST(Odt, LowersTheInterpolationErrorInEveryIteration) {
         EXPECT_LT(now, before) << iterations;
         before = now;
     }
-    // Equilateral triangles have 1 / (2 sqrt 3) times the area of two of them.
+    // The error per area of equilateral triangles is 1 / (2 sqrt 3) times the area of two of them.
     EXPECT_GT(before, 0.28868 / 300);
     EXPECT_LT(before, 0.28868 / 300 * 1.1);
 }
@@ -69,8 +70,8 @@ TEST(Odt, MovesSitesToTheMeanCircumcentre) {
         const double area = doubled_area(mesh, t);
         for (std::size_t i = 0; i < 3; ++i) {
             const Point at = mesh.vertices[t[i]];
-            const Point centre =
-                circumcentre(way(at, mesh.vertices[t[(i + 1) % 3]]), way(at, mesh.vertices[t[(i + 2) % 3]]));
+            const Point centre = circumcentre(offset_of(at, mesh.vertices[t[(i + 1) % 3]]),
+                                              offset_of(at, mesh.vertices[t[(i + 2) % 3]]));
             moments[t[i]] = moments[t[i]] + area * centre;
             areas[t[i]] += area;
         }
@@ -78,13 +79,13 @@ TEST(Odt, MovesSitesToTheMeanCircumcentre) {
     for (std::size_t i = 0; i < 50; ++i) EXPECT_LT(std::hypot(moments[i].x, moments[i].y) / areas[i], 1e-6) << i;
 }
 
-TEST(Odt, ComesToRest) {
+TEST(Odt, Converges) {
     const auto result = odt(Domain::rectangle(1, 1).value(), Density::uniform(), {.sites = 10, .iterations = 1000});
     EXPECT_LT(result->iterations, 1000);
 }
 
-/// The middle of the first row lies about half a row from the border: between the values for an empty strip and for
-/// crowded sites.
+/// The number of sites near the border is between that for an empty strip and that for crowded sites. The first row is
+/// about half a row from the border.
 TEST(Odt, KeepsTheDensityAlongTheBorder) {
     const Domain square = Domain::rectangle(1, 1).value();
     double near = 0;

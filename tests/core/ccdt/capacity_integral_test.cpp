@@ -37,7 +37,7 @@ double sum_of(const std::vector<double>& values) {
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-TEST(CapacityIntegral, OfAUniformDensityIsTheArea) {
+TEST(CapacityIntegral, IsTheAreaForAUniformDensity) {
     const Domain domain = domain_of({{test::l_shape(), {}}});
     const Density uniform = Density::uniform();
     const CapacityIntegral capacity(domain, uniform);
@@ -50,7 +50,7 @@ TEST(CapacityIntegral, OfAUniformDensityIsTheArea) {
     EXPECT_NEAR(sum_of(capacities), capacity.total(), 1e-15);
 }
 
-TEST(CapacityIntegral, OfOneCellIsTheArea) {
+TEST(CapacityIntegral, IsTheAreaForASingleCell) {
     const Domain domain = domain_of({{test::u_shape(), {}}});
     const Density one = grid_of(1, 1, [](int, int) { return 3.0; });
     const CapacityIntegral capacity(domain, one);
@@ -61,7 +61,7 @@ TEST(CapacityIntegral, OfOneCellIsTheArea) {
     }
 }
 
-TEST(CapacityIntegral, OfTheWholeBoxIsTheSumOfTheCells) {
+TEST(CapacityIntegral, IsTheSumOfTheCellsOverTheBox) {
     const Domain domain = domain_of(kSquare);
     Random random(1, 0);
     const Density noise = grid_of(37, 53, [&](int, int) { return random.uniform(); });
@@ -160,7 +160,7 @@ TEST_P(CapacitySum, IsTheTotal) {
             if (!(CapacityIntegral(domain, density).total() > 0)) continue;
             StartMesh start(domain, density, Options{.sites = sites, .seed = 7});
             start.measure();
-            // Sums along the way include the rest of the domain in each row, which bounds the rounding error.
+            // Intermediate sums include the rest of each row, so the rounding error is relative to the whole grid.
             EXPECT_NEAR(sum_of(start.capacities), start.capacity.total(), 1e-12 * density.total());
         }
     }

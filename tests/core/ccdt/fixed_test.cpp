@@ -67,25 +67,25 @@ FixedArea area_of(const std::vector<Point>& fixed, std::size_t sites) {
     return subtract_fixed_area(square(), fixed, sites, kSide, kSide, masses);
 }
 
-TEST(FixedArea, OfAnIsolatedPointEqualsThatOfASite) {
+TEST(FixedArea, IsTheAreaOfASiteForAnIsolatedPoint) {
     EXPECT_NEAR(area_of({{0.5, 0.5}}, 100).sites, 101, 0.1);
     EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).sites, 102, 0.2);
     EXPECT_NEAR(area_of({{0.2, 0.3}, {0.8, 0.9}}, 100).weights[1], 1, 0.1);
 }
 
-TEST(FixedArea, OfCoincidentPointsEqualsThatOfOne) {
+TEST(FixedArea, CountsCoincidentPointsOnce) {
     EXPECT_NEAR(area_of(std::vector<Point>(1000, {0.5, 0.5}), 100).sites, 101, 0.1);
 }
 
-TEST(FixedArea, OfAClusterIsItsOwnAreaAndARim) {
-    // A tenth of the square's side squared, plus a rim of half a site's distance.
+TEST(FixedArea, IsTheAreaOfAClusterPlusARim) {
+    // The points fill a square of side 0.1. The rim is the radius of a disc with the area of a site.
     const double sites = 10'000, rim = std::sqrt(1 / (sites * std::acos(-1)));
     const double area = 0.01 + 0.4 * rim;
     const double found = area_of(drawn(20'000, {0.4, 0.4}, 0.1), 10'000).sites;
     EXPECT_NEAR(found, sites / (1 - area), 0.003 * sites);
 }
 
-TEST(FixedArea, OfPointsOutsideReachesIntoTheDomain) {
+TEST(FixedArea, IncludesDiscsOfPointsOutside) {
     const double sites = area_of({{-0.02, 0.5}}, 100).sites;
     EXPECT_GT(sites, 100.1);
     EXPECT_LT(sites, 100.5);
@@ -117,7 +117,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
         const auto points = place(domain, 1000, fixed);
         const double hexagonal = hexagonal_spacing(1010);
         EXPECT_GT(distances(points, fixed, domain.is_torus()).front(), 0.7 * hexagonal);
-        // Coincident points have as many sites around them as a single point: none are attracted or repelled.
+        // Coincident points attract or repel no more sites than a single point, which has about six neighbours.
         for (const Point& copies : {Point{0.2, 0.2}, Point{0.8, 0.8}}) {
             const auto near = std::ranges::count_if(
                 points, [&](const Point& p) { return std::sqrt(dot(p - copies, p - copies)) < 1.5 * hexagonal; });
@@ -128,7 +128,7 @@ TEST(Fixed, CanBeClusteredAndCoincident) {
 }
 
 TEST(Fixed, LeaveTheOtherSitesEven) {
-    // The half without fixed points has the same density of sites as the rest of the other half.
+    // The fixed points fill a sixteenth of the square, in the right half. The rest of the square is evenly dense.
     const std::vector<Point> fixed = drawn(5000, {0.5, 0}, 0.25);
     const auto points = place(square(), 4000, fixed);
     const auto left = std::ranges::count_if(points, [](const Point& p) { return p.x < 0.5; });

@@ -96,10 +96,10 @@ TEST(Resettlement, MovesASiteToTheSparsestPlace) {
     Resettlement resettlement(start.mesh, start.goals);
     EXPECT_TRUE(resettlement.move_away(last));
     EXPECT_LT(start.mesh.point(last).x, 0.2);
-    EXPECT_FALSE(resettlement.move_away(last)) << "what is told of it is true no more";
+    EXPECT_FALSE(resettlement.move_away(last)) << "a relocated site cannot move again";
 }
 
-/// One site on each of two islands, both next to the strait between them.
+/// Each of two islands has one site, next to the strait between them.
 TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
     StartMesh start(domain_of({{test::box(0, 0, 0.49, 0.2), {}}, {test::box(0.51, 0, 0.49, 0.2), {}}}),
                     Density::uniform(), {.sites = 2, .seed = 4});
@@ -112,7 +112,7 @@ TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
     EXPECT_GT(std::abs(start.mesh.point(1).x - start.mesh.point(0).x), 0.25);
     EXPECT_NE(start.mesh.point(0).x < 0.5, start.mesh.point(1).x < 0.5) << "no site leaves its island";
     EXPECT_EQ(test::count_inverted(start.mesh), 0u);
-    EXPECT_FALSE(Resettlement(start.mesh, start.goals).separate({0, 1})) << "neither has a better place";
+    EXPECT_FALSE(Resettlement(start.mesh, start.goals).separate({0, 1})) << "no better place for either site";
 }
 
 TEST(Resettlement, MakesNoFlatTriangles) {

@@ -106,7 +106,7 @@ TEST(TorusCapacity, IsTheIntegralOfTheRepeatedDensity) {
     }
 }
 
-TEST(TorusCapacity, IsTheIntegralOfSitesThatHaveLeftTheBox) {
+TEST(TorusCapacity, AcceptsSitesOutsideTheBox) {
     StartMesh start(torus(2, 1), noise(), {.sites = 50, .seed = 1});
     for (const Point by : {Point{0.375, -0.25}, Point{-1, 0.4375}, Point{0.28125, 0.71875}}) {
         for (Point& p : start.mesh.points()) p = p + by;
@@ -114,7 +114,7 @@ TEST(TorusCapacity, IsTheIntegralOfSitesThatHaveLeftTheBox) {
     }
 }
 
-TEST(TorusCapacity, OfAUniformDensityIsTheArea) {
+TEST(TorusCapacity, IsTheAreaForAUniformDensity) {
     StartMesh start(torus(5, 2), Density::uniform(), {.sites = 100});
     start.measure();
     for (std::uint32_t t = 0; t < start.mesh.triangle_count(); ++t) {
@@ -212,7 +212,7 @@ TEST(TorusDistribute, HasNoSeam) {
     }
 }
 
-/// A density shifted by half a period gives equally good sets, shifted by half a period.
+/// If the density is shifted by half a period, the sets are as good as before and shifted as well.
 TEST(TorusDistribute, ShiftsWithItsDensity) {
     constexpr std::uint64_t kSeeds = 4;
     for (const Quality quality : kQualities) {
@@ -226,7 +226,7 @@ TEST(TorusDistribute, ShiftsWithItsDensity) {
             for (const Point p : moved.points) moved_x += std::sin(6.283185307179586 * p.x / 3) / (kSeeds * 1000);
         }
         EXPECT_NEAR(variation, moved_variation, 0.15 * variation);
-        // The mean of the sine under a density of 1.3 plus the sine.
+        // The mean of a sine, weighted by a density of 1.3 plus that sine.
         EXPECT_NEAR(x, 0.5 / 1.3, 0.01);
         EXPECT_NEAR(moved_x, -0.5 / 1.3, 0.01);
     }

@@ -31,13 +31,13 @@ TEST(Locate, FindsTheAreaOfEachPoint) {
     EXPECT_EQ(located(areas, {{5.5, 5.5}, {6.5, 5.5}, {9.5, 9.5}, {4.5, 5.5}, {7.5, 5.5}}), (Indices{0, 1, 1, 2, 2}));
 }
 
-TEST(Locate, TakesTheFirstOfOverlappingAreas) {
+TEST(Locate, ChoosesTheFirstOfOverlappingAreas) {
     const test::Parts left = {{box(0, 0, 2, 1), {}}}, right = {{box(1, 0, 2, 1), {}}};
     EXPECT_EQ(located({left, right}, {{0.5, 0.5}, {1.5, 0.5}, {2.5, 0.5}}), (Indices{0, 0, 1}));
     EXPECT_EQ(located({right, left}, {{0.5, 0.5}, {1.5, 0.5}, {2.5, 0.5}}), (Indices{1, 0, 0}));
 }
 
-TEST(Locate, TakesTheNearestAreaForPointsInNone) {
+TEST(Locate, ChoosesTheNearestAreaForPointsOutside) {
     const std::vector<test::Parts> areas = {{{box(0, 0, 1, 1), {}}}, {{box(1, 0, 1, 1), {}}}, {{box(3, 0, 1, 1), {}}}};
     EXPECT_EQ(located(areas, {{1, 0.5}, {2.9, 0.5}, {2.1, 0.5}, {-5, 0}, {90, 90}}), (Indices{0, 2, 1, 0, 2}));
 }
@@ -46,7 +46,7 @@ TEST(Locate, ReturnsTheOnlyAreaWithoutASearch) {
     EXPECT_EQ(located({{{box(0, 0, 1, 1), {}}}}, {{0.5, 0.5}, {7, 7}}), (Indices{0, 0}));
 }
 
-TEST(Locate, FindsPointsInAnyTurnOfTheGlobe) {
+TEST(Locate, FindsPointsAtEquivalentLongitudes) {
     const std::vector<test::Parts> areas = {{{box(170, 0, 30, 10), {}}}, {{box(-540, 0, 10, 10), {}}}};
     EXPECT_EQ(located(areas, {{175, 5}, {-165, 5}, {-175, 5}}, kTurn), (Indices{0, 0, 0}));
     EXPECT_EQ(located({areas[1], areas[0]}, {{175, 5}, {-165, 5}, {-175, 5}}, kTurn), (Indices{1, 1, 0}));

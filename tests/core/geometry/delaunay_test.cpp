@@ -18,7 +18,7 @@ TEST(ConstrainedDelaunay, DoesNothingAfterAStop) {
     std::stop_source stop;
     const auto whole = constrained_delaunay(points, {}, stop.get_token());
     ASSERT_TRUE(whole);
-    EXPECT_EQ(whole->triangles.size(), 2 * kPoints + 2) << "of a box with points inside";
+    EXPECT_EQ(whole->triangles.size(), 2 * kPoints + 2) << "a box with points inside";
     stop.request_stop();
     const auto stopped = constrained_delaunay(points, {}, stop.get_token());
     ASSERT_TRUE(stopped);

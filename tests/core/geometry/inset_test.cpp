@@ -24,8 +24,8 @@ Domain inset_of(const Parts& parts, double distance) {
     return *left;
 }
 
-/// Checks that corners of the new border keep their distance from the old one, and exceed it by no more than the slices
-/// of arcs allow.
+/// Checks that corners of the new border have at least the given distance from the old border. Arcs are replaced by
+/// polygons, so the distance may be up to 1 % larger.
 void expect_distance(const Domain& left, const Parts& parts, double distance) {
     double least = 1e300, most = 0;
     for (const Ring& ring : left.rings()) {
@@ -39,7 +39,7 @@ void expect_distance(const Domain& left, const Parts& parts, double distance) {
     EXPECT_LE(most, 1.01 * distance);
 }
 
-TEST(Inset, OfARectangleIsARectangle) {
+TEST(Inset, ShrinksARectangle) {
     const Domain left = inset_of({{box(1, 2, 4, 3), {}}}, 0.5);
     EXPECT_NEAR(left.area(), 6, 1e-9);
     ASSERT_EQ(left.rings().size(), 1U);
@@ -76,14 +76,15 @@ TEST(Inset, KeepsDistanceFromFineAndCoarseBorders) {
     }
 }
 
-TEST(Inset, OfAFineCircleIsACircle) {
+TEST(Inset, ShrinksAFineCircle) {
     const Parts parts = {{test::circle({0, 0}, 1, 20'000), {}}};
     const Domain left = inset_of(parts, 0.5);
     EXPECT_NEAR(left.area(), 0.25 * std::numbers::pi, 0.01);
     expect_distance(left, parts, 0.5);
 }
 
-/// A circle with reflex corners, each with a different share of the depth.
+/// Returns a circle with reflex corners of different depths.
+/// @param depth  largest depth, relative to the radius
 Parts ragged_circle(int corners, double depth) {
     Ring ring = test::circle({0, 0}, 1, corners);
     double share = 0.5;
@@ -132,7 +133,7 @@ TEST(Inset, AcceptsManyCorners) {
 }
 
 TEST(Inset, KeepsDistanceWithManyCorners) {
-    // Covers the cases from offset lines that do not meet to distances too long for many edges.
+    // At the smallest distance no offset lines meet. At the largest one many edges are too short to have one.
     const Parts parts = ragged_circle(12'000, 0.1);
     for (const double distance : {1e-8, 1e-6, 1e-5, 1e-4}) {
         const Domain left = inset_of(parts, distance);
@@ -208,7 +209,7 @@ TEST(Inset, KeepsOutOfOffCentreDiscs) {
 }
 
 TEST(Inset, UsesOneDistanceForSimilarDiscs) {
-    // Radii differ by a tenth from west to east, and the discs are off their points by a thousandth of the radius.
+    // Radii differ by a tenth from west to east. The centres of discs are a thousandth of the radius off their points.
     const Parts parts = ragged_circle(6'000, 0.1);
     const Domain domain = Domain::create(parts).value();
     for (const double size : {1e-6, 1e-4, 1e-2}) {

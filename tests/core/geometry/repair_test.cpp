@@ -73,8 +73,8 @@ struct Case {
     const char* name;
     Parts parts;
     double area;
-    std::vector<std::string> fields;  ///< of the reported faults
-    std::string said;                 ///< text of the first fault
+    std::vector<std::string> fields;  ///< fields of the reported faults
+    std::string detail;               ///< text that the detail of the first fault contains
 };
 
 std::vector<Case> cases() {
@@ -97,7 +97,7 @@ std::vector<Case> cases() {
          16,
          {"/0/0/3"},
          "runs along itself"},
-        {"a loop walked twice",
+        {"a ring traversed twice",
          {{{{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 0}, {4, 0}, {4, 4}, {0, 4}}, {}}, {box(8, 0, 2, 2), {}}},
          4,
          {"/0/0"},
@@ -136,19 +136,23 @@ std::vector<Case> cases() {
          14.25,
          {"/0/2/1"},
          "hole 1 crosses hole 0"},
-        {"the hole of one under another",
+        {"a part along the border of a hole",
          {{square, {box(1, 1, 2, 2)}}, {box(1, 1, 1, 1), {}}},
          13,
          {"/1/0/0"},
          "runs along hole 0"},
-        {"holes that cut", {{square, {{{2, 0}, {3, 2}, {2, 4}, {1, 2}}}}}, 12, {"/0/0"}, "is cut into pieces"},
+        {"a hole that cuts its polygon",
+         {{square, {{{2, 0}, {3, 2}, {2, 4}, {1, 2}}}}},
+         12,
+         {"/0/0"},
+         "is cut into pieces"},
         {"a hole without area", {{square, {{{1, 1}, {2, 2}, {3, 3}}}}}, 16, {"/0/1"}, "hole 0 has no area at (3, 3)"},
         {"a part of one point",
          {{square, {}}, {{{9, 9}, {9, 9}}, {}}},
          16,
          {"/1/0"},
          "the outer ring of part 1 has no area at (9, 9)"},
-        {"a part of none", {{square, {}}, {{}, {}}}, 16, {"/1/0"}, "the outer ring of part 1 has no area"},
+        {"a part without points", {{square, {}}, {{}, {}}}, 16, {"/1/0"}, "the outer ring of part 1 has no area"},
     };
 }
 
@@ -161,7 +165,7 @@ TEST(Repair, RepairsEachKindOfFault) {
         for (const Repair& repair : result.repairs) fields.push_back(repair.field);
         EXPECT_EQ(fields, each.fields);
         ASSERT_FALSE(result.repairs.empty());
-        EXPECT_NE(result.repairs.front().detail.find(each.said), std::string::npos) << result.repairs.front().detail;
+        EXPECT_NE(result.repairs.front().detail.find(each.detail), std::string::npos) << result.repairs.front().detail;
         expect_same_area(result.domain, each.parts);
         expect_sites_inside(result.domain, each.parts);
         EXPECT_FALSE(Domain::create(each.parts));

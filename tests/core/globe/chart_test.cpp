@@ -48,8 +48,8 @@ TEST(Chart, RoundTripsThroughThePlane) {
     }
 }
 
-/// The expected values, with the areal scale, are those of `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of PROJ
-/// 9.1.
+/// The expected values and areal scales were computed by `proj +proj=stere +lat_0=65 +lon_0=15 +ellps=WGS84` of
+/// PROJ 9.1.
 TEST(Chart, EqualsTheStereographicProjectionOfProj) {
     struct Row {
         Point place, metres;
@@ -67,7 +67,8 @@ TEST(Chart, EqualsTheStereographicProjectionOfProj) {
         const Point p = chart.to_plane(direction_of(row.place));
         EXPECT_NEAR(metres * p.x, row.metres.x, 1e-5);
         EXPECT_NEAR(metres * p.y, row.metres.y, 1e-5);
-        EXPECT_NEAR(chart.ground({0, 0}) / chart.ground(p) / row.scale, 1, 1e-6) << "of PROJ's differences";
+        EXPECT_NEAR(chart.ground({0, 0}) / chart.ground(p) / row.scale, 1, 1e-6)
+            << "PROJ computes the scale by differences";
     }
 }
 

@@ -55,7 +55,7 @@ TEST(DistributeOnGlobe, WeightsTheGroundByADensity) {
     EXPECT_NEAR(share(across.sites.points, [](Point p) { return p.x < 0; }), 0.75, 0.01);
 }
 
-TEST(DistributeOnGlobe, KeepsNoBufferFromACut) {
+TEST(DistributeOnGlobe, AppliesNoBufferAlongCuts) {
     const Domain world = region(box(-180, -90, 180, 90));
     const Options options{.sites = 500};
     const auto kept = distribute_on_globe(world, Density::uniform(), options, distribute, 1e5);
@@ -99,7 +99,8 @@ TEST(DistributeOnGlobe, JoinsTheMeshesOfTwoCharts) {
     }
 }
 
-/// Returns points around a place, evenly distributed on the ground.
+/// Returns points in a cap around a centre, evenly distributed on the ground.
+/// @param angle  angular radius of the cap
 std::vector<Point> cap_of_points(Point centre, double angle, int count) {
     const Chart chart(direction_of(centre));
     std::vector<Point> points;
@@ -112,10 +113,10 @@ std::vector<Point> cap_of_points(Point centre, double angle, int count) {
 }
 
 TEST(DistributeOnGlobe, DividesSitesByTheGroundThatFixedPointsLeave) {
-    constexpr double kCap = 20 * std::numbers::pi / 180;  // the cap of the second chart
+    constexpr double kCap = 20 * std::numbers::pi / 180;  // angular radius of the cap that the second chart covers
     const Direction middle = direction_of({-150, -30});
     const auto is_in_cap = [&](Point p) { return dot(direction_of(p), middle) > std::cos(kCap); };
-    const double all = 2000, due = (1 - std::cos(kCap)) / 2;  // share of the ground
+    const double all = 2000, due = (1 - std::cos(kCap)) / 2;  // the cap's share of the ground
     for (const int fixed : {15, 30, 60, 300}) {
         Options options{.sites = static_cast<std::size_t>(all) - static_cast<std::size_t>(std::min(fixed, 60))};
         options.fixed = cap_of_points({-150, -30}, kCap, fixed);

@@ -30,7 +30,7 @@ std::vector<ChartedPart> charted(const Parts& parts) {
     return result ? *std::move(result) : std::vector<ChartedPart>();
 }
 
-/// Returns the area on the ground in square kilometres, by means over rows of the part's box.
+/// Returns the area on the ground in square kilometres, by a sum over a grid on the part's bounding box.
 double area(const ChartedPart& part) {
     constexpr int kRows = 400;
     const Box& box = part.domain.bounds();
@@ -75,7 +75,7 @@ TEST(Unrolled, FollowsRingsAcrossTheMeridianOf180Degrees) {
     EXPECT_EQ(unrolled({{twice, {}}})->front().outer, (Ring{{179, 0}, {180, 0}, {180, 0}, {181, 1}}));
     const Ring beyond{{179, 0}, {190, 0}, {190, 2}};
     EXPECT_EQ(unrolled({{beyond, {}}})->front().outer, beyond);
-    EXPECT_EQ(unrolled({{kGlobe, {}}})->front().outer, kGlobe) << "an edge all around stays";
+    EXPECT_EQ(unrolled({{kGlobe, {}}})->front().outer, kGlobe) << "an edge around the whole globe is kept";
 }
 
 TEST(Unrolled, ShiftsHolesToTheirRing) {
@@ -88,10 +88,11 @@ TEST(Unrolled, ClosesRingsAroundAPole) {
     const Ring expected{{-120, -70}, {0, -65}, {120, -75}, {240, -70}, {240, -90}, {-120, -90}};
     EXPECT_EQ(unrolled({{south, {}}})->front().outer, expected);
     EXPECT_EQ(unrolled({{{{0, 80}, {120, 80}, {-120, 80}}, {}}})->front().outer.back(), (Point{0, 90}));
-    // The tip was cut out of the hole, as in maps assembled from several pieces.
+    // The outer ring is smaller than the hole around the same pole, so they are swapped. This occurs in maps that were
+    // assembled from several pieces.
     const Ring tip{{-120, -89}, {0, -89}, {120, -89}};
-    const auto sewn = unrolled({{tip, {south}}});
-    EXPECT_EQ(sewn->front().outer, expected);
+    const auto joined = unrolled({{tip, {south}}});
+    EXPECT_EQ(joined->front().outer, expected);
 }
 
 TEST(Unrolled, RefusesPositionsOffTheGlobe) {
@@ -142,7 +143,7 @@ TEST(ChartRegion, ChartsDenseNeedles) {
     const auto parts = chart_region(degrees, 50, 1);
     ASSERT_TRUE(parts);
     ASSERT_EQ(parts->size(), 1U);
-    // A needle is a triangle on the chart as well, whose edges bend by the same amount to the same side.
+    // Both edges of a needle bend to the same side by the same amount, so it is almost a triangle on the chart, too.
     const double area = degrees.area() * std::pow(std::numbers::pi / 180, 2) * std::cos(std::numbers::pi / 4);
     EXPECT_NEAR(parts->front().domain.area(), area, 0.02 * area);
 }
@@ -151,19 +152,19 @@ TEST(ChartRegion, JoinsPartsAtTheMeridianOf180Degrees) {
     const Ring whole = box(170, -20, 190, 10);
     const Ring west = box(170, -20, 180, 10), east{{-180, -20}, {-170, -20}, {-170, 10}, {-180, 10}, {-180, 0}};
     for (const Parts& parts : {Parts{{whole, {}}}, Parts{{west, {}}, {east, {}}}}) {
-        const auto laid = charted(parts);
-        ASSERT_EQ(laid.size(), 1u);
-        EXPECT_EQ(laid.front().domain.rings().size(), 1u);
-        EXPECT_NEAR(area(laid.front()) / area_of_box(170, -20, 190, 10), 1, 3e-3);
+        const auto charts = charted(parts);
+        ASSERT_EQ(charts.size(), 1u);
+        EXPECT_EQ(charts.front().domain.rings().size(), 1u);
+        EXPECT_NEAR(area(charts.front()) / area_of_box(170, -20, 190, 10), 1, 3e-3);
     }
 }
 
 TEST(ChartRegion, JoinsRegionsAroundAPole) {
     for (const Ring& cap : {box(-180, -90, 180, -70), Ring{{0, -70}, {120, -70}, {240, -70}}}) {
-        const auto laid = charted({{cap, {}}});
-        ASSERT_EQ(laid.size(), 1u);
-        EXPECT_EQ(laid.front().domain.rings().size(), 1u);
-        EXPECT_NEAR(area(laid.front()) / area_of_box(-180, -90, 180, -70), 1, 5e-3);
+        const auto charts = charted({{cap, {}}});
+        ASSERT_EQ(charts.size(), 1u);
+        EXPECT_EQ(charts.front().domain.rings().size(), 1u);
+        EXPECT_NEAR(area(charts.front()) / area_of_box(-180, -90, 180, -70), 1, 5e-3);
     }
 }
 
@@ -174,9 +175,9 @@ TEST(InOneTurn, WrapsPartsBeyondOneTurn) {
     EXPECT_EQ(cut->bounds().min.x, -180);
     EXPECT_EQ(cut->bounds().max.x, 180);
     EXPECT_NEAR(cut->area(), 200 - 8 + 300, 1e-9);
-    const auto laid = chart_region(*cut, 1000);
-    ASSERT_TRUE(laid) << laid.error().message;
-    EXPECT_EQ(laid->front().domain.rings().size(), 3u) << "the hole is one again";
+    const auto charts = chart_region(*cut, 1000);
+    ASSERT_TRUE(charts) << charts.error().message;
+    EXPECT_EQ(charts->front().domain.rings().size(), 3u) << "the two halves of the hole are joined";
     const Domain narrow = region({{box(100, 0, 200, 10), {}}});
     EXPECT_EQ(in_one_turn(narrow)->bounds().max.x, 200);
 }
@@ -184,11 +185,11 @@ TEST(InOneTurn, WrapsPartsBeyondOneTurn) {
 TEST(ChartRegion, CutsRegionsThatCoverTheGlobe) {
     for (const Parts& parts :
          {Parts{{kGlobe, {}}}, Parts{{kGlobe, {box(10, 40, 12, 42)}}}, Parts{{box(-180, -89, 180, 89), {}}}}) {
-        const auto laid = charted(parts);
-        ASSERT_EQ(laid.size(), 2u);
-        EXPECT_NEAR((area(laid[0]) + area(laid[1])) / area_of_box(-180, -90, 180, 90), 1, 1e-2);
+        const auto charts = charted(parts);
+        ASSERT_EQ(charts.size(), 2u);
+        EXPECT_NEAR((area(charts[0]) + area(charts[1])) / area_of_box(-180, -90, 180, 90), 1, 1e-2);
     }
-    EXPECT_EQ(charted({{box(-180, -60, 180, 85), {}}}).size(), 1u) << "the south is free";
+    EXPECT_EQ(charted({{box(-180, -60, 180, 85), {}}}).size(), 1u) << "the region does not cover the south";
 }
 
 TEST(ChartRegion, RefusesTinyRegionsAndStops) {

@@ -42,7 +42,7 @@ TEST(Blurred, ReflectsAtBorders) {
     for (float& value : values) value = static_cast<float>(random.uniform());
     for (const double sigma : {0.3, 3.0, 11.0, 1000.0}) {
         const std::vector<float> result = blurred(values, 40, 25, sigma);
-        EXPECT_NEAR(sum(result), sum(values), 1e-3) << "nothing is lost at sigma " << sigma;
+        EXPECT_NEAR(sum(result), sum(values), 1e-3) << "the sum changes at sigma " << sigma;
         const auto [least, most] = std::ranges::minmax(result);
         EXPECT_GE(least, std::ranges::min(values) - 1e-5f);
         EXPECT_LE(most, std::ranges::max(values) + 1e-5f);

@@ -9,7 +9,7 @@ namespace ccdt {
 namespace {
 
 void expect_near(const Lab& lab, const Lab& expected, double tolerance) {
-    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(lab[i], expected[i], tolerance) << "of " << i;
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(lab[i], expected[i], tolerance) << "component " << i;
 }
 
 double squared(const Lab& difference) {

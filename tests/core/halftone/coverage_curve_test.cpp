@@ -16,7 +16,7 @@ namespace {
 constexpr double kPi = 3.141592653589793;
 constexpr double kSide = 64;
 
-/// Dots of a flat grey.
+/// Returns the dots of a flat grey.
 std::vector<Point> flat(std::size_t sites, Quality quality) {
     const auto density = Density::grid(1, 1, std::span<const float>(std::vector<float>{1})).value();
     const auto domain = Domain::rectangle(kSide, kSide).value();
@@ -58,10 +58,10 @@ TEST(CoverageCurve, IsMonotonic) {
 
 TEST(CoverageCurve, EndsAtSolidCoverage) {
     EXPECT_GT(CoverageCurve().solid(), 0.9995);
-    EXPECT_NEAR(CoverageCurve().dots(1), 1.6, 0.05) << "times the dots that would do without overlaps";
+    EXPECT_NEAR(CoverageCurve().dots(1), 1.6, 0.05) << "relative to the number of dots without overlaps";
 }
 
-/// Soft dots, and binary ones from samples.
+/// Covers antialiased dots, and binary dots with several samples per pixel.
 TEST(DrawDots, MatchesRasterizedDiscs) {
     const std::vector<Point> dots = flat(4096, Quality::Standard);
     for (const auto& [radius, samples] : {std::pair{6.0, 1}, {3.0, 1}, {1.0, 3}, {0.5, 6}}) {

@@ -23,7 +23,7 @@ Cover flat(float share) {
     return Cover(kSide * kSide, share);
 }
 
-/// From white on the left to black on the right.
+/// Returns a coverage from white on the left to black on the right.
 Cover ramp() {
     Cover cover;
     for (int i = 0; i < kSide * kSide; ++i) cover.push_back(static_cast<float>(i % kSide) / (kSide - 1));
@@ -35,7 +35,7 @@ double sum(const std::vector<double>& values) {
 }
 
 TEST(PlanDots, DerivesRadiusFromNumberOfDots) {
-    // Without overlaps the discs' areas add up to what is to be covered.
+    // Without overlaps, the areas of the discs add up to the wanted area.
     const DotPlan light = plan_dots({flat(0.3f)}, kSide, kSide, {.sites = 500, .radius = {}});
     EXPECT_NEAR(500 * kPi * light.radius * light.radius, 0.3 * kSide * kSide, 1);
     EXPECT_NEAR(light.tone, 1, 1e-9);
@@ -62,7 +62,7 @@ TEST(PlanDots, ScalesToneIfNumberAndRadiusAreGiven) {
     EXPECT_GT(more.tone, 1.1);
     EXPECT_NEAR(sum(more.dots), 3000, 3);
     const DotPlan all = plan_dots({ramp()}, kSide, kSide, {.sites = 1'000'000, .radius = radius});
-    EXPECT_NEAR(all.tone, 2, 0.05) << "all is solid";
+    EXPECT_NEAR(all.tone, 2, 0.05) << "the whole picture is solid";
 }
 
 TEST(PlanDots, CompensatesOverlapWithMoreDots) {
@@ -74,16 +74,16 @@ TEST(PlanDots, CompensatesOverlapWithMoreDots) {
     EXPECT_NEAR(dots_at(30), 30 / 99.0, 0.01);
     EXPECT_NEAR(dots_at(79), 0.81, 0.02);
     EXPECT_GT(dots_at(93), 1.04);
-    EXPECT_EQ(dots_at(0), 0) << "none on white";
+    EXPECT_EQ(dots_at(0), 0) << "no dots on white";
 }
 
 TEST(PlanDots, DistinguishesTextureFromTone) {
-    // Finer than dots, black and white squares look grey, and take as many dots as grey does.
+    // Black and white squares finer than the dots look grey, so their dots have the radius of those for grey.
     Cover squares;
     for (int i = 0; i < kSide * kSide; ++i) squares.push_back((i % kSide + i / kSide) % 2 == 0 ? 1.0f : 0.0f);
     const DotPlan fine = plan_dots({squares}, kSide, kSide, {.sites = 100, .radius = {}});
     EXPECT_NEAR(fine.radius, plan_dots({flat(0.5f)}, kSide, kSide, {.sites = 100, .radius = {}}).radius, 0.02);
-    EXPECT_EQ(fine.density[0][1], 0) << "but none stand on white";
+    EXPECT_EQ(fine.density[0][1], 0) << "no dots on white squares";
 }
 
 TEST(PlanDots, UsesOneRadiusForAllInks) {

@@ -24,7 +24,7 @@
 namespace ccdt {
 namespace {
 
-/// More than are added up one after the other, and no multiple of any range.
+/// More pixels than are summed sequentially (kPixelsOfSum), and not a multiple of any range.
 constexpr int kWidth = 1301, kHeight = 907;
 
 Plane waves(double frequency) {
@@ -47,7 +47,7 @@ std::vector<Point> lattice() {
     return points;
 }
 
-/// Expects executors of any size to make what one alone makes.
+/// Checks that executors with any number of threads give the same result as the inline executor.
 template <class Make>
 void expect_same(const Make& make) {
     const auto expected = make(inline_executor());
@@ -57,7 +57,7 @@ void expect_same(const Make& make) {
     }
 }
 
-TEST(Executors, PlanAndSizeDotsOnBothSidesTheSame) {
+TEST(Executors, GiveTheSameTwoSidedDots) {
     constexpr CellGrid kCells{kWidth, kHeight};
     const std::vector<std::vector<float>> light{values_of(waves(0.05)), values_of(waves(0.06)), values_of(waves(0.08))};
     const std::vector<std::vector<Point>> sites(kinds_of(light.size()), lattice());
@@ -70,7 +70,7 @@ TEST(Executors, PlanAndSizeDotsOnBothSidesTheSame) {
     });
 }
 
-TEST(Executors, BlurAndSharpenTheSame) {
+TEST(Executors, GiveTheSameBlurAndSharpening) {
     const std::vector<float> values = values_of(waves(0.05));
     for (const double sigma : {0.7, 5.0, 300.0}) {
         expect_same([&](Executor& executor) { return blurred(values, kWidth, kHeight, sigma, executor); });
@@ -81,7 +81,7 @@ TEST(Executors, BlurAndSharpenTheSame) {
     expect_same([&](Executor& executor) { return blurred(values, 1, kWidth * kHeight, 2, executor); });
 }
 
-TEST(Executors, PlanTheSameDots) {
+TEST(Executors, GiveTheSameDotPlans) {
     const std::vector<std::vector<float>> cover = {values_of(waves(0.05)), values_of(waves(0.013))};
     for (const DotWish& wish :
          {DotWish{.sites = 5000, .radius = {}, .detail = 1}, DotWish{.sites = {}, .radius = 4.0, .detail = 0.5}}) {
@@ -92,7 +92,7 @@ TEST(Executors, PlanTheSameDots) {
     }
 }
 
-TEST(Executors, ReadTheSameTones) {
+TEST(Executors, GiveTheSameTones) {
     const Picture picture{kWidth, kHeight, waves(0.4), waves(0.02)};
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
     for (const Tone tone : {Tone::Linear, Tone::Perceptual})
@@ -104,7 +104,7 @@ TEST(Executors, ReadTheSameTones) {
     expect_same([&](Executor& executor) { return with_levels(colours, levels, executor).blue; });
 }
 
-TEST(Executors, ReduceToTheSameMeans) {
+TEST(Executors, GiveTheSameMeans) {
     const std::vector<float> values = values_of(waves(0.4));
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
     for (const CellGrid& cells : {CellGrid{kWidth, kHeight}, CellGrid{434, 303}, CellGrid{97, 61}, CellGrid{1, 1}}) {
@@ -116,7 +116,7 @@ TEST(Executors, ReduceToTheSameMeans) {
     }
 }
 
-TEST(Executors, SeparateTheSame) {
+TEST(Executors, GiveTheSameSeparation) {
     const ColourPicture colours{kWidth, kHeight, waves(0.4), waves(0.03), waves(0.01), waves(0.02)};
     expect_same([&](Executor& executor) {
         const Separation separation = separate(colours, test::cmyk_inks(), Tone::Linear, {}, executor);
@@ -124,7 +124,7 @@ TEST(Executors, SeparateTheSame) {
     });
 }
 
-TEST(Executors, DrawTheSameDots) {
+TEST(Executors, GiveTheSameRasters) {
     const std::vector<Point> dots = lattice();
     const Canvas canvas{kWidth, kHeight, 1};
     for (const DotOptions& options :
@@ -139,7 +139,7 @@ TEST(Executors, DrawTheSameDots) {
     }
 }
 
-TEST(Executors, MoveDotsOfInksTheSame) {
+TEST(Executors, GiveTheSameMovesOfInks) {
     const LightPlanes light = {values_of(waves(0.03)), values_of(waves(0.02)), values_of(waves(0.01))};
     const std::vector<std::vector<Point>> sites(4, lattice());
     expect_same([&](Executor& executor) {

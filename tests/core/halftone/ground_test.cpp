@@ -40,7 +40,7 @@ double black_area(const Ground& ground) {
     return std::abs(sum);
 }
 
-/// Level of a disc around (20, 15), 1 inside, falling to 0 within two cells.
+/// Returns the level of a disc around (20, 15): 1 inside, falling to 0 within two cells.
 double disc(double x, double y) {
     return std::clamp((9 - std::hypot(x - 20, y - 15)) / 2 + 0.5, 0.0, 1.0);
 }
@@ -56,7 +56,7 @@ TEST(Ground, PlacesBoundaryWithSubcellPrecision) {
     EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), std::acos(-1.0) * 81, 2);
 }
 
-TEST(Ground, AppliesToARasterOfFlips) {
+TEST(Ground, TurnsFlippedPixelsIntoInk) {
     const Ground ground(cells(disc), kCells);
     for (const bool antialias : {false, true}) {
         Raster flips{kCells.columns * 4, kCells.rows * 4, 0, {}};
@@ -81,7 +81,7 @@ TEST(Ground, DividesNoisyRampWithoutIslands) {
     Random random(1, 0);
     const auto ramp = cells([&](double x, double) { return x / kCells.columns + 0.12 * (random.uniform() - 0.5); });
     const Ground ground = divide(ramp, kCells, 3, 0);
-    EXPECT_EQ(outline_of(ground).size(), 1U) << "one boundary, and no islands of noise";
+    EXPECT_EQ(outline_of(ground).size(), 1U) << "noise must not cause islands";
     for (const double y : {4.5, 16.5, 27.5}) {
         EXPECT_FALSE(ground.is_white({kCells.columns * 0.42, y}));
         EXPECT_TRUE(ground.is_white({kCells.columns * 0.58, y}));
@@ -89,7 +89,7 @@ TEST(Ground, DividesNoisyRampWithoutIslands) {
 }
 
 TEST(Ground, KeepsThinStrokesIfDetailIsRequested) {
-    // A grey stroke two cells wide on light paper, as small text has them.
+    // A grey stroke two cells wide on light paper, as in small text.
     const auto stroke = cells([](double x, double) { return std::abs(x - 24) < 1 ? 0.45 : 0.85; });
     EXPECT_TRUE(divide(stroke, kCells, 1, 0).is_white({24, 16}));
     EXPECT_FALSE(divide(stroke, kCells, 1, 1).is_white({24, 16}));

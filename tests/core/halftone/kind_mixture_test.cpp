@@ -21,7 +21,8 @@ std::vector<unsigned> all_kinds(std::size_t inks) {
 const InkSet kIdeal{{{0, 1, 1}, {1, 0, 1}, {1, 1, 0}}};
 const InkSet kRiso{{{1, 0.06F, 0.43F}, {0, 0.19F, 0.52F}, {1, 0.81F, 0}, {0, 0, 0}}};
 
-/// Light of a ground and of shares of dots on it.
+/// Returns the mean light of a ground with dots on it.
+/// @param shares  [kinds] share that the dots of each kind cover
 std::array<float, 3> mixed(const InkSet& inks, const KindMixture& mixture, unsigned ground,
                            const KindMixture::Shares& shares) {
     std::vector<float> cover;
@@ -35,7 +36,7 @@ std::array<float, 3> mixed(const InkSet& inks, const KindMixture& mixture, unsig
     return light;
 }
 
-TEST(KindMixture, NestsWhatIdealInksFlip) {
+TEST(KindMixture, NestsFlippedAreasOfIdealInks) {
     KindMixture mixture(kIdeal, all_kinds(3));
     for (const std::array light : {std::array{0.9F, 0.7F, 0.6F}, std::array{0.8F, 0.1F, 0.3F},
                                    std::array{0.05F, 0.1F, 0.2F}, std::array{0.55F, 0.45F, 0.9F}}) {
@@ -52,7 +53,7 @@ TEST(KindMixture, NestsWhatIdealInksFlip) {
     }
 }
 
-TEST(KindMixture, MixesWhatInksOfAnyColourCanMake) {
+TEST(KindMixture, ReproducesPrintableColoursOfAnyInks) {
     KindMixture mixture(kRiso, all_kinds(4));
     for (const unsigned ground : {0U, 2U, 5U, 8U, 10U}) {
         KindMixture::Shares shares{};
@@ -65,7 +66,7 @@ TEST(KindMixture, MixesWhatInksOfAnyColourCanMake) {
     }
 }
 
-TEST(KindMixture, CoversNoMoreThanDotsCan) {
+TEST(KindMixture, LimitsTotalCover) {
     KindMixture mixture(kRiso, all_kinds(4));
     for (unsigned ground = 0; ground < 16; ++ground) {
         for (int i = 0; i < 27; ++i) {
@@ -82,12 +83,12 @@ TEST(KindMixture, CoversNoMoreThanDotsCan) {
     }
 }
 
-TEST(KindMixture, HasNoDotsThatAreNotSeen) {
+TEST(KindMixture, OmitsInvisibleDots) {
     KindMixture mixture(kRiso, all_kinds(4));
     const auto shares = mixture.shares(8, {0.1F, 0.1F, 0.1F});
     for (std::size_t k = 0; k < mixture.count(); ++k) {
         if (((k + 1) & 8) == 0) {
-            EXPECT_NEAR(shares[k], 0, 1e-4F) << "below black: " << k;
+            EXPECT_NEAR(shares[k], 0, 1e-4F) << "hidden by black ground: " << k;
         }
     }
 }

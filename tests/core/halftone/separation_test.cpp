@@ -19,7 +19,7 @@ namespace {
 
 using Covers = std::vector<std::vector<float>>;
 
-/// What the inks cover of one pixel.
+/// Returns the coverage of a single pixel by each ink.
 std::vector<float> mix(const Light& light, const InkSet& inks, Tone tone = Tone::Linear) {
     std::vector<float> cover;
     for (const auto& ink : separate({1, 1, {light.red}, {light.green}, {light.blue}, {}}, inks, tone).coverage) {
@@ -80,7 +80,7 @@ TEST(Separation, ClampsInvalidLight) {
     expect_near(mix({2, -1, 2}, test::cmyk_inks()), {0, 1, 0, 0}, 1e-3f);
 }
 
-/// What covers look like.
+/// Returns the predicted light of a halftone.
 Light halftoned(const InkSet& inks, const std::vector<float>& cover) {
     Overprint::Numbers numbers{};
     std::ranges::copy(cover, numbers.begin());
@@ -88,7 +88,7 @@ Light halftoned(const InkSet& inks, const std::vector<float>& cover) {
     return {static_cast<float>(light[0]), static_cast<float>(light[1]), static_cast<float>(light[2])};
 }
 
-/// A picture of one row.
+/// Returns a picture with a single row of pixels.
 ColourPicture row_of(const std::vector<Light>& lights) {
     const auto plane = [&](float Light::*channel) {
         const auto values = std::make_shared<float[]>(lights.size());
@@ -98,7 +98,7 @@ ColourPicture row_of(const std::vector<Light>& lights) {
     return {static_cast<int>(lights.size()), 1, plane(&Light::red), plane(&Light::green), plane(&Light::blue), {}};
 }
 
-float furthest(const Light& a, const Light& b) {
+float largest_difference(const Light& a, const Light& b) {
     return std::max({std::abs(a.red - b.red), std::abs(a.green - b.green), std::abs(a.blue - b.blue)});
 }
 
@@ -115,7 +115,7 @@ TEST(Separation, MatchesColoursOfPicture) {
         for (std::size_t p = 0; p < lights.size(); ++p) {
             std::vector<float> here;
             for (const auto& cover : covers) here.push_back(cover[p]);
-            EXPECT_LT(furthest(halftoned(inks, here), lights[p]), 0.02f) << p;
+            EXPECT_LT(largest_difference(halftoned(inks, here), lights[p]), 0.02f) << p;
         }
     }
 }
@@ -138,8 +138,8 @@ TEST(Separation, OmitsInksHiddenByBlack) {
 TEST(Separation, MapsToNearestPrintableColour) {
     const InkSet inks{{{0.8f, 0.05f, 0.02f}, {0, 0, 0}}, {1, 1, 1}, false};
     const std::vector<float> blue = mix({0.05f, 0.1f, 0.6f}, inks), grey = mix({0.2f, 0.2f, 0.2f}, inks);
-    EXPECT_LT(blue[0], 0.05f) << "red is no hue of blue";
-    EXPECT_NEAR(blue[1], 1 - 0.125f, 0.02f) << "and its lightness is kept";
+    EXPECT_LT(blue[0], 0.05f) << "red ink would change the hue";
+    EXPECT_NEAR(blue[1], 1 - 0.125f, 0.02f) << "lightness is kept";
     EXPECT_NEAR(grey[1], 0.8f, 5e-3f);
 }
 
@@ -193,7 +193,7 @@ TEST(ShareSites, ApportionsByLargestRemainder) {
 TEST(ShareSites, GivesAtLeastOneToEachUsedInk) {
     EXPECT_EQ(share_sites(std::vector<double>{1000, 0, 1e-9}, 100), (std::vector<std::size_t>{99, 0, 1}));
     EXPECT_EQ(share_sites(std::vector<double>{1, 3, 2}, 2), (std::vector<std::size_t>{0, 1, 1}))
-        << "not enough for all";
+        << "too few sites for all inks";
     EXPECT_EQ(share_sites(std::vector<double>{0, 0}, 5), (std::vector<std::size_t>{0, 0}));
 }
 

@@ -23,7 +23,7 @@ TEST(InkCoverage, LeavesPaperUnderTransparentPixels) {
 }
 
 TEST(InkCoverage, FollowsLightnessForPerceptualTone) {
-    // CIE L* is 50 at Y = 0.184187, 8 at the end of its straight piece, Y = 216 / 24389.
+    // CIE L* is 50 at Y = 0.184187, and 8 at the end of its linear part, Y = 216 / 24389.
     const Picture picture{5, 1, {0, 1, 0.18418651f, 216.0f / 24389.0f, 108.0f / 24389.0f}, {}};
     const auto coverage = ink_coverage(picture, Tone::Perceptual, false);
     EXPECT_NEAR(coverage[0], 1, 1e-6);
@@ -54,7 +54,7 @@ TEST(SitesOfDrawing, GrowWithSquareRootOfPixels) {
     };
     EXPECT_EQ(sites(1), static_cast<std::size_t>(250'000 / (3.14159265358979 * 9)));
     EXPECT_NEAR(static_cast<double>(sites(4)) / static_cast<double>(sites(1)), 4, 0.001);
-    EXPECT_EQ(sites(0.1), static_cast<std::size_t>(2'500 / 3.14159265358979)) << "of a radius of 1 at least";
+    EXPECT_EQ(sites(0.1), static_cast<std::size_t>(2'500 / 3.14159265358979)) << "the radius is at least 1";
 }
 
 TEST(SitesOfDrawing, IncreaseUpToFourfoldForFineDetail) {
@@ -65,7 +65,7 @@ TEST(SitesOfDrawing, IncreaseUpToFourfoldForFineDetail) {
 }
 
 TEST(SitesOfDrawing, AreBounded) {
-    EXPECT_EQ(sites_of_drawing(64, 0, 100, 1e6, 1'000'000), 128u) << "two for a pixel of ink";
+    EXPECT_EQ(sites_of_drawing(64, 0, 100, 1e6, 1'000'000), 128u) << "two per pixel of ink";
     EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, 1'000'000), 100'000u);
     EXPECT_EQ(sites_of_drawing(1e7, 1, 1, 4e7, 300), 300u);
     EXPECT_EQ(sites_of_drawing(0, 0, 1, 1, 300), 1u);
@@ -87,15 +87,15 @@ TEST(DefaultSites, IncreasesForFineDetail) {
     EXPECT_EQ(default_sites(80'000, 0.04, kNoLimit), 20'000u);
     EXPECT_EQ(default_sites(80'000, 0.1, kNoLimit), 50'000u);
     EXPECT_EQ(default_sites(80'000, 1, kNoLimit), 100'000u) << "at most 100,000";
-    EXPECT_EQ(default_sites(8'000, 1, kNoLimit), 16'000u) << "at most two a pixel of ink";
-    EXPECT_EQ(default_sites(16'000, 0.03, kNoLimit), 4096u) << "but as many as without";
+    EXPECT_EQ(default_sites(8'000, 1, kNoLimit), 16'000u) << "at most two per pixel of ink";
+    EXPECT_EQ(default_sites(16'000, 0.03, kNoLimit), 4096u) << "at least as many as without fine detail";
 }
 
 TEST(DefaultSites, StaysInRange) {
     EXPECT_EQ(default_sites(5'000, 0, kNoLimit), 4096u) << "at least 4,096";
-    EXPECT_EQ(default_sites(500, 0, kNoLimit), 500u) << "no more than one a pixel of ink";
+    EXPECT_EQ(default_sites(500, 0, kNoLimit), 500u) << "at most one per pixel of ink";
     EXPECT_EQ(default_sites(2'000'000, 0, kNoLimit), 100'000u) << "at most 100,000";
-    EXPECT_EQ(default_sites(2'000'000, 1, 500), 500u) << "never more than the limit";
+    EXPECT_EQ(default_sites(2'000'000, 1, 500), 500u) << "at most the limit";
     EXPECT_EQ(default_sites(0, 1, kNoLimit), 1u);
     EXPECT_EQ(default_sites(100, 1, 0), 1u);
 }
@@ -103,7 +103,7 @@ TEST(DefaultSites, StaysInRange) {
 TEST(DefaultScale, GivesDotRadiusOfThreePixels) {
     // Dots of 2 pixels of ink have a radius of sqrt(2 / pi) = 0.798 pixels.
     EXPECT_EQ(default_scale(ink(10'000, 0.5f), 2500), 4);
-    // Dots that are larger in the picture stay as they are.
+    // Larger dots need no enlargement.
     EXPECT_EQ(default_scale(ink(10'000, 1), 100), 1);
 }
 

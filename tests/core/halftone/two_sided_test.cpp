@@ -29,7 +29,7 @@ struct Drawing {
     TwoSidedPlan plan;
     std::vector<std::vector<Point>> sites;  ///< [kinds]
     std::vector<SizedDots> dots;            ///< [kinds]
-    Planes light;                           ///< [channels][pixels] of a canvas of kScale pixels a cell
+    Planes light;                           ///< [channels][pixels] on a canvas of kScale pixels per cell
 };
 
 /// Draws the dots of one channel.
@@ -75,12 +75,13 @@ double mean_of(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Blurs by nearly a Gaussian: twice, lest the side lobes of box filters let the pattern through.
+/// Applies an approximate Gaussian blur in two steps. A single step would let the pattern of dots through the side
+/// lobes of its box filters.
 std::vector<float> smoothed(const std::vector<float>& values, int width, int height, double sigma) {
     return blurred(blurred(values, width, height, sigma / std::sqrt(2)), width, height, sigma / std::sqrt(2));
 }
 
-/// Standard deviation of L* after a blur of one pitch, away from the border.
+/// Returns the standard deviation of L* after a blur of one spacing, away from the border.
 double grain(const Drawing& drawing, std::size_t sites) {
     const CellGrid cells = drawing.plan.cells;
     const int width = cells.columns * kScale, height = cells.rows * kScale;
@@ -217,7 +218,7 @@ TEST(TwoSided, AcceptsPicturesOfOnePixel) {
     }
 }
 
-/// Waves of three channels that meet in all orders.
+/// Returns three channels with different waves, so that each channel is the lightest and the darkest one somewhere.
 Planes colours(const CellGrid& cells) {
     Planes light(3);
     for (int y = 0; y < cells.rows; ++y) {
@@ -231,7 +232,8 @@ Planes colours(const CellGrid& cells) {
     return light;
 }
 
-/// Share of each channel that dots of all kinds flip in a cell.
+/// Returns the area that the dots of all kinds flip in each channel of a cell.
+/// @param covered  out: total area of the dots
 std::array<float, 3> flipped_in(const TwoSidedPlan& plan, std::size_t cell, float& covered) {
     std::array<float, 3> flipped{};
     covered = 0;
@@ -250,7 +252,7 @@ TEST(TwoSided, NestsFlippedChannels) {
     const Planes light = colours(kCells);
     const TwoSidedPlan plan = plan_two_sided(light, kCells, {3000, {}, 0, 0});
     ASSERT_EQ(plan.kinds.size(), 7U);
-    // Densities are such that they are numbers of dots once they are divided by the area of one of relative area 1.
+    // Densities are relative: an area is a share of the cell after division by that of the largest dots.
     const double unit = std::numbers::pi * plan.radius * plan.radius;
     double off = 0;
     for (std::size_t i = 0; i < light.front().size(); ++i) {
@@ -264,7 +266,8 @@ TEST(TwoSided, NestsFlippedChannels) {
             off += std::abs(static_cast<double>(flipped[c]) / unit - static_cast<double>(wanted));
         }
     }
-    EXPECT_LT(off / static_cast<double>(3 * light.front().size()), 0.01) << "all but cells of thin ground and boundary";
+    EXPECT_LT(off / static_cast<double>(3 * light.front().size()), 0.01)
+        << "only cells at a boundary or on thin ground differ";
 }
 
 TEST(TwoSided, PreservesMeanOfEachChannel) {
@@ -318,7 +321,7 @@ TEST(TwoSided, DrawsGreysWithDotsFlippingAllChannels) {
 TEST(TwoSided, DistributesDotsEvenlyPerKindAndTogether) {
     constexpr CellGrid kCells = {100, 100};
     constexpr std::size_t kSites = 3000;
-    // Red ground, on which dots bring green, or green and blue.
+    // The ground is red. Dots add green, or green and blue.
     const Drawing drawing = draw({flat(kCells, 0.95F), flat(kCells, 0.4F), flat(kCells, 0.2F)}, kCells, kSites);
     std::vector<Point> all;
     const auto nearest_mean = [&](const std::vector<Point>& points) {

@@ -35,9 +35,9 @@ std::vector<Point> random_sites(Point period, std::size_t count, std::uint64_t s
     return sites;
 }
 
-/// Counts the copies of sites strictly inside the circumcircle of a triangle, among all copies near enough.
+/// Counts the copies of sites that are strictly inside circumcircles of triangles.
 std::size_t count_in_circles(const Triangulation& mesh) {
-    constexpr double kRoom = 1e-6;
+    constexpr double kMargin = 1e-6;
     const Point period = mesh.period();
     std::size_t inside = 0;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -45,7 +45,7 @@ std::size_t count_in_circles(const Triangulation& mesh) {
         const Point ab = b - a, ac = c - a;
         const double doubled = 2 * cross(ab, ac), ab2 = dot(ab, ab), ac2 = dot(ac, ac);
         const Point to_centre{(ac.y * ab2 - ab.y * ac2) / doubled, (ab.x * ac2 - ac.x * ab2) / doubled};
-        const double radius = (1 + kRoom) * std::sqrt(dot(to_centre, to_centre)) + kRoom * std::sqrt(ab2 + ac2);
+        const double radius = (1 + kMargin) * std::sqrt(dot(to_centre, to_centre)) + kMargin * std::sqrt(ab2 + ac2);
         const Point low = a + to_centre - Point{radius, radius}, high = a + to_centre + Point{radius, radius};
         for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
             const Point p = mesh.point(v);

@@ -10,7 +10,7 @@
 namespace ccdt {
 namespace {
 
-/// Some points anywhere, most of them crowded around two places at two scales.
+/// Returns points of which most are crowded at two positions, at different scales; the others are anywhere.
 std::vector<Point> crowds(std::size_t count) {
     Random random(6, 0);
     std::vector<Point> places;
@@ -38,7 +38,7 @@ TEST(CellList, FindsAllPointsNearby) {
                 cells.for_near(places[i], reach, [&](Point place, std::uint32_t number) {
                     const Point apart = places[i] - place;
                     if (dot(apart, apart) >= reach * reach) return;
-                    EXPECT_TRUE(found.insert(number).second) << "twice";
+                    EXPECT_TRUE(found.insert(number).second) << "visited twice";
                 });
                 for (std::uint32_t k = 0; k < places.size(); ++k) {
                     if (distance(domain, places[i], places[k]) < reach) expected.insert(k);
@@ -54,9 +54,9 @@ TEST(CellList, VisitsFewPointsInCrowds) {
     const CellList cells(Domain::rectangle(1, 1).value(), places);
     for (std::size_t i = 2; i < places.size(); i += 101) {
         if (i % 8 < 2) continue;
-        int looked_at = 0;
-        cells.for_near(places[i], 4e-9, [&](Point, std::uint32_t) { ++looked_at; });
-        ASSERT_LT(looked_at, 200) << "of 60,000 in a crowd with 4e-9 between neighbours";
+        int visited = 0;
+        cells.for_near(places[i], 4e-9, [&](Point, std::uint32_t) { ++visited; });
+        ASSERT_LT(visited, 200) << "of the 60,000 points in a crowd, at mean distances of 4e-9";
     }
 }
 

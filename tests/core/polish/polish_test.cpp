@@ -137,7 +137,7 @@ TEST(Polish, KeepsPositionsNearTheBoxOfATorus) {
     }
 }
 
-/// The only density is in one corner, as far away as possible in a domain of any proportions.
+/// All density is in one cell in a corner, far away from the sites.
 TEST(Polish, ClearsGapsOfAnyProportions) {
     const Density corner = grid_of(10, 100, [](int i, int j) { return i + j == 0 ? 1.0 : 0.0; });
     for (const auto& [width, height] : {std::pair{20.0, 1.0}, {1.0, 1.0}, {1.0, 20.0}}) {
@@ -195,7 +195,7 @@ TEST(Polish, LeavesNoSiteOnWhite) {
                     run(domain, density, {.sites = sites, .seed = seed, .quality = Quality::Draft}).points);
             }
         }
-        EXPECT_GT(draft, 0u) << name << ": equal triangles alone would do";
+        EXPECT_GT(draft, 0u) << name << ": even drafts leave no site on white, so this picture tests nothing";
     }
 }
 
@@ -257,7 +257,7 @@ TEST(Polish, EvensOutCountries) {
     }
 }
 
-/// The equality of capacities hardly changes.
+/// The capacities stay almost as equal as in drafts.
 TEST(Polish, KeepsCountriesCapacities) {
     for (const char* name : kCountries) {
         const Domain domain = domain_of(test::read_geojson(name));
@@ -289,7 +289,7 @@ TEST(Polish, KeepsSitesApartAcrossWater) {
             near += std::ranges::count_if(test::sorted_distances(domain, placed.points),
                                           [](double distance) { return distance < 0.7; });
         }
-        EXPECT_LT(near, 30) << "two hundred without pushes across";
+        EXPECT_LT(near, 30) << "about 200 without pushes across water";
     }
 }
 
@@ -304,8 +304,8 @@ TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     }
 }
 
-/// The density varies as on a chart of the globe; counts of sites in strips of some spacings are compared with the
-/// expected ones.
+/// The density varies as slowly as on a chart of the globe. The numbers of sites in strips, some spacings wide, are
+/// compared with the expected numbers.
 TEST(Polish, EvensOutSmoothDensities) {
     constexpr int kStrips = 10, kCells = 8 * kStrips;
     const Domain domain = domain_of(test::read_geojson("Switzerland-10m.geojson"));

@@ -34,8 +34,8 @@ std::vector<Weighted> random_points(Point sides, std::size_t count) {
     return points;
 }
 
-/// Returns the sum over points of value e^(-i 2 pi f.p), or in a box of value cos(2 pi f_x x) cos(2 pi f_y y) over its
-/// four copies.
+/// Returns the sum over points of value e^(-i 2 pi f.p). In a box, sums value cos(2 pi f_x x) cos(2 pi f_y y) over the
+/// four mirror images of each point.
 std::complex<double> direct_sum(const SplineGrid& grid, bool torus, const std::vector<Weighted>& points, Point f) {
     std::complex<double> sum;
     for (const auto& [p, value] : points) {
@@ -101,7 +101,7 @@ TEST(SplineGrid, SumsWavesOfPointsOnItsSides) {
 }
 
 TEST(SplineGrid, AcceptsAnyPeriodicCopyOfAPoint) {
-    // The last one is so little below 0 that its share of the period rounds to 1.
+    // The last point is so little below 0 that its position in the period rounds to the upper end.
     const std::vector<Weighted> around{{{-0.25, 1.5}, 1}, {{1.75, -0.875}, 1}, {{-1, 2}, 1}, {{-1e-18, -1e-18}, 1}};
     SplineGrid grid(true, {1, 1}, 30, 30);
     EXPECT_LT(largest_error(grid, true, around), kError);
@@ -170,7 +170,7 @@ TEST(SplineGrid, SpreadsMoves) {
 }
 
 /// Processors with AVX2 handle two points at once.
-TEST(SplineGrid, ReadsManyGradientsAsItReadsEach) {
+TEST(SplineGrid, IsIdenticalForBatchesAndSinglePoints) {
     const Point sides{2, 0.7};
     auto points = random_points(sides, 301);
     for (const Point p :
@@ -203,7 +203,7 @@ TEST(SplineGrid, ReadsManyGradientsAsItReadsEach) {
     }
 }
 
-TEST(SplineGrid, SpreadsManyAsItSpreadsEach) {
+TEST(SplineGrid, SpreadsManyPointsOnAnyNumberOfThreads) {
     Random random(5, 0);
     std::vector<Point> points(30'000), moves(points.size());
     std::vector<double> values(points.size());

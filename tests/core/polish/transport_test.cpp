@@ -43,10 +43,10 @@ double amplitude(const Density& density, int column) {
     return sum / density.total();
 }
 
-/// Returns the share of a long wave's error that is left after one round.
-double left_of_wave(const Domain& domain, const Density& density, int column) {
+/// Returns the share of a long wave's error that remains after one round.
+double remaining_share(const Domain& domain, const Density& density, int column) {
     auto sites = distribute(domain, density, {.sites = kSites, .seed = 3})->points;
-    // To first order these moves, shorter than the limit of a round, add pi column longest cos(pi column x) to a
+    // The moves are shorter than the limit of a round. To first order, they add pi column longest cos(pi column x) to a
     // uniform density.
     const double longest = 0.15 / std::sqrt(static_cast<double>(kSites));
     for (Point& p : sites) p.x -= longest * std::sin(kPi * column * p.x);
@@ -63,14 +63,14 @@ TEST(Transport, RemovesALongWave) {
     const Domain box = Domain::rectangle(1, 1).value(), torus = Domain::torus(1, 1).value();
     for (const int column : {2, 4, 8, 14}) {
         SCOPED_TRACE(column);
-        EXPECT_LT(left_of_wave(box, Density::uniform(), column), 0.05);
-        EXPECT_LT(left_of_wave(torus, Density::uniform(), column), 0.05);
-        EXPECT_LT(left_of_wave(box, waves(), column), 0.1);
-        EXPECT_LT(left_of_wave(torus, waves(), column), 0.1);
+        EXPECT_LT(remaining_share(box, Density::uniform(), column), 0.05);
+        EXPECT_LT(remaining_share(torus, Density::uniform(), column), 0.05);
+        EXPECT_LT(remaining_share(box, waves(), column), 0.1);
+        EXPECT_LT(remaining_share(torus, waves(), column), 0.1);
     }
     // A box also has waves with half a period.
-    EXPECT_LT(left_of_wave(box, Density::uniform(), 3), 0.05);
-    EXPECT_LT(left_of_wave(box, waves(), 5), 0.1);
+    EXPECT_LT(remaining_share(box, Density::uniform(), 3), 0.05);
+    EXPECT_LT(remaining_share(box, waves(), 5), 0.1);
 }
 
 TEST(Transport, ReportsAStop) {
@@ -145,7 +145,7 @@ TEST(Transport, ComputesTheLocalSpacingInCrowds) {
         grid_of(500, 500, [](int i, int j) { return (i < 5 && j < 5) || (i >= 490 && j >= 490) ? 1.0 : 0.0; });
     const Transport transport(box, spots, 12'500);
     for (const Point p : {Point{0.005, 0.005}, Point{0.99, 0.99}})
-        EXPECT_NEAR(transport.spacing(p), 0.0002, 1e-6) << "100 sites a cell";
+        EXPECT_NEAR(transport.spacing(p), 0.0002, 1e-6) << "100 sites per cell";
 }
 
 TEST(Transport, IgnoresEmptyMargins) {
@@ -192,7 +192,7 @@ TEST(Transport, IsInvariantUnderShifts) {
     }
 }
 
-/// Cells as wide as such a box is high would be millions, i.e. gigabytes.
+/// With cells as wide as the box is high, the grid would take gigabytes.
 TEST(Transport, LimitsTheMemoryForThinBoxes) {
     constexpr std::size_t kInLine = 100'000;
     const double height = 1e-10;
