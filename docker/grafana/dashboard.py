@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Prints the dashboard for Grafana to import: /usr/bin/python3 docker/grafana/dashboard.py > dashboard.json
+"""Prints a dashboard that Grafana can import: /usr/bin/python3 docker/grafana/dashboard.py > dashboard.json
 
-ROWS lists the panels. In a query each metric stands for the servers chosen on the dashboard, and [] for the interval
-that Grafana chooses.
+ROWS lists the panels. In their queries, metrics are restricted to the servers selected on the dashboard, and [] is the
+interval that Grafana chooses.
 """
 
 import json
@@ -11,11 +11,11 @@ import string
 
 JOBS = 'job="ccdt", instance=~"$instance"'
 SOURCE = {"type": "prometheus", "uid": "${datasource}"}
-WIDTH = 24  # of the dashboard, in Grafana's units
+WIDTH = 24  # width of the dashboard, in Grafana's units
 
 
 def query(short):
-    """Returns a query in PromQL: its metrics are those of the chosen servers."""
+    """Returns a query in PromQL, with its metrics restricted to the selected servers."""
     def selected(match):
         labels = f", {match[2]}" if match[2] else ""
         return f"{match[1]}{{{JOBS}{labels}}}"
@@ -24,10 +24,10 @@ def query(short):
 
 
 def panel(kind, title, description, unit, queries, **settings):
-    """Returns a panel without its place. `queries` maps legends to queries.
+    """Returns a panel without its position. `queries` maps legends to queries.
 
-    Settings: `red_from` and `red_below` are thresholds, `at_most` is the upper end of the axis, `stacked` draws areas
-    one on another.
+    Settings: `red_from` and `red_below` are thresholds, `at_most` is the upper end of the axis, `stacked` stacks the
+    areas.
     """
     defaults = {"unit": unit, "min": 0}
     if "at_most" in settings:
@@ -64,7 +64,7 @@ COMPUTED = 'route=~"/halftone.*|/sample|/analyze"'
 NOT_PROBES = 'route!~"/health.*|/metrics"'
 LATENCY = f"sum by (route, le) (rate(ccdt_http_request_duration_seconds_bucket{{{COMPUTED}}}[]))"
 
-# Title, panels on a line, panels.
+# Title, panels per line, panels.
 ROWS = [
     ("At a glance", 6, [
         number("Servers that answer", "Share of the servers that Prometheus knows.", "percentunit", {"": "avg(up)"},
@@ -111,7 +111,7 @@ ROWS = [
         chart("Busy workers", "Share of all workers. At 100 % requests wait.", "percentunit",
               {"{{instance}}": "ccdt_workers_busy / ccdt_workers"}, at_most=1),
         chart("Waiting requests", "Requests in the queue, and its capacity.", "short",
-              {"{{instance}}": "ccdt_queue_requests", "{{instance}}, most": "ccdt_queue_capacity_requests"}),
+              {"{{instance}}": "ccdt_queue_requests", "{{instance}}, capacity": "ccdt_queue_capacity_requests"}),
         chart("Waiting time",
               "Age of the oldest request in the queue, and time until all waiting requests will be done.",
               "s", {"{{instance}}, oldest": "ccdt_queue_oldest_seconds",
@@ -129,8 +129,8 @@ ROWS = [
         chart("Memory of computations", "Memory reserved for computations, and the budget.", "bytes",
               {"{{instance}}": "ccdt_memory_reserved_bytes", "{{instance}}, budget": "ccdt_memory_budget_bytes"}),
         chart("Threads of a computation",
-              "Threads that a computation may have now, and the mean of the most that answers "
-              "had at once.", "short",
+              "Threads that a computation may use now, and the mean over answers of the largest number "
+              "used at once.", "short",
               {"{{instance}}, lent": "ccdt_computation_threads_lent",
                "{{instance}}, used": "rate(ccdt_computation_threads_sum[]) / rate(ccdt_computation_threads_count[])"}),
         chart("Cores that compute", "Mean number of cores. The time of an answer counts when it is done.", "short",
@@ -138,15 +138,15 @@ ROWS = [
     ]),
     ("Jobs and cached answers", 4, [
         chart("Jobs",
-              "Jobs that have not ended: of all servers that share them, or of the server that has most.", "short",
+              "Jobs that have not ended, of all servers that share them, or of the server with most jobs.", "short",
               {"{{status}}": "max by (status) (ccdt_jobs)"}),
         chart("Ended jobs", "Jobs per minute by how they ended.", "cpm",
               {"{{status}}": "60 * sum by (status) (rate(ccdt_jobs_ended_total[]))"}),
         chart("Stored bytes", "Bytes of jobs, their limit, and bytes of cached answers.", "bytes",
               {"{{instance}}, jobs": "ccdt_job_store_bytes",
-               "{{instance}}, jobs at most": "ccdt_job_store_capacity_bytes",
+               "{{instance}}, limit of jobs": "ccdt_job_store_capacity_bytes",
                "{{instance}}, cache": "ccdt_cache_bytes"}),
-        chart("Cache hits", "Share of the answers that were looked up in the cache.", "percentunit",
+        chart("Cache hits", "Share of cache lookups that found an answer.", "percentunit",
               {"{{instance}}": "rate(ccdt_cache_hits_total[]) / "
                                "(rate(ccdt_cache_hits_total[]) + rate(ccdt_cache_misses_total[]))"}, at_most=1),
     ]),
@@ -173,10 +173,10 @@ ROWS = [
         chart("Connections", "Open connections, and event streams among them.", "short",
               {"{{instance}}": "ccdt_connections_open", "{{instance}}, event streams": "ccdt_event_streams_open"}),
         chart("Refused connections",
-              "In five minutes: the server was full, an address had its share, or there were enough "
-              "event streams.", "short",
+              "In five minutes, by the limit that was reached: connections of the server (full), connections of an "
+              "address, or event streams.", "short",
               {"{{reason}}": "sum by (reason) (increase(ccdt_connections_refused_total[5m]))"}),
-        chart("Open files", "Share of the files that may be open. Each connection is one.", "percentunit",
+        chart("Open files", "Share of the limit on open files. Each connection is an open file.", "percentunit",
               {"{{instance}}": "process_open_fds / process_max_fds"}, red_from=0.8, at_most=1),
         chart("Starts", "Changes of the start time within an hour.", "short",
               {"{{instance}}": "changes(process_start_time_seconds[1h])"}, red_from=3),
@@ -187,7 +187,7 @@ ROWS = [
 
 
 def placed(rows):
-    """Yields the panels of all rows, each in its place below the row's title."""
+    """Yields the panels of all rows, with their positions below the row's title."""
     numbers = iter(range(1, 1000))
     y = 0
     for title, columns, panels in rows:
@@ -205,7 +205,7 @@ def placed(rows):
 
 
 def variables():
-    """Returns the choices at the top of the dashboard: the data source and the servers."""
+    """Returns the variables at the top of the dashboard: the data source and the servers."""
     return [
         {"name": "datasource", "label": "Data source", "type": "datasource", "query": "prometheus"},
         {"name": "instance", "label": "Server", "type": "query", "datasource": SOURCE, "refresh": 2, "sort": 1,

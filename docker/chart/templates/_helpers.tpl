@@ -2,7 +2,7 @@
 {{- if contains .Chart.Name .Release.Name }}{{ .Release.Name }}{{ else }}{{ .Release.Name }}-{{ .Chart.Name }}{{ end }}
 {{- end }}
 
-{{/* What pods are found by; never changes. */}}
+{{/* The labels that select the pods. They must never change. */}}
 {{- define "ccdt.selector" -}}
 app.kubernetes.io/name: {{ .Chart.Name }}
 app.kubernetes.io/instance: {{ .Release.Name }}
@@ -15,12 +15,12 @@ app.kubernetes.io/managed-by: {{ .Release.Service }}
 helm.sh/chart: {{ .Chart.Name }}-{{ .Chart.Version }}
 {{- end }}
 
-{{/* The kind of what makes pods. */}}
+{{/* The kind of the resource that creates the pods. */}}
 {{- define "ccdt.workload" -}}
 {{- if eq .Values.store.kind "disk" }}StatefulSet{{ else }}Deployment{{ end }}
 {{- end }}
 
-{{/* A value of any kind as text. Whole numbers are read as others, of which large ones would have an exponent. */}}
+{{/* A value of any type as text. Helm reads integers as floats, and prints large ones with an exponent. */}}
 {{- define "ccdt.text" -}}
 {{- if not (kindIs "float64" .) }}{{ . }}
 {{- else if eq . (floor .) }}{{ int64 . }}
@@ -32,7 +32,7 @@ helm.sh/chart: {{ .Chart.Name }}-{{ .Chart.Version }}
 {{- .Values.store.redis.existingSecret | default (printf "%s-redis" (include "ccdt.name" .)) }}
 {{- end }}
 
-{{/* The Secret with API keys; nothing if there are none. */}}
+{{/* The name of the Secret with API keys; empty if there are none. */}}
 {{- define "ccdt.keysSecret" -}}
 {{- if .Values.keys.existingSecret }}{{ .Values.keys.existingSecret }}
 {{- else if .Values.keys.list }}{{ include "ccdt.name" . }}-keys
