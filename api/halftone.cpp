@@ -49,7 +49,7 @@ Result<void> read_dot(const Input& input, std::optional<DotRadius>& dot) {
     return {};
 }
 
-/// Reads black point, white point and, unless it is 1, gamma.
+/// Reads a list of two or three numbers: black point, white point, and optionally gamma.
 Result<void> read_levels(const Input& input, Levels& levels) {
     struct Level {
         std::string_view name;
@@ -62,7 +62,7 @@ Result<void> read_levels(const Input& input, Levels& levels) {
     auto parts = read_list(input, kLevels.size(), "value");
     if (!parts) return tl::unexpected(parts.error());
     if (parts->size() < 2)
-        return malformed(input, "must be black point and white point, both from 0 to 1, and gamma unless it is 1");
+        return malformed(input, "must be a black point and a white point, both from 0 to 1, and optionally gamma");
     for (std::size_t i = 0; i < parts->size(); ++i) {
         Input& part = (*parts)[i];
         part.name = input.name + ": " + std::string(kLevels[i].name);
@@ -72,13 +72,14 @@ Result<void> read_levels(const Input& input, Levels& levels) {
     return malformed(input, "must have a black point below the white point");
 }
 
-/// Request on its way; what depends on several options can only be settled when all are known.
+/// A request that is being parsed. Values that depend on several options are determined after all options have been
+/// read.
 struct Draft {
     HalftoneRequest request;
     std::optional<bool> antialias;
     std::optional<Dots> dots;
     std::optional<bool> invert;
-    std::optional<Palette> color;  ///< as that option gives it
+    std::optional<Palette> color;  ///< value of the option color
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
@@ -125,17 +126,17 @@ constexpr std::array<OptionRule<Draft>, 30> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
-/// Refuses options that inks which mix do not have.
+/// Checks that there are no options that apply only to a single ink that covers.
 Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
-        if (input.name == "foreground") return malformed(input, "is an option of color=gray; palette gives inks");
+        if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
         if (input.name == "background" && palette.mixing == Mixing::Add)
-            return malformed(input, "is no option of color=rgb, whose light is on black");
+            return malformed(input, "is not an option of color=rgb, whose background is black");
     }
     return {};
 }
 
-/// Gives an ink that covers, and its paper, the colours that are asked for.
+/// Sets the colours of ink and paper, for a single ink that covers.
 void colour_ink(Draft& draft) {
     Palette& palette = draft.request.palette;
     const bool invert = draft.request.dots == Dots::Paper;
@@ -146,7 +147,7 @@ void colour_ink(Draft& draft) {
 Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
     if (draft.palette && draft.color) {
         const auto palette = std::ranges::find(inputs, "palette", &Input::name);
-        return malformed(*palette, "stands instead of color: give one of the two");
+        return malformed(*palette, "replaces color: give only one of them");
     }
     Palette& palette = draft.request.palette;
     if (draft.color) palette = *std::move(draft.color);
@@ -163,31 +164,31 @@ const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
     return *std::ranges::find(inputs, name, &Input::name);
 }
 
-/// Returns why dots on both sides of the tonal scale cannot be had, or nothing.
+/// Returns the reason why dots on both sides of the tonal scale are not available; empty if they are available.
 std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
-    if (request.tone == Tone::Density) return "is no option of tone=density, whose dots are ink";
+    if (request.tone == Tone::Density) return "cannot be both with tone=density, whose dots are ink";
     if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
-        return "needs in drawings of shapes a background that is not transparent, in whose colour paper dots are drawn";
-    if (request.drawing.is_stroked()) return "is an option of style=fill alone: a pen can only add ink";
-    if (request.minutes) return "is no option beside minutes, which are those of a pen: it can only add ink";
+        return "cannot be both in drawings of shapes with a transparent background, since paper dots have its colour";
+    if (request.drawing.is_stroked()) return "can be both only with style=fill: a pen can only add ink";
+    if (request.minutes) return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
     const VectorWriter* const shapes = request.format->vector();
-    if (shapes != nullptr && shapes->by_pen) return "is no option of formats for plotters: a pen can only add ink";
+    if (shapes != nullptr && shapes->by_pen) return "cannot be both in formats for plotters: a pen can only add ink";
     return {};
 }
 
-/// Tells whether dots on both sides look better than ink. Of four and more inks of one's own many mixtures make the
-/// same colour, and their grounds fall apart where they change from one to the other.
+/// Returns whether dots on both sides look better than ink dots only. With four or more custom inks, many mixtures give
+/// the same colour, and the grounds become ragged where the chosen mixture changes.
 bool is_better_on_both_sides(const Draft& draft) {
     constexpr std::size_t kMostInksOfBoth = 3;
     return !draft.palette || draft.palette->inks.size() <= kMostInksOfBoth;
 }
 
-/// Chooses the sides that dots are drawn on: both where a picture is drawn, ink where dots are listed.
-/// The format must be settled.
+/// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have dots on both sides, and
+/// lists have ink dots. Must be called after the format is known.
 Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
-        return malformed(input_of("invert", inputs), "contradicts dots: invert=true is dots=paper");
+        return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");
     const std::string_view obstacle = obstacle_to_both(draft);
     Dots& dots = draft.request.dots;
     const bool is_both = obstacle.empty() && draft.request.format->is_drawn() && is_better_on_both_sides(draft);
@@ -196,26 +197,26 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
     const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;
     if (dots == Dots::Paper && !is_grey)
-        return malformed(input_of(draft.dots ? "dots" : "invert", inputs), "is an option of color=gray");
+        return malformed(input_of(draft.dots ? "dots" : "invert", inputs),
+                         "makes light dots on black, which are available with color=gray only");
     return {};
 }
 
-/// Refuses sizes in pixels that nothing is drawn in, or that are told twice.
+/// Checks that a size in pixels is given for drawings only, and not by two options that contradict each other.
 Result<void> check_size(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     const bool is_sized = request.width || request.height;
     for (const Input& input : inputs) {
         const bool is_side = input.name == "width" || input.name == "height";
         if ((is_side || input.name == "fit") && !request.format->is_drawn())
-            return malformed(input, "is an option of drawings; lists of dots are in pixels of the picture");
-        if (is_side && request.scale) return malformed(input, "stands instead of scale: give one of the two");
+            return malformed(input, "is an option of drawings only; lists of dots are in pixels of the picture");
+        if (is_side && request.scale) return malformed(input, "replaces scale: give only one of them");
         if (input.name == "fit" && !(request.width && request.height))
-            return malformed(input,
-                             is_sized ? "needs both width and height, not one of them" : "needs width and height");
+            return malformed(input, is_sized ? "needs both width and height" : "needs width and height");
     }
     return {};
 }
 
-/// Tells drawings for the screen from those for print, which are crisp.
+/// Decides whether the drawing is for a screen or for print. Drawings for print are by default not antialiased.
 Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
     HalftoneRequest& request = draft.request;
     const RasterWriter* const raster = request.format->raster();
@@ -223,20 +224,21 @@ Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
     const bool is_print = request.scale || request.drawing.width_mm;
     request.on_screen = !is_print && (is_sized || (raster != nullptr && !raster->is_for_print));
     request.antialias = draft.antialias.value_or(request.on_screen);
+    request.may_be_scaled = request.on_screen && !is_sized && !draft.antialias;
     return check_size(request, inputs);
 }
 
-/// Dots that follow the density alone are not for pictures that are looked at.
+/// Determines the detail, which is 0 for dots that follow the density alone.
 Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (request.tone != Tone::Density) return {};
     const auto detail = std::ranges::find(inputs, "detail", &Input::name);
     if (detail != inputs.end() && request.detail > 0)
-        return malformed(*detail, "is no option of tone=density, whose dots follow the picture as it is");
+        return malformed(*detail, "is not an option of tone=density, whose dots follow the picture without sharpening");
     request.detail = 0;
     return {};
 }
 
-/// Gives a request its picture, unless there is something wrong with either.
+/// Adds the picture to the request. Errors: those of both.
 Result<HalftoneRequest> with_image(Result<HalftoneRequest> request, const Result<ImageFile>& image) {
     ErrorList errors;
     errors.add(request);
@@ -246,17 +248,17 @@ Result<HalftoneRequest> with_image(Result<HalftoneRequest> request, const Result
     return request;
 }
 
-/// Millimetres need to know how many there are.
+/// Checks that the request gives width_mm if it gives the radius in millimetres.
 Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
     const auto dot = std::ranges::find(inputs, "dot", &Input::name);
-    return malformed(*dot, "in mm needs width_mm, the width of the picture");
+    return malformed(*dot, "in mm needs width_mm, the width of the drawing in millimetres");
 }
 
-/// A time that a plotter may take decides on the number of dots, by the lengths that its pen goes.
+/// Checks the option `minutes`, the drawing time of a plotter, which limits the number of dots.
 Result<void> check_minutes(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (!request.minutes) return {};
-    if (request.sites) return malformed(input_of("minutes", inputs), "stands instead of sites: give one of the two");
+    if (request.sites) return malformed(input_of("minutes", inputs), "replaces sites: give only one of them");
     if (request.drawing.width_mm) return {};
     return malformed(input_of("minutes", inputs), "needs width_mm, the width of the drawing in millimetres");
 }

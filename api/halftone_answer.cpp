@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "api/image/enlargement.h"
 #include "api/image/ink_set.h"
 #include "api/image/overlay.h"
 #include "api/image/srgb.h"
@@ -27,7 +28,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Writes the dots in the way that a format's writer takes them.
+/// Writes dots in a format, with the kind of writer that the format has.
 class Writing {
 public:
     Writing(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const SizedDots> sized,
@@ -38,7 +39,7 @@ public:
           report_(report),
           inks_(std::move(inks)),
           body_(body),
-          hurry_(control.stop),
+          path_stop_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)),
           executor_(*control.executor) {}
 
@@ -48,7 +49,7 @@ public:
         return {};
     }
 
-    /// Draws shapes with the radius that rasters have.
+    /// Draws shapes. Dots have the same radius as in rasters.
     Result<void> operator()(const VectorWriter& writer) {
         describe_two_sides();
         for (std::size_t ink = 0; ink < inks_.size(); ++ink)
@@ -56,7 +57,7 @@ public:
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
         const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
         if (auto checked = writer.check(request_, largest, page); !checked) return checked;
-        writer.write(inks_, request_.palette, page, request_.drawing, body_, hurry_, stop_);
+        writer.write(inks_, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 
@@ -67,25 +68,28 @@ public:
 private:
     Result<std::string> write_pixels(const RasterWriter& writer) const {
         if (plan_.two_sides && !plan_.two_sides->is_nested && request_.antialias && writer.write_plates == nullptr)
-            return writer.write(mixed_pixels(), request_.drawing.width_mm, stop_);
+            return write_picture(writer, mixed_pixels());
         std::vector<Raster> rasters;
         const std::size_t count = plan_.two_sides ? plan_.two_sides->channels.size() : inks_.size();
         for (std::size_t ink = 0; ink < count; ++ink) rasters.push_back(rasterise(ink, request_.antialias));
-        if (may_be_scaled()) {
+        if (request_.may_be_scaled) {
             for (Raster& raster : rasters) soften(raster, executor_);
         }
         Palette palette = request_.palette;
-        const auto width_mm = request_.drawing.width_mm;
         if (writer.write_plates != nullptr && palette.mixing == Mixing::Multiply) {
             if (count < palette.inks.size()) take_black_out(rasters);
-            return writer.write_plates(rasters, palette.inks, width_mm, stop_);
+            return writer.write_plates(rasters, palette.inks, request_.drawing.width_mm, stop_);
         }
         palette.inks.resize(count);
-        return writer.write(overlay(std::move(rasters), palette, request_.antialias, stop_, executor_), width_mm,
-                            stop_);
+        return write_picture(writer, overlay(std::move(rasters), palette, request_.antialias, stop_, executor_));
     }
 
-    /// Draws antialiased dots that flip inks of one's own.
+    Result<std::string> write_picture(const RasterWriter& writer, DotImage picture) const {
+        if (request_.may_be_scaled) compensate_enlargement(picture, executor_);
+        return writer.write(picture, request_.drawing.width_mm, stop_);
+    }
+
+    /// Draws antialiased dots on both sides, in several custom inks.
     DotImage mixed_pixels() const {
         std::vector<Raster> flipped, grounds;
         for (std::size_t ink = 0; ink < plan_.two_sides->channels.size(); ++ink) {
@@ -93,14 +97,14 @@ private:
             grounds.push_back({flipped.back().width, flipped.back().height, 0, {}});
             grounds.back().coverage.resize(flipped.back().coverage.size());
             apply_ground(ink, true, grounds.back());
-            if (!may_be_scaled()) continue;
+            if (!request_.may_be_scaled) continue;
             soften(flipped.back(), executor_);
             soften(grounds.back(), executor_);
         }
         return overlay_flipped(flipped, grounds, request_.palette, stop_, executor_);
     }
 
-    /// Replaces what cyan, magenta and yellow have in common by black, which takes that area from each of them.
+    /// Replaces the common part of the cyan, magenta and yellow plates with a black plate.
     void take_black_out(std::vector<Raster>& plates) const {
         Raster black = plates.front();
         for_ranges(executor_, black.coverage.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
@@ -114,13 +118,8 @@ private:
         plates.push_back(std::move(black));
     }
 
-    /// Tells whether a browser may show the drawing in another size, which nobody has asked for.
-    bool may_be_scaled() const {
-        return request_.on_screen && request_.antialias && !request_.width && !request_.height;
-    }
-
-    /// Describes the dots and the grounds of both sides for writers of lists and shapes, which leave out kinds without
-    /// dots.
+    /// Describes the grounds, and the dots on both sides of the tonal scale, for writers of lists and shapes. Omits
+    /// kinds without dots.
     void describe_two_sides() {
         if (!plan_.two_sides) return;
         const auto& channels = plan_.two_sides->channels;
@@ -145,14 +144,14 @@ private:
 
     bool adds() const { return request_.palette.mixing == Mixing::Add; }
 
-    /// Size of the cells of the ground, in pixels of the picture.
+    /// Returns the size of the cells of the ground, in pixels of the picture.
     Point cell_size() const {
         const CellGrid& cells = plan_.two_sides->cells;
         return {static_cast<double>(plan_.picture.width) / cells.columns,
                 static_cast<double>(plan_.picture.height) / cells.rows};
     }
 
-    /// Draws the ink of a channel of a halftone with dots on both sides.
+    /// Draws the coverage of one channel of a halftone with dots on both sides: its ground, and the dots that flip it.
     Raster rasterise_both(std::size_t channel, bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
         Raster raster = rasterise_flipped(channel, antialias);
@@ -192,7 +191,8 @@ private:
         return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
     }
 
-    /// Moves points such that the canvas' scale puts the corners of the picture on its own.
+    /// Stretches points slightly, so that the scale of the canvas maps the corners of the picture exactly to the
+    /// corners of the canvas.
     std::vector<Point> canvas_places(std::span<const Point> points) const {
         const auto [width, height, scale] = plan_.canvas;
         const double across = width / (scale * plan_.picture.width), down = height / (scale * plan_.picture.height);
@@ -210,13 +210,13 @@ private:
     Grounds grounds_;
     std::vector<TwoSidedDots> two_sides_;  ///< [kinds]
     Body& body_;
-    std::stop_token hurry_;
+    std::stop_token path_stop_;
     std::stop_token stop_;
     Executor& executor_;
 };
 
-/// Makes the inks that answers tell apart: of dots on both sides one for each kind, named by the channels that it
-/// flips.
+/// Returns the inks that answers name. For dots on both sides, each kind of dots has an ink, which is named after the
+/// channels that the dots flip.
 std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePlan& plan) {
     const std::vector<Ink>& inks = request.palette.inks;
     if (!plan.two_sides || inks.size() == 1) return inks;

@@ -32,9 +32,9 @@ namespace {
 
 struct SeparatedPicture {
     PictureSize size;
-    CellGrid cells;       ///< of the separation: as fine as its dots can show
-    Separation inks;      ///< without light if there is one ink, which covers
-    double fineness = 0;  ///< of the picture
+    CellGrid cells;       ///< cells of the separation, as fine as the dots can show
+    Separation inks;      ///< the light is missing for a single ink that covers
+    double fineness = 0;  ///< result of fineness() for the picture
 
     double cell_area() const {
         return static_cast<double>(size.width) * size.height / (static_cast<double>(cells.columns) * cells.rows);
@@ -53,32 +53,33 @@ tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& req
     return failure(error.code, error.message, request.image_field);
 }
 
-/// A radius that is asked for, in pixels of a picture.
+/// Returns the requested radius, in pixels of the picture.
 /// @param scale  output pixels per pixel of the picture
 double picture_radius(const HalftoneRequest& request, PictureSize size, double scale) {
     return request.dot->millimetres ? request.dot->length / *request.drawing.width_mm * size.width
                                     : request.dot->length / scale;
 }
 
-/// Tells whether the largest dots have a radius that follows from the size of the drawing. Their number then follows
-/// from it: dark pictures, whose dots are small, have as many as others.
+/// Returns whether the radius of the largest dots follows from the size of the drawing. The number of dots then follows
+/// from this radius.
 bool has_screen_radius(const HalftoneRequest& request) {
     return request.on_screen && request.dots == Dots::Both && !request.sites && !request.dot;
 }
 
-/// Such a radius, in pixels of the picture.
+/// Returns the radius that follows from the size of the drawing, in pixels of the picture.
 double screen_radius(const Canvas& canvas, double fineness) {
     return radius_of_drawing(static_cast<double>(canvas.width) * canvas.height, fineness) / canvas.scale;
 }
 
-/// Radius of dots in pixels of the picture, before it is settled.
-/// @param ink  sum of the shares that dots cover
+/// Estimates the radius of dots, in pixels of the picture.
+/// @param ink  area that dots cover, in pixels of the picture
 double rough_radius(const HalftoneRequest& request, PictureSize size, double ink, double fineness,
                     const Limits& limits) {
     const double pixels = all_pixels(size);
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
-    // What dots on both sides draw depends on the cells that it is measured in. They are those of a picture of which a
-    // quarter is drawn; small dots of a dark or a light one need no finer cells.
+    // The area that dots on both sides draw depends on the cells in which the area is measured, and so is not known
+    // yet. It is assumed that dots draw a quarter of the picture. The small dots of darker and lighter pictures need no
+    // finer cells.
     constexpr double kShare = 0.25;
     const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
     const auto canvas = settled_canvas(request, size, limits);
@@ -88,11 +89,11 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
-/// Side of the squares of which decoding may take the mean, as far as that can be told before the picture is there: its
-/// dots, of a quarter of ink at least, will not tell them from their pixels, and nothing is done to pixels that would
-/// make another mean.
+/// Returns the side of the squares of pixels that decoding may replace with their mean. This is an estimate, since the
+/// picture is not decoded yet: if ink covers at least a quarter of it, the dots cannot show the difference. Returns 1
+/// if a step before the separation is not linear in the light of the pixels.
 int reducible(const HalftoneRequest& request, const Limits& limits) {
-    constexpr double kLeastPixels = 4e6;  // fewer take little time
+    constexpr double kLeastPixels = 4e6;  // fewer pixels take little time
     constexpr double kInk = 0.25;
     const auto width = static_cast<int>(request.image.header.width);
     const auto height = static_cast<int>(request.image.header.height);
@@ -109,7 +110,7 @@ int reducible(const HalftoneRequest& request, const Limits& limits) {
     return side;
 }
 
-/// The part of a picture that is drawn, and the side of the squares that its pixels are the means of.
+/// The drawn part of a decoded picture, and the side of the squares whose means are its pixels.
 template <class AnyPicture>
 struct Decoded {
     Decoded(AnyPicture decoded, const HalftoneRequest& request, int reduced) : picture(std::move(decoded)) {
@@ -124,8 +125,8 @@ struct Decoded {
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
     CellGrid cells() const { return {picture.width, picture.height}; }
 
-    /// Tells whether dots are as they would be without the squares: they do not tell those, nor would finer detail
-    /// change their number.
+    /// Returns whether averaging squares did not change the dots: the separation needs no finer cells than the squares,
+    /// and the lost detail would not change the number of dots.
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
         if (side == 1) return true;
         if (wanted.columns > picture.width || wanted.rows > picture.height) return false;
@@ -133,8 +134,8 @@ struct Decoded {
         return usual_sites(request, size(), ink, 0, limits) == usual_sites(request, size(), ink, 1, limits);
     }
 
-    /// Tells how fine the detail is, as far as that decides on the number of dots. A drawing for the screen does not
-    /// show what the squares leave out.
+    /// Returns the fineness of the picture. Returns 0 if averaged squares have lost detail, except for drawings on
+    /// screens, which would not show this detail.
     double detail(const HalftoneRequest& request, Executor& executor) const {
         return side > 1 && !request.on_screen ? 0 : fineness(picture, executor);
     }
@@ -143,7 +144,8 @@ struct Decoded {
     int side = 1;
 };
 
-/// Sums the shares of the picture that dots draw: of two-sided ones the smaller of ink and paper.
+/// Sums over all cells the share of a cell that dots draw. For dots on both sides, this share is that of the ink or
+/// that of the paper, whichever is smaller.
 double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
                    Executor& executor) {
     if (request.dots == Dots::Both) return minority_of(coverage, executor);
@@ -169,19 +171,20 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
     return separated;
 }
 
-/// Tells whether dots on both sides of the tonal scale flip channels of light, not inks of one's own.
+/// Returns whether dots on both sides of the tonal scale flip channels of light. The alternative is that they flip the
+/// custom inks of the option `palette`.
 bool flips_light(const HalftoneRequest& request) {
     return request.dots == Dots::Both && (request.palette.mixing != Mixing::Multiply || is_cmyk(request.palette.inks));
 }
 
-/// Separates into inks, or, for dots on both sides of the tonal scale, into channels of light.
+/// Separates a picture into inks, or into channels of light if flips_light().
 Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     const InkSet inks = ink_set(request.palette);
     if (flips_light(request)) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
     return separate(picture, inks, request.tone, control.stop, *control.executor);
 }
 
-/// Estimates the sum of the shares that dots of all inks cover, by a small copy of the picture.
+/// Estimates the area that dots of all inks draw, from a small copy of the picture.
 double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     constexpr int kSide = 64;
     const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
@@ -206,9 +209,10 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
     return separated;
 }
 
-/// Separates into inks; one that covers needs no colours of the picture, which take three times the memory.
-/// @param reduce  side of the squares that the picture may come in
-/// @returns       none if these are too coarse
+/// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
+/// the memory of colours.
+/// @param reduce  side of the squares that decoding may replace with their mean
+/// @returns       none if the squares are too coarse
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
                                                          const Decode& decode, const Control& control, int reduce) {
     const ImageFile& file = request.image;
@@ -227,7 +231,7 @@ Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& 
     return separated;
 }
 
-/// Decodes, and separates into inks. The decoded picture is gone once this returns.
+/// Decodes a picture and separates it into inks, first with averaged squares where possible. Frees the decoded picture.
 Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                           const Control& control) {
     const int reduce = reducible(request, limits);
@@ -236,7 +240,8 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
-/// Tells whether a picture is the bare paper all over, if it is of solid colours.
+/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere. If not, it has solid ink in
+/// some places.
 bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
@@ -249,18 +254,21 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
     const std::string looks = request.palette.mixing != Mixing::Cover ? "like its paper"
                               : request.dots == Dots::Paper           ? "black"
                                                                       : "white";
-    return failure(ErrorCode::Unusable, "the image is " + looks + " or transparent all over: there is nothing to draw",
+    return failure(ErrorCode::Unusable,
+                   "the image is " + looks + " or transparent everywhere: there is nothing to draw",
                    request.image_field);
 }
 
-/// Returns the ink by which a scale is chosen. Of dots on both sides the largest cover about twice as much as the mean;
-/// and where there is little to draw for dots, the ground alone needs no large scale.
+/// Returns the area of ink from which a scale is chosen. For dots on both sides, the area is doubled, because the
+/// largest dots have about twice the mean area. A lower bound keeps the scale from becoming large if dots have little
+/// to draw.
 double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
     constexpr double kMean = 2, kLeast = 0.1;
     return request.dots == Dots::Both ? std::max(kMean * ink, kLeast * static_cast<double>(pixels)) : ink;
 }
 
-/// Makes the canvas. A chosen size gives way to the limit; one that was asked for does not, unless nothing is drawn.
+/// Returns the canvas. If the server chooses the size, the canvas has at most limits.max_pixels. A requested size is
+/// not reduced.
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
                            const Limits& limits) {
     const auto canvas = settled_canvas(request, plan.picture, limits);
@@ -274,31 +282,32 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
                    option);
 }
 
-/// Radius that is asked for, or that follows from the size, in pixels of the picture.
+/// Returns the radius that the request gives, or that follows from the size of the drawing, in pixels of the picture.
 std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
     if (!request.dot) return std::nullopt;
     return picture_radius(request, plan.picture, plan.canvas.scale);
 }
 
-/// Number of sites: a radius alone decides on it.
+/// Returns the requested number of sites, or the number of dots that follows from the radius.
 Result<std::size_t> sites_of(const std::optional<std::size_t>& wish, double dots, const Limits& limits) {
     if (wish) return *wish;
     const double sum = std::round(dots);
     if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
     return failure(ErrorCode::LimitExceeded,
-                   "dots of this radius would be more than this server's limit (max-sites), which is " +
+                   "the number of dots of this radius would exceed this server's limit (max-sites), which is " +
                        std::to_string(limits.max_sites),
                    "dot");
 }
 
-/// Says whether dots are in proportion to what they are to cover, whatever overlaps. The start of a run has no pattern
-/// whose overlaps are known.
+/// Returns whether the number of dots is proportional to the area that dots should cover, without regard to overlaps.
+/// This includes runs without iterations, because the overlaps of their random sites are not known.
 bool is_proportional(const HalftoneRequest& request) {
     return request.tone == Tone::Density || request.run.iterations == 0;
 }
 
-/// Counts the dots at most: of a plotter those that it draws in the time that it may take.
+/// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number that a plotter
+/// draws in this time.
 Result<std::size_t> most_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
                               Executor& executor) {
     if (!request.minutes) return limits.max_sites;
@@ -314,13 +323,14 @@ Result<std::size_t> most_dots(const HalftoneRequest& request, const SeparatedPic
     if (request.dot && request.dot->millimetres) radius = request.dot->length;
     const double dots = dots_in(60 * *request.minutes, {ink.area * cell, ink.spread * cell}, radius, request.drawing);
     if (dots >= 1) return static_cast<std::size_t>(std::min(dots, static_cast<double>(limits.max_sites)));
-    return failure(ErrorCode::Unusable, "minutes are too few to draw this picture: give more minutes or a wider pen",
+    return failure(ErrorCode::Unusable, "minutes is too small to draw this picture: give more minutes or a wider pen",
                    request.field_of("minutes"));
 }
 
-/// Settles how many dots each ink has, and how large they are; what is to be covered becomes what dots are wanted.
-/// @param usual  number of sites, unless their radius decides on it
-/// @param most   of them, that the time of a plotter allows
+/// Determines the number and the radius of the dots of each ink. Replaces the coverage of the picture with the density
+/// of dots.
+/// @param usual  number of sites to use unless the number follows from the radius
+/// @param most   maximum number of sites, from most_dots()
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                          std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
                          const Control& control) {
@@ -334,7 +344,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     DotWish wish{request.sites, plan.radius, request.detail};
     if (!plan.radius) wish.sites = usual;
     if (plan.radius) wish.radius = *plan.radius / side;
-    // Without overlaps they would be as many; there are more.
+    // The number of dots if no dots overlapped. Overlaps make it larger.
     const double fewest =
         plan.radius ? std::reduce(ink.begin(), ink.end()) / std::numbers::pi / *plan.radius / *plan.radius : 0;
     if (request.minutes && fewest > static_cast<double>(most)) wish.sites = most;
@@ -354,7 +364,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     return {};
 }
 
-/// Plans dots on both sides of the tonal scale, of channels of light or of inks.
+/// Plans dots on both sides of the tonal scale. The dots flip channels, which are either inks or light.
 TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& picture, const TwoSidedOptions& options,
                         const Control& control) {
     auto coverage = std::move(picture.inks.coverage);
@@ -371,11 +381,13 @@ TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& pictur
     return plan_two_sided(std::move(coverage), picture.cells, options, control.stop, *control.executor);
 }
 
-/// Settles the grounds, and the number and the sizes of dots on both sides of the tonal scale.
-/// @param minority  area that dots have to cover; 0: the picture is black and white, which the grounds draw alone
+/// Determines the grounds, and the number and sizes of dots on both sides of the tonal scale.
+/// @param minority  area that dots have to draw; 0 if the picture is only black and white, which the grounds draw
+///                  without dots
 Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                               double minority, std::size_t usual, const Limits& limits, const Control& control) {
-    // Radii in output pixels that a raster draws well: of pixels that are black or white, and of softer ones.
+    // Smallest radii, in output pixels, that a raster draws well: kLeastRadius without antialiasing, kLeastSoftRadius
+    // with it.
     constexpr double kLeastRadius = 1.25, kLeastSoftRadius = 0.6;
     const double side = std::sqrt(picture.cell_area());
     TwoSidedOptions options{request.sites, {}, request.detail, 0};
@@ -383,7 +395,7 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     if (!options.radius) options.sites = usual;
     if (request.format->raster() != nullptr)
         options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
-    if (has_screen_radius(request))  // as many as if the picture were all ink
+    if (has_screen_radius(request))  // at most as many dots as in a picture of solid ink
         options.most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
     plan.two_sides = plan_sides(request, picture, options, control);
     if (auto going = check_stop(control.stop); !going) return going;
@@ -399,8 +411,8 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     return {};
 }
 
-/// Makes what dots of several inks are compared with, if they are polished.
-/// @param light  what shall be seen, of each cell
+/// Creates the target for the appearance of several inks together. Returns none if the polish does not need it.
+/// @param light  wanted light of each cell
 std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
                                      const LightPlanes& light, Executor& executor) {
     const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
@@ -411,14 +423,14 @@ std::optional<PrintProof> make_proof(const HalftoneRequest& request, const Halft
                       toned(ink_set(request.palette), request.tone), *plan.radius, sites, executor);
 }
 
-/// Finds what is not as its sender may think: of a film that moves, one picture is taken.
+/// Returns warnings about the request: only one frame of a file with several frames is drawn.
 std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     std::string frame = describe_frame(request.image.header);
     if (frame.empty()) return {};
     return {{request.image_field, std::move(frame)}};
 }
 
-/// Makes a density for each ink or kind of dots that has sites. Coverages of inks go as they are taken.
+/// Creates a density for each ink or kind of dots that has sites. Frees the coverage of each ink.
 Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedPicture& picture) {
     std::vector<Density> densities(plan.sites.size(), Density::uniform());
     for (std::size_t ink = 0; ink < plan.sites.size(); ++ink) {

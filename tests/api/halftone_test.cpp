@@ -30,14 +30,14 @@ Result<Answer> answer(const std::string& image, const Options& options, const Li
     return run_halftone(*request, limits, decode_inline(), {}, timings);
 }
 
-/// Mean light of a picture that is all black and white.
+/// Returns the mean light of a picture that is entirely black and white.
 double white_share(const DecodedPng& png) {
     double sum = 0;
     for (const auto& pixel : png.pixels) sum += pixel[0] / 255.0;
     return sum / static_cast<double>(png.pixels.size());
 }
 
-/// A grey picture of more pixels than are all read for a few dots.
+/// Returns a grey picture with so many pixels that it is downsampled for small numbers of dots.
 std::string large_picture(int darkest) {
     Raster raster{2400, 1800, 1, {}};
     for (int y = 0; y < raster.height; ++y) {
@@ -47,13 +47,14 @@ std::string large_picture(int darkest) {
     return *write_png(image_of(raster, true));
 }
 
-/// An answer, and the sides of the squares that its decoder was asked for.
+/// An answer, and the reduction factors that the decoder was asked for: see Reading::reduce.
 struct Asked {
     Answer answer;
     std::vector<int> reduced;
 };
 
-/// @param obey  whether the decoder takes means
+/// Answers a request with a decoder that records the reduction factors.
+/// @param obey  whether the decoder reduces the picture
 Asked ask(const std::string& image, const Options& options, bool obey) {
     Asked asked;
     const auto note = [&](const auto& decode) {
@@ -86,7 +87,7 @@ TEST(Halftone, ReadsLargePicturesInFullForNonlinearTones) {
     EXPECT_EQ(ask(image, {{"sites", "2000"}, {"tone", "perceptual"}}, true).reduced, std::vector{1});
     EXPECT_EQ(ask(image, {{"sites", "2000"}, {"levels", "0,0.9"}}, true).reduced, std::vector{1});
     EXPECT_EQ(ask(image, {{"dot", "9"}, {"quality", "draft"}}, true).reduced, std::vector{1})
-        << "dots are as many as it takes";
+        << "the number of dots follows from the picture";
 }
 
 TEST(Halftone, ReadsLargePicturesAgainIfDotsAreSmallerThanExpected) {
@@ -207,13 +208,13 @@ TEST(HalftoneOptions, RejectContradictorySizes) {
         std::string message;
     };
     for (const auto& [options, field, message] :
-         {Wrong{{{"scale", "2"}, {"width", "640"}}, "width", "width stands instead of scale: give one of the two"},
-          Wrong{{{"height", "640"}, {"scale", "2"}}, "height", "height stands instead of scale: give one of the two"},
+         {Wrong{{{"scale", "2"}, {"width", "640"}}, "width", "width replaces scale: give only one of them"},
+          Wrong{{{"height", "640"}, {"scale", "2"}}, "height", "height replaces scale: give only one of them"},
           Wrong{{{"fit", "cover"}}, "fit", "fit needs width and height"},
-          Wrong{{{"fit", "cover"}, {"width", "9"}}, "fit", "fit needs both width and height, not one of them"},
+          Wrong{{{"fit", "cover"}, {"width", "9"}}, "fit", "fit needs both width and height"},
           Wrong{{{"width", "9"}, {"format", "csv"}},
                 "width",
-                "width is an option of drawings; lists of dots are in pixels of the picture"}}) {
+                "width is an option of drawings only; lists of dots are in pixels of the picture"}}) {
         const auto request = parse(options);
         ASSERT_FALSE(request) << field;
         EXPECT_EQ(request.error().code, ErrorCode::Malformed);
@@ -241,9 +242,9 @@ TEST(HalftoneOptions, ReadLevels) {
     EXPECT_EQ(parse_json("[0.1,0.9,1.2]")->levels, (Levels{0.1, 0.9, 1.2}));
     EXPECT_EQ(parse_json("\"0.1,0.9,1.2\"")->levels, (Levels{0.1, 0.9, 1.2}));
     const std::vector<std::pair<std::string, std::string>> wrong = {
-        {"", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
-        {"0.5", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
-        {"0,1,1,1", "levels must be black point and white point, both from 0 to 1, and gamma unless it is 1"},
+        {"", "levels must be a black point and a white point, both from 0 to 1, and optionally gamma"},
+        {"0.5", "levels must be a black point and a white point, both from 0 to 1, and optionally gamma"},
+        {"0,1,1,1", "levels must be a black point and a white point, both from 0 to 1, and optionally gamma"},
         {"-0.1,1", "levels: black point must be a number from 0 to 1"},
         {"0,255", "levels: white point must be a number from 0 to 1"},
         {"0,1,0", "levels: gamma must be a number from 0.1 to 10"},
@@ -437,7 +438,7 @@ TEST(Halftone, LimitsPixelsOfRequestedSize) {
 }
 
 TEST(Halftone, CropsToMiddleIfFitIsCover) {
-    // White but for a black square in the middle, so wide that a drawing of half the width shows it whole.
+    // White, with a black square in the middle. The square is narrow enough to stay whole after cropping.
     Raster raster{300, 100, 1, std::vector<std::uint8_t>(std::size_t{300} * 100)};
     for (int y = 25; y < 75; ++y) {
         for (int x = 125; x < 175; ++x) raster.coverage[static_cast<std::size_t>(y * 300 + x)] = 255;
@@ -472,7 +473,7 @@ TEST(Halftone, LimitsPixelsOfScaledDrawing) {
     EXPECT_EQ(large.error().field, "scale");
     EXPECT_NE(large.error().message.find("96 x 64"), std::string::npos);
     EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "3"}}, limits));
-    EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "5000"}}, limits)) << "a chosen scale gives way";
+    EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "5000"}}, limits)) << "the default scale is reduced";
     EXPECT_TRUE(answer(fixture("lossless.webp"), {{"sites", "50"}, {"scale", "4"}, {"format", "json"}}, limits));
 }
 
@@ -531,7 +532,7 @@ TEST(Halftone, ListsRadiusAndSideOfEachDot) {
         append_shortest(table, json.at("radii")[i].get<float>());
         table += ',' + json.at("side")[i].get<std::string>() + "\r\n";
     }
-    EXPECT_TRUE(list("csv") == table) << "of the same numbers";
+    EXPECT_TRUE(list("csv") == table) << "CSV must have the same numbers";
     EXPECT_NE(table.find(",ink\r\n"), std::string::npos);
     EXPECT_NE(table.find(",paper\r\n"), std::string::npos);
 }
@@ -634,7 +635,7 @@ TEST(HalftoneOptions, MeasureDotsInPixelsOrMillimetres) {
     }
 }
 
-/// What an answer in JSON tells of the dots.
+/// Returns the answer in JSON.
 nlohmann::json dots_of(const Options& options) {
     Options asked = options;
     asked.push_back({"format", "json"});
@@ -650,7 +651,7 @@ TEST(Halftone, DerivesNumberOfDotsFromPenWidth) {
     const auto pixels = dots_of({{"dot", "4"}, {"scale", "2"}, {"iterations", "1"}, {"quality", "draft"}});
     EXPECT_EQ(pixels.at("radius"), 2);
     const auto again = dots_of({{"sites", std::to_string(pixels.at("sites").get<int>())}, {"iterations", "1"}});
-    EXPECT_NEAR(again.at("radius").get<double>(), 2, 0.001) << "each follows from the other";
+    EXPECT_NEAR(again.at("radius").get<double>(), 2, 0.001) << "radius and number must determine each other";
 }
 
 TEST(Halftone, ReportsToneForGivenNumberAndSizeOfDots) {
@@ -706,7 +707,7 @@ TEST(HalftoneOptions, RejectContradictoryInks) {
               "/invert");
 }
 
-/// Mean light of each channel.
+/// Returns the mean light of each channel.
 std::array<double, 3> mean_light(const ColourPicture& picture) {
     std::array<double, 3> mean{};
     const std::array<const Plane*, 3> planes = {&picture.red, &picture.green, &picture.blue};
@@ -722,7 +723,7 @@ TEST(Halftone, PreservesMeanColour) {
     const std::string photo = photograph("chelsea.png");
     const auto wanted = mean_light(*decode_colour_image(photo, kMaxPixels));
     for (const auto* color : {"cmyk", "rgb"}) {
-        // Dots of the last are so large that cells of several pixels are as good.
+        // In the last case, dots are so large that densities have cells of several pixels.
         for (const auto& [sites, antialias] : {std::pair("8000", "false"), {"8000", "true"}, {"600", "true"}}) {
             const auto result =
                 answer(photo, {{"sites", sites}, {"scale", "4"}, {"color", color}, {"antialias", antialias}});
@@ -750,8 +751,8 @@ TEST(Halftone, ListsDotsOfEachInk) {
     EXPECT_EQ(sites, 700U);
 }
 
-/// How much the numbers of points of two lists differ from each other in the parts of a picture, over all points.
-/// Points themselves differ where densities do in their last digits.
+/// Compares the numbers of points of two lists in squares of 64 pixels, and returns the sum of the absolute differences
+/// over the number of points. Single points differ because densities differ in their last digits.
 double difference(const nlohmann::json& points, const nlohmann::json& others) {
     constexpr double kPart = 64;  // pixels
     std::map<std::pair<int, int>, int> excess;
