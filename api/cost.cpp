@@ -28,8 +28,8 @@ Cost cost(const Estimate& estimate) {
     return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
 }
 
-/// Keeps what was decoded until it has its levels.
-Estimate levelling(const HalftoneRequest& request) {
+/// Estimates the application of levels. Its result is a second picture of the decoded size.
+Estimate levels_cost(const HalftoneRequest& request) {
     if (request.levels == Levels{}) return {};
     constexpr double kTime = 0.006 * kMicrosecond;
     const double planes = request.palette.mixing == Mixing::Cover ? 1 : 3;
@@ -37,8 +37,8 @@ Estimate levelling(const HalftoneRequest& request) {
     return {values * sizeof(float), values * kTime};
 }
 
-/// Keeps what was decoded until its middle is cut out.
-Estimate cropping(const HalftoneRequest& request) {
+/// Estimates the cropping of the picture. Its result is a second picture, at most of the decoded size.
+Estimate cropping_cost(const HalftoneRequest& request) {
     if (request.fit != Fit::Cover) return {};
     constexpr double kTime = 0.002 * kMicrosecond;
     const double planes = request.palette.mixing == Mixing::Cover ? 2 : 4;
@@ -46,46 +46,46 @@ Estimate cropping(const HalftoneRequest& request) {
     return {values * sizeof(float), values * kTime};
 }
 
-/// Bytes of a pixel: luminance, alpha, coverage and a copy turned over.
+/// Bytes per pixel: luminance, alpha, coverage and a vertically flipped copy, 4 bytes each.
 constexpr double kGreyPlanes = 16;
 
-Estimate decoding(const ImageFile& file, double planes = kGreyPlanes) {
+Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes) {
     constexpr double kTime = 0.03 * kMicrosecond;
     const auto pixels = static_cast<double>(file.header.pixels());
     const double decoder = static_cast<double>(file.header.decoder_bytes) + static_cast<double>(file.bytes.size());
     return {pixels * planes + decoder, pixels * kTime};
 }
 
-/// Whether dots are on both sides of the tonal scale in each of several channels.
+/// Returns whether the request is for dots on both sides of the tonal scale, in several channels.
 bool has_channels(const HalftoneRequest& request) {
     return request.dots == Dots::Both && request.palette.mixing != Mixing::Cover;
 }
 
-/// Counts the inks, or the channels that stand for them.
+/// Returns the number of inks. For dots on both sides, the number of channels, which is 3 for CMYK.
 double inks_of(const HalftoneRequest& request) {
     const auto inks = static_cast<double>(request.palette.inks.size());
     return request.dots == Dots::Both && is_cmyk(request.palette.inks) ? inks - 1 : inks;
 }
 
-/// Whether such channels are inks of one's own.
+/// Returns whether dots on both sides have several channels that are custom inks.
 bool has_ink_channels(const HalftoneRequest& request) {
     return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
 }
 
-/// Counts the kinds of dots of several channels.
+/// Returns the number of kinds of dots, for dots on both sides in several channels.
 double kinds_of_dots(const HalftoneRequest& request) {
     const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
     return static_cast<double>(std::min(kinds, kMostKindsOfInks));
 }
 
-/// Counts the cells at most that dots on both sides of the tonal scale are planned in.
+/// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
 double planned_cells(const HalftoneRequest& request, double sites) {
-    // As rough_radius() chooses them: for dots that draw a quarter of the picture.
+    // As in rough_radius(), for dots that draw a quarter of the picture.
     constexpr double kShare = 0.25;
     const ImageHeader& header = request.image.header;
     const auto pixels = static_cast<double>(header.pixels());
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
-        // 50 cells a dot, but where they would be less than two pixels wide they are the pixels.
+        // There are 50 cells per dot. Cells that would be less than two pixels wide are pixels instead.
         constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
         return std::min(pixels, kCellsPerDot * sites + kFewest);
     }
@@ -94,23 +94,23 @@ double planned_cells(const HalftoneRequest& request, double sites) {
     return static_cast<double>(cells.columns) * cells.rows;
 }
 
-/// Divides the picture into grounds, and plans the dots on both of them.
-Estimate dividing(const HalftoneRequest& request, double sites) {
+/// Estimates the division of the picture into white and black ground, and the planning of dots on both.
+Estimate grounds_cost(const HalftoneRequest& request, double sites) {
     constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
     constexpr Estimate kInk{48, 0.5 * kMicrosecond}, kKind{8, 0.05 * kMicrosecond}, kInks{80, 1.5 * kMicrosecond};
     constexpr double kReading = 8;
     const Estimate cell = has_ink_channels(request) ? kInk * inks_of(request) + kKind * kinds_of_dots(request) + kInks
                           : has_channels(request)   ? kColour
                                                     : kGrey;
-    // Two tables for each ground, as far as these occur.
+    // Upper bound: two tables for each possible combination of grounds.
     constexpr Estimate kTable{1.4e6, 5'000 * kMicrosecond};
     const Estimate tables = has_ink_channels(request) ? kTable * std::exp2(inks_of(request) + 1) : Estimate{};
     return cell * planned_cells(request, sites) + tables +
            Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
-/// Fits the sizes of dots on both sides of the tonal scale to the picture.
-Estimate sizing(const HalftoneRequest& request, double sites) {
+/// Estimates the fitting of the sizes of dots on both sides of the tonal scale.
+Estimate dot_sizes_cost(const HalftoneRequest& request, double sites) {
     constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
     constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
     if (request.dots != Dots::Both) return {};
@@ -121,36 +121,40 @@ Estimate sizing(const HalftoneRequest& request, double sites) {
     return kPixel * planned_cells(request, sites) + kSite * sites;
 }
 
-/// Sharpens the coverage of one ink after the other, beside those of all; or does what is done instead of that for
-/// dots on both sides of the tonal scale.
-Estimate sharpening(const HalftoneRequest& request, double sites) {
-    if (request.dots == Dots::Both) return dividing(request, sites);
+/// Estimates the sharpening of the coverage, one ink at a time. For dots on both sides of the tonal scale, the planning
+/// of dots takes its place.
+Estimate sharpening_cost(const HalftoneRequest& request, double sites) {
+    if (request.dots == Dots::Both) return grounds_cost(request, sites);
     if (!(request.detail > 0)) return {};
     constexpr double kTime = 0.05 * kMicrosecond;
     const auto pixels = static_cast<double>(request.image.header.pixels());
     return {pixels * (inks_of(request) * 8 + 20), pixels * inks_of(request) * kTime};
 }
 
-/// Decodes and separates: of inks that mix there are four planes, three of light, and the coverage of each ink.
-Estimate decoding(const HalftoneRequest& request) {
-    if (request.palette.mixing == Mixing::Cover) return decoding(request.image);
+/// Estimates decoding and separation. If inks mix, there are planes of red, green, blue and alpha, three planes of
+/// light, and the coverage of each ink.
+Estimate decoding_cost(const HalftoneRequest& request) {
+    if (request.palette.mixing == Mixing::Cover) return decoding_cost(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
-    if (has_channels(request) && !has_ink_channels(request)) return decoding(request.image, 28 + 4 * inks_of(request));
-    // The table takes as long as so many pixels, times the inks squared, if there are all colours.
+    if (has_channels(request) && !has_ink_channels(request))
+        return decoding_cost(request.image, 28 + 4 * inks_of(request));
+    // For a picture that has all colours, filling the table of separations takes as long as separating this number of
+    // pixels, times the square of the number of inks.
     constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    return decoding(request.image, 28 + 4 * inks_of(request)) +
+    return decoding_cost(request.image, 28 + 4 * inks_of(request)) +
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
-/// Validates a polygon of so many corners.
-Estimate bounding(std::size_t corner_count) {
+/// Estimates the validation of a polygon.
+Estimate domain_cost(std::size_t corner_count) {
     constexpr double kBytes = 420, kPieceBytes = 160;
     constexpr double kTime = 2.5 * kMicrosecond;
     if (corner_count == 0) return {};
     const auto corners = static_cast<double>(corner_count);
-    // Each edge may cross all others, which is not known yet. Few do: of the time it counts as much as keeps a polygon
-    // that may be a tangle from passing for a short request.
+    // It is not known yet how many edges cross. In the worst case, each edge crosses all others, but few polygons are
+    // like that, so the time is limited. The limit is just large enough that a polygon that may have many crossings is
+    // not treated as a short request.
     constexpr double kPieceTime = 6 * kMicrosecond, kMostTime = 25'000 * kMicrosecond;
     const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(corner_count)));
     return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMostTime)};
@@ -161,44 +165,46 @@ std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return polygon == nullptr ? 0 : polygon->corner_count();
 }
 
-/// Takes a strip along the border of so many corners from a domain.
-Estimate keeping_off(double corners) {
+/// Estimates the erosion of a domain by the buffer.
+Estimate buffer_cost(double corners) {
     constexpr double kBytes = 3'000, kTime = 100 * kMicrosecond;
     return {corners * kBytes, corners * kTime};
 }
 
-/// Corners that the outline of a mask may have; few have a tenth of it.
+/// Returns the maximum number of corners of the outline of a mask. Most outlines have less than a tenth of this number.
 std::size_t mask_corners(const SampleRequest& request) {
     return request.mask ? std::min(kMostMaskCorners, 4 * request.mask->header.pixels()) : 0;
 }
 
-/// Makes the domain: validates it and what it is to avoid, and takes that from it.
-Estimate bounding(const SampleRequest& request) {
+/// Estimates the creation of the domain: validating the polygons, validating the avoided areas, and subtracting the
+/// exclusions.
+Estimate domain_cost(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.domain), avoided = request.avoid.corner_count();
-    const Estimate made = then(bounding(corners), bounding(avoided));
-    const Estimate left = avoided == 0 ? made : then(made, bounding(corners + avoided));
+    const Estimate made = then(domain_cost(corners), domain_cost(avoided));
+    const Estimate left = avoided == 0 ? made : then(made, domain_cost(corners + avoided));
     const std::size_t masked = mask_corners(request);
-    const Estimate seen = masked == 0 ? left : then(left, bounding(corners + avoided + masked));
-    return request.buffer > 0 ? then(seen, keeping_off(static_cast<double>(corners + avoided + masked))) : seen;
+    const Estimate seen = masked == 0 ? left : then(left, domain_cost(corners + avoided + masked));
+    return request.buffer > 0 ? then(seen, buffer_cost(static_cast<double>(corners + avoided + masked))) : seen;
 }
 
-/// Makes a grid's integrals, over whose cells the passes walk.
-Estimate weighing(double cells) {
+/// Estimates the integrals of a density grid.
+Estimate density_cost(double cells) {
     return {cells * 20, cells * 0.03 * kMicrosecond};
 }
 
-/// Lays a region onto the charts of the globe, and makes the density there.
-Estimate charting(const SampleRequest& request) {
+/// Estimates the projection of a region onto the charts of the globe, and the densities on the charts.
+Estimate charts_cost(const SampleRequest& request) {
     if (request.coordinates == Coordinates::Plane) return {};
     constexpr double kCells = 1'024 * 1'024, kCellsOfDensity = 2'048 * 2'048, kTime = 0.2 * kMicrosecond;
     const bool is_even = std::holds_alternative<std::monostate>(request.density);
     const double cells = is_even ? kCells : kCellsOfDensity;
-    return bounding(corners_of(request.domain) + request.avoid.corner_count() + mask_corners(request)) * 2 +
-           weighing(cells) + Estimate{cells * sizeof(double), cells * kTime};
+    return domain_cost(corners_of(request.domain) + request.avoid.corner_count() + mask_corners(request)) * 2 +
+           density_cost(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
 
-/// Takes from each of a map's features what is to be kept free; with a buffer that has the border of all.
-Estimate cutting(const SampleRequest& request) {
+/// Estimates the subtraction of exclusions from each feature of a dot map. With a buffer, exclusions have the corners
+/// of all features.
+Estimate exclusions_cost(const SampleRequest& request) {
     if (!request.has_exclusions()) return {};
     constexpr double kFeature = 60 * kMicrosecond, kCornerSeen = 0.01 * kMicrosecond, kBytes = 420;
     const auto features = static_cast<double>(request.counts->features());
@@ -207,36 +213,37 @@ Estimate cutting(const SampleRequest& request) {
     return {corners * kBytes, features * (kFeature + corners * kCornerSeen)};
 }
 
-/// Takes the room of fixed points from the features that they lie in.
-Estimate leaving_room(const SampleRequest& request) {
+/// Estimates the computation of the areas that fixed points take in the features.
+Estimate fixed_areas_cost(const SampleRequest& request) {
     constexpr double kFeature = 900 * kMicrosecond;
     return {0, kFeature * static_cast<double>(std::min(request.run.fixed.size(), request.counts->features()))};
 }
 
-/// Makes the areas of a map's features, each class' fences around them, and keeps dots in these.
-Estimate mapping(const SampleRequest& request) {
+/// Estimates the areas of the features of a dot map, and the steps that keep dots inside their features.
+Estimate dot_map_cost(const SampleRequest& request) {
     if (!request.counts) return {};
     constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{600, 2.5 * kMicrosecond};
     constexpr Estimate kDot{600, 3 * kMicrosecond};
     const auto features = static_cast<double>(request.counts->features());
     const auto corners = static_cast<double>(corners_of(request.domain));
     const auto classes = static_cast<double>(request.counts->classes.size());
-    return cutting(request) + (kFeature * features + kCorner * corners + leaving_room(request)) * classes +
+    return exclusions_cost(request) + (kFeature * features + kCorner * corners + fixed_areas_cost(request)) * classes +
            kDot * static_cast<double>(request.run.sites);
 }
 
-/// Finds the feature of each point of an area, and sorts points by these.
-Estimate locating(const SampleRequest& request) {
+/// Estimates the search for the feature of each point, and the sorting of points by feature.
+Estimate features_cost(const SampleRequest& request) {
     if (!request.features || request.counts) return {};
     constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{300, 0.5 * kMicrosecond};
     constexpr Estimate kSite{80, 0.5 * kMicrosecond};
     const std::size_t corners = corners_of(request.domain);
-    return bounding(corners) + kFeature * static_cast<double>(request.features->size()) +
+    return domain_cost(corners) + kFeature * static_cast<double>(request.features->size()) +
            kCorner * static_cast<double>(corners) + kSite * static_cast<double>(request.run.sites);
 }
 
-/// Evens out long waves in a polygon, on the mesh itself. Of maps of dots mapping() counts that.
-Estimate evening_out(const SampleRequest& request) {
+/// Estimates the removal of long waves in a polygon, on the polygon's mesh. Returns nothing for dot maps, since
+/// dot_map_cost() includes this step.
+Estimate long_waves_cost(const SampleRequest& request) {
     const Options& run = request.run;
     const bool is_polygon = std::holds_alternative<PolygonInput>(request.domain) && !request.counts;
     if (!is_polygon || run.quality == Quality::Draft || run.iterations == 0) return {};
@@ -244,34 +251,36 @@ Estimate evening_out(const SampleRequest& request) {
     return {static_cast<double>(run.sites) * kBytes, 0};
 }
 
-/// Makes grids: of several inks or kinds of dots one each, and one of all together.
-Estimate weighing(const HalftoneRequest& request, double sites) {
+/// Estimates the density grids: one for each ink or kind of dots. If there are several, there is also one for their
+/// sum.
+Estimate density_cost(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
-    if (has_channels(request)) return weighing(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
+    if (has_channels(request)) return density_cost(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
     const double inks = inks_of(request);
-    return weighing(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
+    return density_cost(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
 
-/// Keeps dots of different inks apart, and compares what is seen of them with the picture.
-Estimate parting(const HalftoneRequest& request, const Options& options) {
+/// Estimates the steps of the polish that several inks need: pushes between dots of different inks, and the comparison
+/// of the printed appearance with the picture.
+Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options) {
     if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
     const auto sites = static_cast<double>(options.sites);
     return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
 }
 
-/// Places the dots of all inks.
-Estimate placing(const HalftoneRequest& request, double sites) {
+/// Estimates the placing of the dots of all inks.
+Estimate placing_cost(const HalftoneRequest& request, double sites) {
     Options options = request.run;
     options.sites = static_cast<std::size_t>(sites);
-    return methods().front().cost(options, false) + parting(request, options);
+    return methods().front().cost(options, false) + ink_polish_cost(request, options);
 }
 
-/// Size of a picture as it is stored; it may be turned by a quarter once it is read.
+/// Returns the size of the picture as stored. Decoding may rotate it by 90 degrees.
 PictureSize header_size(const HalftoneRequest& request) {
     return {static_cast<int>(request.image.header.width), static_cast<int>(request.image.header.height)};
 }
 
-/// Counts the pixels of the output at most: the chosen scale stops at 16 million.
+/// Returns the maximum number of pixels of the output. If the server chooses the scale, there are at most 16 million.
 double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     const auto most = static_cast<double>(limits.max_pixels);
@@ -285,8 +294,8 @@ double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
 }
 
-/// @param radius  of the dots, in pixels; each may cover all
-Estimate rasterising(double sites, double pixels, std::optional<double> radius, bool antialias) {
+/// @param radius  radius of the dots, in pixels; a dot may cover the whole drawing
+Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias) {
     const double covered = sites * std::min(pixels, radius ? 4 * *radius * *radius : 0);
     return {sites * 166 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
 }
@@ -299,13 +308,14 @@ double longer_side(const HalftoneRequest& request) {
     return static_cast<double>(std::max(request.image.header.width, request.image.header.height));
 }
 
-/// Whether the shorter side of a picture is below two spacings of so many dots.
+/// Returns whether the shorter side of the picture is below two spacings of the dots.
 bool is_thin(const HalftoneRequest& request, std::size_t dots) {
     const double density = static_cast<double>(dots) / static_cast<double>(request.image.header.pixels());
     return shorter_side(request) < 2 * hexagonal_spacing(density);
 }
 
-/// Counts dots at most, where their radius decides on it: a solid picture takes twice what it would without overlaps.
+/// Returns the maximum number of dots. If the number follows from the radius, the maximum is that of a solid picture.
+/// Because of overlaps, the dots then have twice the area of the picture.
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
@@ -321,12 +331,12 @@ double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.scale) return filling(ink, radius / *request.scale);
     if (request.on_screen || request.width || request.height)
         return filling(drawn_pixels(request, limits) * inks_of(request), radius);
-    // A chosen scale makes dots of the usual number less than twice as large as is wanted of them.
+    // If the server chooses the scale, the usual number of dots has a radius below this limit, in output pixels.
     constexpr double kLargest = 6;
     return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
 }
 
-/// Radius that is asked for, in output pixels.
+/// Returns the requested radius, in output pixels.
 std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pixels) {
     if (!request.dot || !request.dot->millimetres)
         return request.dot ? std::optional(request.dot->length) : std::nullopt;
@@ -334,28 +344,28 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
     return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
 }
 
-/// Draws the finer samples that small dots are made from, a band at a time. Dots need none where the scale is chosen by
-/// them.
-Estimate sampling(const HalftoneRequest& request, double sites, double pixels) {
-    constexpr double kEach = 226;  // in a picture of which half is covered
+/// Estimates the supersampling of small dots, which is done band by band. A scale that the server chooses for the dots
+/// needs no supersampling.
+Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
+    constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
     const double samples = std::min(sites * kEach, kMostSamples);
     const bool by_dots = !(request.on_screen || request.width || request.height || request.scale || request.dot);
     if (by_dots || samples < pixels) return {};
     return {sites * 16, samples * 0.02 * kMicrosecond};
 }
 
-/// Draws dots: the rasters of inks that mix stay until they are laid over each other.
-Estimate rasterising(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
+/// Estimates the drawing of dots. The rasters of inks that mix are kept until they are combined.
+Estimate raster_cost(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
     const Estimate one =
-        rasterising(sites, pixels, radius_of(request, pixels), antialias) + sampling(request, sites, pixels);
+        raster_cost(sites, pixels, radius_of(request, pixels), antialias) + supersampling_cost(request, sites, pixels);
     if (request.palette.mixing == Mixing::Cover) return one;
     const double inks = inks_of(request);
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }
 
-/// Writes the turns that fill dots.
-/// @param radius  of the dots, in millimetres
-Estimate turning(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius) {
+/// Estimates the writing of the circles or spirals that fill dots.
+/// @param radius  radius of the dots, in millimetres
+Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius) {
     const VectorWriter* const shapes = format.vector();
     if (shapes == nullptr) return {};
     const std::vector<Point> stroke =
@@ -363,7 +373,8 @@ Estimate turning(const PointFormat& format, const DrawingOptions& drawing, doubl
     return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
 }
 
-/// Radius of dots in millimetres at most: those of a solid picture overlap so far that they cover it twice.
+/// Returns the maximum radius of dots in millimetres, which is that in a solid picture. Because of overlaps, the dots
+/// then have twice the area of the picture.
 double largest_radius(const HalftoneRequest& request, double sites) {
     if (request.dot && request.dot->millimetres) return request.dot->length;
     const double width = request.drawing.width_mm.value_or(1);
@@ -371,19 +382,20 @@ double largest_radius(const HalftoneRequest& request, double sites) {
     return std::sqrt(2 * width * height / (std::numbers::pi * sites));
 }
 
-/// Writes a drawing: of shapes once the raster has gone that their radius is from, of pixels beside it.
-Estimate drawing(const PointFormat& format, const Estimate& raster, double sites, double pixels) {
+/// Estimates the writing of a drawing. The radius of shapes is determined with a raster, which is freed before the
+/// shapes are written. A drawing in pixels keeps the raster while it is written.
+Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels) {
     const Estimate writing = format.per_site * sites + format.per_pixel * pixels;
     return format.raster() == nullptr ? then(raster, writing) : raster + writing;
 }
 
-Estimate writing(const HalftoneRequest& request, double sites, const Limits& limits) {
+Estimate writing_cost(const HalftoneRequest& request, double sites, const Limits& limits) {
     const PointFormat& format = *request.format;
     if (!format.is_drawn()) return format.per_site * sites;
     const double pixels = drawn_pixels(request, limits);
     const bool antialias = request.antialias || format.raster() == nullptr;
-    return drawing(format, rasterising(request, sites, pixels, antialias), sites, pixels) +
-           turning(format, request.drawing, sites, largest_radius(request, sites));
+    return drawing_cost(format, raster_cost(request, sites, pixels, antialias), sites, pixels) +
+           turns_cost(format, request.drawing, sites, largest_radius(request, sites));
 }
 
 Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
@@ -396,8 +408,9 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return box;
 }
 
-/// Counts the pixels at most: a chosen width depends on the area, which of a polygon is not known yet.
-/// @param box  of positive, finite sides
+/// Returns the maximum number of pixels. If the server chooses the width, it depends on the area, which is not known
+/// yet for a polygon.
+/// @param box  its sides must be positive and finite
 double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.width) return std::min(*request.width * (*request.width * box.height() / box.width() + 1), most);
@@ -408,30 +421,31 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     return std::min({chosen, kMostCanvasPixels, most});
 }
 
-/// Finds the order of points, unless it is the path of a drawing, which is a part of writing it.
-Estimate ordering(const SampleRequest& request) {
+/// Estimates the ordering of points. Returns nothing for a path in a drawing of shapes, because the estimate of writing
+/// includes this path.
+Estimate ordering_cost(const SampleRequest& request) {
     constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{290, 6 * kMicrosecond};
     const PointOrder order = request.order.value_or(PointOrder::None);
     if (order == PointOrder::None) return {};
     return (order == PointOrder::Path ? kPath : kProgressive) * static_cast<double>(request.run.sites);
 }
 
-Estimate writing(const SampleRequest& request, const Limits& limits) {
+Estimate writing_cost(const SampleRequest& request, const Limits& limits) {
     const PointFormat& format = *request.format;
     const auto sites = static_cast<double>(request.run.sites);
     const Box box = bounds_of(request.domain);
+    // If the box has no area or is infinite, the domain is rejected and nothing is written.
+    const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
+    if (!is_length(box.width()) || !is_length(box.height())) return {};
     if (format.raster() == nullptr) {
         const double unit = request.drawing.width_mm.value_or(1) / box.width();
         const double radius = request.dot.value_or(std::sqrt(box.width() * box.height() / sites) / 4);
-        return format.per_site * sites + turning(format, request.drawing, sites, unit * radius);
+        return format.per_site * sites + turns_cost(format, request.drawing, sites, unit * radius);
     }
-    // Of other boxes there is no domain, and nothing is drawn.
-    const auto is_length = [](double side) { return side > 0 && std::isfinite(side); };
-    if (!is_length(box.width()) || !is_length(box.height())) return {};
     const double pixels = drawn_pixels(request, box, limits);
     const double scale = request.width ? *request.width / box.width() : std::sqrt(pixels / box.width() / box.height());
     const auto radius = request.dot ? std::optional(*request.dot * scale) : std::nullopt;
-    return drawing(format, rasterising(sites, pixels, radius, true), sites, pixels);
+    return drawing_cost(format, raster_cost(sites, pixels, radius, true), sites, pixels);
 }
 
 std::size_t bytes_of(const PolygonInput& polygon) {
@@ -456,9 +470,11 @@ std::size_t bytes_of(const ImageFile& file) {
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
     const double sites = most_sites(request, limits);
-    const Estimate read = then(decoding(request) + levelling(request) + cropping(request), sharpening(request, sites));
-    const Estimate placed = weighing(request, sites) + placing(request, sites) + sizing(request, sites);
-    Cost all = cost(then(then(read, placed), writing(request, sites, limits)));
+    const Estimate read =
+        then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
+    const Estimate placed =
+        density_cost(request, sites) + placing_cost(request, sites) + dot_sizes_cost(request, sites);
+    Cost all = cost(then(then(read, placed), writing_cost(request, sites, limits)));
     all.answer = request.sites.value_or(0) * request.format->least;
     return all;
 }
@@ -466,8 +482,9 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits) {
     constexpr double kMostSeconds = 2, kFewest = 4096, kMany = 1e6;
-    constexpr double kThin = 4;  // time for a dot of a thin picture, whose mesh is mostly border, over that of others
-    const double in_time = kMostSeconds / placing(request, kMany).seconds * kMany;
+    // Time per dot for a thin picture, relative to other pictures. The mesh of a thin picture is mostly border.
+    constexpr double kThin = 4;
+    const double in_time = kMostSeconds / placing_cost(request, kMany).seconds * kMany;
     const auto most_in = [&](double dots) {
         const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
         const std::size_t limit = std::min(most, limits.max_sites);
@@ -484,14 +501,15 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const auto* image = std::get_if<DensityImage>(&request.density);
     const auto* grid = std::get_if<DensityGrid>(&request.density);
     Estimate density;
-    if (image != nullptr) density = weighing(static_cast<double>(image->file.header.pixels()));
-    if (grid != nullptr) density = weighing(static_cast<double>(grid->values.size()));
+    if (image != nullptr) density = density_cost(static_cast<double>(image->file.header.pixels()));
+    if (grid != nullptr) density = density_cost(static_cast<double>(grid->values.size()));
     const bool is_uniform = image == nullptr && grid == nullptr && request.coordinates == Coordinates::Plane;
-    const Estimate placing = bounding(request) + charting(request) + mapping(request) + density +
-                             request.method->cost(request.run, is_uniform) + evening_out(request);
-    const Estimate made = then(then(placing, ordering(request)), locating(request) + writing(request, limits));
-    const Estimate read = image != nullptr ? decoding(image->file) : Estimate{};
-    Cost all = cost(then(request.mask ? then(decoding(*request.mask), read) : read, made));
+    const Estimate placing = domain_cost(request) + charts_cost(request) + dot_map_cost(request) + density +
+                             request.method->cost(request.run, is_uniform) + long_waves_cost(request);
+    const Estimate made =
+        then(then(placing, ordering_cost(request)), features_cost(request) + writing_cost(request, limits));
+    const Estimate read = image != nullptr ? decoding_cost(image->file) : Estimate{};
+    Cost all = cost(then(request.mask ? then(decoding_cost(*request.mask), read) : read, made));
     all.answer = request.run.sites * request.format->least;
     return all;
 }
@@ -510,11 +528,11 @@ Cost cost_of(const AnalyzeRequest& request) {
 
 Cost cost_of_parsing(std::string_view body) {
     const auto count = [body](char c) { return static_cast<double>(std::ranges::count(body, c)); };
-    // Every value but the first follows one of these, and texts are between two quotes.
+    // Upper bounds: each value except the first follows one of these characters, and each text is between two quotes.
     const double values = 1 + count(',') + count(':') + count('[') + count('{');
     const double quotes = count('"');
     const auto size = static_cast<double>(body.size());
-    // Rings of TopoJSON may use the same arcs often.
+    // Rings of TopoJSON may use the same arcs many times.
     const double corners = body.find("\"Topology\"") == std::string_view::npos ? 0 : PolygonInput::kMaxCorners;
     return cost({corners * 2 * sizeof(Point) + size * 2 +
                      std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,

@@ -27,7 +27,7 @@ constexpr bool kMemoryIsOurs = true;
 
 constexpr double kMebibyte = 1 << 20;
 
-/// Kibibytes, by the name of the line in /proc/self/status.
+/// Returns an entry of /proc/self/status, in kibibytes.
 std::size_t status(const std::string& name) {
     std::ifstream file("/proc/self/status");
     for (std::string line; std::getline(file, line);) {
@@ -36,7 +36,7 @@ std::size_t status(const std::string& name) {
     return 0;
 }
 
-/// Most bytes that a piece of work had resident at once, in a process of its own.
+/// Runs a function in a separate process, and returns by how many bytes its resident memory rose at most.
 double peak_of(const std::function<void()>& work) {
     int ends[2];
     if (pipe(ends) != 0) return -1;
@@ -57,7 +57,8 @@ double peak_of(const std::function<void()>& work) {
     return told ? static_cast<double>(grown) * 1024 : -1;
 }
 
-/// The estimate is never passed, and not so high that it keeps others from being computed for nothing.
+/// Checks that the memory taken is less than the estimate, and that the estimate is at most `most` times the memory
+/// taken, plus 8 MiB. A higher estimate would delay other requests needlessly.
 void expect_near(const Cost& cost, double most, const std::function<void()>& work, const std::string& name) {
     const double peak = peak_of(work);
     const auto estimate = static_cast<double>(cost.memory);
@@ -69,7 +70,7 @@ void expect_near(const Cost& cost, double most, const std::function<void()>& wor
 struct SampleCase {
     std::string name;
     std::string body;
-    double most = 3;  ///< the estimate over what is taken
+    double most = 3;  ///< limit of the ratio of estimated to taken memory
 
     friend void PrintTo(const SampleCase& each, std::ostream* out) { *out << each.name; }
 };
@@ -83,12 +84,12 @@ std::string circle(int corners) {
     return text + ']';
 }
 
-/// A ring that crosses itself as often as it can, by corners that go round in steps of nearly a half.
+/// Returns a polygon with the maximum number of self-intersections: each edge spans almost half a turn.
 std::string scribble(int corners) {
     std::string text = R"("polygon":[)";
     for (int i = 0; i < corners; ++i) {
         const double angle = 2 * 3.141592653589793 * i * (corners / 2) / corners;
-        const double radius = 1 + 0.1 * std::sin(7.0 * i);  // no two crossings in one place
+        const double radius = 1 + 0.1 * std::sin(7.0 * i);  // so that no two crossings coincide
         text += (i > 0 ? ",[" : "[") + std::to_string(radius * std::cos(angle)) + ',' +
                 std::to_string(radius * std::sin(angle)) + ']';
     }
@@ -107,12 +108,12 @@ std::string grid(int side) {
     return grid(side, [](int i) { return 1 + i % 7; });
 }
 
-/// A tenth of it black, the rest white: no density takes finer grids.
+/// Returns a density grid with a tenth of black cells and the rest white, which needs the finest transport grids.
 std::string blots(int side) {
     return grid(side, [](int i) { return i * 7919 % 10 == 0 ? 1 : 0; });
 }
 
-/// A map of so many features in each row and column, each with as many points of each class.
+/// Returns a dot map of side x side features, each with `points` points of each class.
 std::string squares(int side, int points, const std::string& options = R"("sites":"a")") {
     std::string text = options + R"(,"geometry":{"type":"FeatureCollection","features":[)";
     const std::string count = std::to_string(points);
@@ -129,7 +130,7 @@ std::string squares(int side, int points, const std::string& options = R"("sites
 class SampleCost : public testing::TestWithParam<SampleCase> {};
 
 TEST_P(SampleCost, BoundsMemoryUsed) {
-    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     const auto request = parse_sample('{' + GetParam().body + '}', {}, "", {});
     ASSERT_TRUE(request) << request.error().message;
     const auto work = [&] {
@@ -198,7 +199,7 @@ const std::string kColours = "astronaut.png";
 class HalftoneCost : public testing::TestWithParam<HalftoneCase> {};
 
 TEST_P(HalftoneCost, BoundsMemoryUsed) {
-    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     const std::string file = photograph(GetParam().picture);
     const auto request = parse_halftone(file, GetParam().options, "", {});
     ASSERT_TRUE(request) << request.error().message;
@@ -275,7 +276,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& each) { return each.param.name; });
 
 TEST(HalftoneCost, BoundsMemoryUsedForManyPixels) {
-    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     Raster raster{1600, 1600, 1, {}};
     for (int y = 0; y < raster.height; ++y) {
         for (int x = 0; x < raster.width; ++x)
@@ -312,7 +313,7 @@ TEST(SampleCost, BoundsAnswerSizeFromBelow) {
 }
 
 TEST(AnalyzeCost, BoundsMemoryUsed) {
-    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     std::string points;
     for (int i = 0; i < 20'000; ++i) {
         points += (i > 0 ? ",[" : "[") + std::to_string(std::fmod(i * 0.7548776662, 1)) + ',' +
@@ -331,7 +332,7 @@ TEST(AnalyzeCost, BoundsMemoryUsed) {
 }
 
 TEST(ParsingCost, BoundsMemoryUsed) {
-    if (!kMemoryIsOurs) GTEST_SKIP() << "a sanitizer takes memory of its own";
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
     std::string rings, words, numbers, pairs;
     for (int i = 0; i < 300'000; ++i) {
         rings += "[],";
@@ -378,7 +379,7 @@ TEST(UsualSites, TakeAtMostTwoSecondsToPlace) {
         return usual_sites(*request, {512, 512}, 1e6, 1, {});
     };
     EXPECT_EQ(most({}), 100'000U);
-    EXPECT_EQ(most({{"iterations", "1000"}}), 4096U) << "so many there are anyway";
+    EXPECT_EQ(most({{"iterations", "1000"}}), 4096U) << "the minimum of the default number";
     for (const std::vector<TextOption>& options :
          {std::vector<TextOption>{{"quality", "best"}}, {{"iterations", "40"}}, {{"color", "cmyk"}}}) {
         const std::size_t sites = most(options);
@@ -425,8 +426,9 @@ TEST(UsualSites, FollowSizeOfDrawingForScreen) {
     EXPECT_LT(sites({{"width", "200"}}), sites({{"width", "400"}}));
     EXPECT_LT(sites({{"width", "400"}}), sites({}));
     EXPECT_LT(sites({}), sites({{"width", "2000"}}));
-    EXPECT_EQ(sites({}), sites({{"width", "1000"}})) << "the size that is chosen";
-    EXPECT_EQ(sites({{"width", "200"}, {"width_mm", "50"}}), 10'000U) << "in print it does not";
+    EXPECT_EQ(sites({}), sites({{"width", "1000"}})) << "the default size is the same";
+    EXPECT_EQ(sites({{"width", "200"}, {"width_mm", "50"}}), 10'000U)
+        << "in print, the number does not depend on the width in pixels";
 }
 
 TEST(Cost, IsEstimatedFromPictureHeader) {
