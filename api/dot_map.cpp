@@ -26,7 +26,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Features that have an area, with the repairs and warnings of all features.
+/// Features that have an area. The repairs and warnings are those of all features, also of features without area.
 struct Areas {
     std::vector<MapFeature> features;
     std::vector<std::uint32_t> numbers;  ///< [features] index in the request
@@ -39,7 +39,8 @@ std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
 }
 
-/// Leaves out the points of a feature, with a warning. Errors: `error`, if the request rejects such features.
+/// Leaves out the points of a feature, and adds a warning if there are any. Errors: `error` if the request rejects
+/// invalid polygons.
 /// @param error  the reason; its field is a JSON Pointer
 Result<void> leave_out(const SampleRequest& request, std::size_t feature, const Error& error,
                        std::vector<Warning>& warnings) {
@@ -52,7 +53,7 @@ Result<void> leave_out(const SampleRequest& request, std::size_t feature, const 
 
 Result<void> check_points(const Areas& areas, const FeatureList& features) {
     if (std::ranges::any_of(areas.features, [](const MapFeature& each) { return dots_of(each) > 0; })) return {};
-    return failure(ErrorCode::Unusable, "no feature that has points has an area", features.pointer);
+    return failure(ErrorCode::Unusable, "no feature with points has an area", features.pointer);
 }
 
 /// Computes the areas of features, one after the other.
@@ -79,14 +80,15 @@ private:
         for (std::size_t number = 0; number < counts_.classes.size(); ++number) {
             const auto& missing = counts_.missing[number];
             if (missing.features == 0) continue;
-            const std::string features =
-                missing.features == 1 ? "a feature has no such property, or null"
-                                      : std::to_string(missing.features) + " features have no such property, or null";
-            areas_.warnings.push_back({missing.first, features + ": that counts as 0"});
+            const std::string features = missing.features == 1 ? "a feature lacks this property, or it is null"
+                                                               : std::to_string(missing.features) +
+                                                                     " features lack this property, or it is null";
+            areas_.warnings.push_back({missing.first, features + ": this counts as 0"});
         }
     }
 
-    /// Converts a field of Domain::repair(), which counts the parts of one feature, to a JSON Pointer in the request.
+    /// Converts a field of an error or repair of Domain::repair(), in which parts are counted within one feature, to a
+    /// JSON Pointer in the request.
     std::string locate(std::size_t feature, const std::string& field) const {
         if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);
@@ -114,7 +116,7 @@ private:
         return {};
     }
 
-    /// Leaves out a feature whose area cannot be computed.
+    /// Leaves out a feature that has no valid area.
     Result<void> leave_out(std::size_t feature, const Error& error) {
         const Error told{error.code, error.message, locate(feature, error.field)};
         if (error.code != ErrorCode::Unusable) return tl::unexpected(told);
@@ -134,7 +136,7 @@ Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
     return Domain::united(domains, stop);
 }
 
-/// Leaves out the points of features of which nothing is left.
+/// Leaves out the points of features of which the exclusions leave no area.
 /// @param lost  indices into the features of `areas`
 Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
     for (const std::uint32_t i : lost) {
@@ -145,9 +147,9 @@ Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32
     return {};
 }
 
-/// Subtracts the exclusions of a request from its features; the buffer only in the plane.
+/// Subtracts the exclusions of a request from its features. In the plane, also applies the buffer.
 /// @param whole  union of all features
-/// @returns      union of what is left of them
+/// @returns      union of the remaining features
 Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits& limits, const Decode& decode,
                        Areas& areas, const std::stop_token& stop) {
     if (!request.has_exclusions()) return whole;
@@ -168,11 +170,11 @@ Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits&
     return left;
 }
 
-/// Placed dots; on the ground, also the spacing in metres that they would have in a square grid.
+/// Placed dots of all classes.
 struct PlacedDots {
     std::vector<ClassDots> classes;
     std::optional<double> pitch;
-    std::vector<std::uint32_t> lost;  ///< features of which a buffer on the ground leaves nothing
+    std::vector<std::uint32_t> lost;  ///< features of which the buffer on the globe leaves no area
 };
 
 Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, const Domain& whole,
@@ -189,7 +191,7 @@ Result<PlacedDots> distribute(const SampleRequest& request, const Areas& areas, 
         });
 }
 
-/// Converts an error about a feature with an area to one about the request.
+/// Converts an error about a feature in `areas` to an error about the request.
 Error located(const SampleRequest& request, const Areas& areas, Error error) {
     constexpr std::string_view kFeature = "features/";
     if (!error.field.starts_with(kFeature)) return error_of_options(request, error_below(std::move(error), ""));

@@ -24,7 +24,8 @@ namespace {
 constexpr const char* kAvoid = "/avoid";
 constexpr const char* kMaskImage = "/mask/image";
 
-/// Returns copies of an area, shifted by every number of turns of the globe with which it may meet a box.
+/// Returns copies of an area on the globe, shifted by multiples of 360 degrees: one for each shift with which the area
+/// may overlap the box.
 std::vector<Area> in_turns_of(const Box& box, const Area& area) {
     constexpr double kFar = std::numeric_limits<double>::max();
     double west = kFar, east = -kFar;
@@ -44,7 +45,7 @@ std::vector<Area> in_turns_of(const Box& box, const Area& area) {
     return copies;
 }
 
-/// Converts an error about an avoided area to one about the request.
+/// Converts an error about an avoided area to an error about the request.
 Error located(Error error, const PolygonInput& avoid) {
     error.field = avoid.locate(error.field);
     if (error.field.empty()) error.field = kAvoid;
@@ -64,7 +65,7 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
-/// Marks the pixels whose luminance, in linear light, is below half of that of white.
+/// Marks the pixels whose linear luminance is below half of that of white.
 PixelSet dark_pixels(const Picture& picture) {
     constexpr float kHalf = 0.5F;
     const std::vector<float> coverage = ink_coverage(picture, Tone::Linear, false);
@@ -97,7 +98,8 @@ Result<Domain> without(const Domain& domain, std::span<const Area> areas, const 
     });
 }
 
-/// Formats a distance with three digits, rounded down or nearly so.
+/// Formats a distance with three digits. The distance is first reduced by half a percent, so that the rounded number is
+/// hardly ever too large.
 std::string told(double distance) {
     constexpr double kLess = 0.995;
     std::array<char, 32> text;
@@ -140,14 +142,13 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
     auto left = inset(domain, request.buffer, stop);
     if (left) return left;
-    constexpr double kSure = 1.02;  // the largest clearance and the buffer are accurate to one percent
+    constexpr double kSure = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
     const double farthest = largest_clearance(domain, stop);
     if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
-    return failure(
-        ErrorCode::Unusable,
-        "no place is as far from the border as the buffer: the farthest is " + told(farthest) + " away from it",
-        request.field_of("buffer"));
+    return failure(ErrorCode::Unusable,
+                   "no place is as far from the border as the buffer: the largest distance is " + told(farthest),
+                   request.field_of("buffer"));
 }
 
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,

@@ -18,11 +18,12 @@
 namespace ccdt::api {
 namespace {
 
-/// Colours of classes: Okabe and Ito's, which all people tell apart, those first that are easily seen on white.
+/// Colours of classes. People with any kind of colour vision can distinguish them. The first colours have the most
+/// contrast with white. Source: Okabe and Ito.
 constexpr std::array<Colour, kMostInks> kColours = {
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
 
-/// Inks of the classes; one black one without a name, if answers tell of none.
+/// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.
 Palette palette_of(const SampleRequest& request) {
     if (!request.counts || !request.counts->are_told) return {};
     const FeatureCounts& counts = *request.counts;
@@ -31,7 +32,7 @@ Palette palette_of(const SampleRequest& request) {
     return palette;
 }
 
-/// Writes a map in the way that a format's writer takes it.
+/// Writes a map in a format, with the kind of writer that the format has.
 class Writing {
 public:
     Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
@@ -42,7 +43,7 @@ public:
           palette_(palette),
           map_(map),
           body_(body),
-          hurry_(control.stop),
+          path_stop_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)) {}
 
     Result<void> operator()(const ListWriter& writer) const {
@@ -52,7 +53,7 @@ public:
 
     Result<void> operator()(const VectorWriter& writer) const {
         if (auto checked = writer.check(request_, map_.classes.front().radius, page_); !checked) return checked;
-        writer.write_map(map_, palette_, page_, request_.drawing, body_, hurry_, stop_);
+        writer.write_map(map_, palette_, page_, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 
@@ -71,7 +72,7 @@ private:
     const Palette& palette_;
     const MapOfDots& map_;
     Body& body_;
-    std::stop_token hurry_;
+    std::stop_token path_stop_;
     std::stop_token stop_;
 };
 

@@ -39,12 +39,12 @@ std::span<const MaskFormat* const> mask_formats() {
 Result<void> check_mask(const SampleRequest& request) {
     const auto* torus = std::get_if<Rectangle>(&request.domain);
     if (torus == nullptr || !torus->periodic)
-        return refused("needs a domain of the type torus, whose sides are its size in pixels",
+        return refused("needs a domain of the type torus, whose sides give its size in pixels",
                        request.field_of("format"));
     for (const auto& [side, field] : {std::pair{torus->width, "/domain/width"}, {torus->height, "/domain/height"}}) {
         if (is_side(side)) continue;
         return refused("must have " + std::to_string(kLeastMaskSide) + " to " + std::to_string(kMostMaskSide) +
-                           " pixels on each side, so the sides of the domain must be such integers",
+                           " pixels on each side, so the sides of the domain must be integers in this range",
                        field);
     }
     return {};

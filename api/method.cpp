@@ -14,7 +14,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< other than the server's
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();  ///< no limit other than that of the server
 
 constexpr MethodOptions kAll = {.iterations = true, .passes = true, .quality = true, .tolerance = true, .fixed = true};
 constexpr MethodOptions kIterative = {
@@ -22,8 +22,8 @@ constexpr MethodOptions kIterative = {
 constexpr MethodOptions kNone = {
     .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
 
-/// Estimates the cost of computing, on a grid, the area that fixed points take.
-Estimate leaving_room(const Options& options) {
+/// Estimates the computation, on a grid, of the areas that belong to fixed points.
+Estimate fixed_areas_cost(const Options& options) {
     if (options.fixed.empty()) return {};
     constexpr double kCellsOfEach = 16, kMostCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
     const double cells =
@@ -31,7 +31,7 @@ Estimate leaving_room(const Options& options) {
     return {cells * kBytes, cells * kTime};
 }
 
-/// Estimates the triangulation, its passes and the polish.
+/// Estimates the triangulation, the passes and the polish.
 Estimate ccdt_cost(const Options& options, bool is_uniform) {
     const auto sites = static_cast<double>(options.sites + options.fixed.size());
     const bool polished = options.quality != Quality::Draft && options.iterations > 0;
@@ -41,29 +41,30 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     if (polished && options.quality >= Quality::Best) microseconds += is_uniform ? 12.5 : 22;
     const bool silent = polished && options.quality == Quality::Stealthy;
     if (silent) microseconds += 5;
-    // The grids of the polish are as fine as the largest density requires; those of a photograph take a third of this.
+    // Upper bound: the grids of the polish are as fine as the largest density requires. For photographs, a third
+    // suffices.
     const double polishing = is_uniform ? 40 : 565;
     const double bytes =
         (is_uniform ? 240 : 330) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
-    return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + leaving_room(options);
+    return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + fixed_areas_cost(options);
 }
 
-/// @param bytes  per site
-Estimate iterating(const Options& options, double bytes, double microseconds_an_iteration) {
+/// @param bytes  bytes per site
+Estimate iteration_cost(const Options& options, double bytes, double microseconds_an_iteration) {
     const auto sites = static_cast<double>(options.sites);
     return {sites * bytes, sites * microseconds_an_iteration * options.iterations * kMicrosecond};
 }
 
 Estimate cvt_cost(const Options& options, bool) {
-    return iterating(options, 1600, 560.0 / kCvtIterations);
+    return iteration_cost(options, 1600, 560.0 / kCvtIterations);
 }
 
 Estimate odt_cost(const Options& options, bool) {
-    return iterating(options, 400, 45.0 / kOdtIterations);
+    return iteration_cost(options, 400, 45.0 / kOdtIterations);
 }
 
 Estimate ccvt_cost(const Options& options, bool) {
-    return iterating(options, 9500, 850.0 / kCcvtIterations);
+    return iteration_cost(options, 9500, 850.0 / kCcvtIterations);
 }
 
 Estimate random_cost(const Options& options, bool) {

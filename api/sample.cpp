@@ -43,7 +43,7 @@ constexpr std::uint64_t kMaxWidth = 65'535;
 
 constexpr Interval kNotNegative = {.min = 0};
 
-/// Repairs that a header tells of: some 150 characters each.
+/// Maximum number of repairs in an HTTP header. Each takes about 150 characters.
 constexpr std::size_t kMostInHeader = 8;
 
 const Palette kBlackOnWhite;
@@ -55,14 +55,15 @@ struct DensityDraft {
     std::optional<ImageFile> image;
 };
 
-/// Request on its way: what is given is known, whether it fits together is not.
+/// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
 struct Draft {
     SampleRequest request;
     std::optional<Ring> polygon;
     std::optional<std::vector<Ring>> holes;
     std::optional<PolygonInput> geometry;
-    std::optional<FeatureSource> source;  ///< of the geometry, if it has features; as long as the document is there
-    std::optional<std::string> object;    ///< of TopoJSON
+    std::optional<FeatureSource>
+        source;  ///< features of the geometry; refers to the JSON document, which must still exist
+    std::optional<std::string> object;  ///< name of an object of TopoJSON
     std::optional<Rectangle> rectangle;
     Counting counting;
     std::optional<PropertyChoice> properties;
@@ -70,7 +71,7 @@ struct Draft {
     MethodOptions given{};
 };
 
-/// Reads an option that not every method has, and takes note of it.
+/// Reads an option that only some methods support, and records that the option was given.
 template <Result<void> (*kRead)(const Input&, Options&), bool MethodOptions::*kGiven>
 Result<void> read_given(const Input& input, const Limits&, Draft& draft) {
     draft.given.*kGiven = true;
@@ -82,7 +83,7 @@ Result<void> read_tolerance(const Input& input, Options& options) {
 }
 
 Result<void> read_per(const Input& input, Counting& counting) {
-    if (counting.per) return malformed(input, "is told in sites already: give one of the two");
+    if (counting.per) return malformed(input, "is also given in sites: give only one of them");
     return assign(counting.per, read_per(input));
 }
 
@@ -118,13 +119,13 @@ Result<void> settle_density(const Input& input, DensityDraft draft, SampleReques
         return {};
     }
     if (draft.image || !draft.width || !draft.height || !draft.values) {
-        return malformed(input, "must have either the members width, height and values, or image");
+        return malformed(input, "must have either the members width, height and values, or the member image");
     }
     const std::uint64_t cells = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
     if (draft.values->size() != cells) {
         const std::string pointer = pointer_below(input.field, "values");
         return failure(ErrorCode::Malformed,
-                       pointer + " must hold width times height numbers, " + std::to_string(cells) + ", not " +
+                       pointer + " must have width times height numbers, " + std::to_string(cells) + ", not " +
                            std::to_string(draft.values->size()),
                        pointer);
     }
@@ -149,7 +150,7 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-/// Reads an image whose dark half no point may lie in.
+/// Reads a mask: an image whose dark area is subtracted from the domain.
 Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
     static constexpr std::array<OptionRule<SampleRequest>, 1> kRules = {{
         {"/mask/image",
@@ -161,7 +162,7 @@ Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
     return {};
 }
 
-/// Reads an object of TopoJSON, and keeps where its features are.
+/// Reads an object of TopoJSON, and stores a reference to its features.
 Result<void> read_topology(const Input& input, Draft& draft) {
     const auto object = find_object(input, draft.object);
     if (!object) return tl::unexpected(object.error());
@@ -170,18 +171,17 @@ Result<void> read_topology(const Input& input, Draft& draft) {
     return read;
 }
 
-/// Reads GeoJSON or TopoJSON, and keeps where its features are.
+/// Reads GeoJSON or TopoJSON, and stores a reference to its features.
 Result<void> read_geometry(const Input& input, Draft& draft) {
     if (is_topology(std::get<JsonValue>(input.value))) return read_topology(input, draft);
     if (draft.object)
-        return failure(ErrorCode::Malformed, "object names a part of TopoJSON, which the geometry is not",
-                       draft.request.field_of("object"));
+        return failure(ErrorCode::Malformed, "object is an option of TopoJSON only", draft.request.field_of("object"));
     auto read = assign(draft.geometry, read_geometry(input));
     if (read) draft.source = find_features(input);
     return read;
 }
 
-/// Reads the number of sites, or what counts them.
+/// Reads the number of sites, or the name of the property that holds the counts.
 Result<void> read_sites(const Input& input, const Limits& limits, Draft& draft) {
     if (is_counted(input)) return read_counted(input, draft.counting);
     return assign(draft.request.run.sites, read_sites(input, limits));
@@ -206,7 +206,7 @@ Result<void> read_fixed(const Input& input, const Limits& limits, Draft& draft) 
     return assign(draft.request.run.fixed, read_points(input, limits));
 }
 
-/// Members of a JSON body alone: they have members of their own.
+/// Options that only a JSON body can have, because their values are objects or arrays.
 constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"polygon", [](const Input& i, const Limits&, Draft& d) { return assign(d.polygon, read_ring(i)); }},
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
@@ -218,7 +218,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
 }};
 
-/// Members of a JSON body, or parameters beside a GeoJSON document.
+/// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
 constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"sites", read_sites},
     {"per", [](const Input& i, const Limits&, Draft& d) { return read_per(i, d.counting); }},
@@ -268,19 +268,20 @@ Result<void> not_one_shape() {
     return failure(ErrorCode::Malformed, "exactly one of polygon, geometry and domain must be given");
 }
 
-/// Checks that a request for a mask has no members that only points have.
+/// Checks that a request for a mask has only the options that masks have.
 Result<void> check_members_of_mask(std::span<const Input> inputs, const SampleRequest& request) {
     constexpr std::string_view kMembers[] = {"domain", "seed", "format"};
     for (const Input& input : inputs) {
         if (std::ranges::find(kMembers, input.name) != std::end(kMembers)) continue;
         return failure(ErrorCode::Malformed,
-                       "a mask is made of domain, seed and format alone, not of " + excerpt(input.name),
+                       "a mask has the options domain, seed and format only, not " + excerpt(input.name),
                        request.field_of(input.name));
     }
     return {};
 }
 
-/// Reads options and shapes. Where some are wrong, those that are missing are told with them; else once all is read.
+/// Reads options and shapes. If some are invalid, the error also reports required options that are missing. If all are
+/// valid, required options are checked later.
 Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<const Input> inputs, const Limits& limits,
                          Draft& draft) {
     const auto read = read_options<Draft>(rules, inputs, limits, draft);
@@ -296,7 +297,7 @@ Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<con
     return errors.result();
 }
 
-/// Reads a body that is a GeoJSON document, whose options came as text.
+/// Reads a body that is a GeoJSON or TopoJSON document, with options as text.
 Result<void> read_document(JsonValue root, const std::vector<TextOption>& options, const Limits& limits, Draft& draft) {
     draft.request.is_document = true;
     ErrorList errors;
@@ -305,23 +306,23 @@ Result<void> read_document(JsonValue root, const std::vector<TextOption>& option
     return errors.result();
 }
 
-/// Makes an error about options that do not fit together.
+/// Returns an error about options that cannot be combined.
 tl::unexpected<Error> misfit(const Draft& draft, std::string_view option, std::string_view what) {
     return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), draft.request.field_of(option));
 }
 
-/// Counts the points of each feature, if that is asked for.
+/// Computes the number of points of each feature, if the request is for a dot map.
 Result<void> settle_counts(const Limits& limits, Draft& draft) {
     const Counting& counting = draft.counting;
     if (!counting.is_asked_for()) return {};
     const std::string_view option = counting.property ? "sites" : counting.classes.empty() ? "per" : "classes";
-    if (draft.request.run.sites != 0) return misfit(draft, option, "counts points, but sites is a number already");
+    if (draft.request.run.sites != 0) return misfit(draft, option, "cannot be combined with a number of sites");
     if (counting.property && !counting.classes.empty())
-        return misfit(draft, "classes", "are properties, but sites is one already");
+        return misfit(draft, "classes", "cannot be combined with a property in sites");
     if (!counting.property && counting.classes.empty())
-        return misfit(draft, option, "is of a property that sites is to name, or of classes");
+        return misfit(draft, option, "needs classes, or the name of a property in sites");
     if (!draft.source || !draft.source->is_collection)
-        return misfit(draft, option, "wants the features of a FeatureCollection, or the geometries of TopoJSON");
+        return misfit(draft, option, "needs a FeatureCollection, or a GeometryCollection of TopoJSON");
     auto counts = count_features(*draft.source, counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
     draft.request.run.sites = counts->total();
@@ -329,11 +330,11 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
     return {};
 }
 
-/// Lists the features that points are told by, if there are any.
+/// Lists the features by which points are grouped, if the request asks for grouped points.
 Result<void> settle_features(const Limits& limits, Draft& draft) {
     if (auto settled = settle_counts(limits, draft); !settled) return settled;
     if (draft.properties && !draft.source)
-        return misfit(draft, "properties", "are those of a Feature, a FeatureCollection or TopoJSON");
+        return misfit(draft, "properties", "needs a Feature, a FeatureCollection or TopoJSON");
     if (!draft.properties && !draft.request.counts) return {};
     auto features =
         list_features(*draft.source, draft.geometry->features, draft.geometry->parts.size(),
@@ -350,12 +351,13 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
         return settle_features(limits, draft);
     }
     if (!options.empty())
-        return failure(ErrorCode::Malformed, "options are members of the JSON body, unless it is a GeoJSON document",
+        return failure(ErrorCode::Malformed,
+                       "options must be members of the JSON body, unless the body is a GeoJSON document",
                        excerpt(options.front().name));
     auto inputs = inputs_of(document->root(), "");
     if (!inputs) return tl::unexpected(inputs.error());
-    // It says what of the geometry is read.
-    std::ranges::stable_partition(*inputs, [](const Input& input) { return input.name == "object"; });
+    // The option `object` must be read before the geometry.
+    std::stable_partition(inputs->begin(), inputs->end(), [](const Input& input) { return input.name == "object"; });
     if (auto read = read_inputs(kRules, *inputs, limits, draft); !read) return read;
     return settle_features(limits, draft);
 }
@@ -365,20 +367,21 @@ Result<void> check_sites(const SampleRequest& request) {
     return missing_sites(request);
 }
 
-/// Checks that a map of dots is asked for nothing that it has not.
+/// Checks that a request for a dot map has only options that dot maps support.
 Result<void> check_map(const Draft& draft) {
     if (!draft.request.counts) return {};
     if (draft.request.method != &methods().front())
-        return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a map of dots");
-    if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of a map of dots");
+        return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a dot map");
+    if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not available for a dot map");
     return {};
 }
 
-/// Checks that points that carry properties have no mesh, and take no more room than they may.
+/// Checks requests whose points carry properties: no mesh is requested, and the properties do not exceed the limit on
+/// their size.
 Result<void> check_properties(const Draft& draft) {
     const SampleRequest& request = draft.request;
     if (!draft.properties) return {};
-    if (request.run.keep_mesh) return misfit(draft, "mesh", "is not kept of points that carry properties");
+    if (request.run.keep_mesh) return misfit(draft, "mesh", "is not available for points that carry properties");
     if (!request.counts || !request.format->repeats_properties) return {};
     std::vector<std::size_t> points;
     for (std::size_t i = 0; i < request.features->size(); ++i) points.push_back(request.counts->points_of(i));
@@ -393,12 +396,13 @@ Result<void> settle_format(std::string_view accept, Draft& draft) {
     return check_properties(draft);
 }
 
-/// Checks what is taken from the domain.
+/// Checks the areas that are subtracted from the domain.
 Result<void> check_exclusions(const Draft& draft) {
     const SampleRequest& request = draft.request;
     if (draft.rectangle && draft.rectangle->periodic) {
         const auto refused = [](const char* field) {
-            return failure(ErrorCode::Malformed, "a torus has no border, and nothing to keep away from", field);
+            return failure(ErrorCode::Malformed,
+                           "avoid, mask and buffer need a domain with a border, which a torus does not have", field);
         };
         if (!request.avoid.parts.empty()) return refused("/avoid");
         if (request.mask) return refused("/mask");
@@ -409,15 +413,16 @@ Result<void> check_exclusions(const Draft& draft) {
     return checked;
 }
 
-/// Checks that fixed points are on the globe, if they are to be.
+/// Checks that fixed points are on the globe, if their coordinates are longitudes and latitudes.
 Result<void> check_fixed(const SampleRequest& request) {
     constexpr double kFarthest = 540, kPole = 90;  // as for polygons
     if (request.coordinates == Coordinates::Plane) return {};
     for (const Point& p : request.run.fixed) {
         if (std::abs(p.x) <= kFarthest && std::abs(p.y) <= kPole) continue;
-        return failure(ErrorCode::Unusable,
-                       "a fixed point's longitude must be from -540 to 540 degrees, and its latitude from -90 to 90",
-                       "/fixed");
+        return failure(
+            ErrorCode::Unusable,
+            "the longitude of a fixed point must be from -540 to 540 degrees, and its latitude from -90 to 90",
+            "/fixed");
     }
     return {};
 }
@@ -425,12 +430,12 @@ Result<void> check_fixed(const SampleRequest& request) {
 Result<void> settle_domain(Draft& draft) {
     const int given = (draft.polygon ? 1 : 0) + (draft.geometry ? 1 : 0) + (draft.rectangle ? 1 : 0);
     if (given != 1) return not_one_shape();
-    if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes belong to a polygon", "/holes");
+    if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes needs the member polygon", "/holes");
     if (auto checked = check_exclusions(draft); !checked) return checked;
     if (draft.rectangle) {
         draft.request.domain = *draft.rectangle;
         if (draft.request.coordinates == Coordinates::Plane) return {};
-        return failure(ErrorCode::Malformed, "coordinates of a domain are those of a plane", "/coordinates");
+        return failure(ErrorCode::Malformed, "coordinates must be plane if domain is given", "/coordinates");
     }
     PolygonInput polygon;
     if (draft.geometry) {
@@ -443,7 +448,7 @@ Result<void> settle_domain(Draft& draft) {
     return {};
 }
 
-/// Holds a quality to what it is defined for.
+/// Checks that the quality stealthy is available for the request.
 Result<void> check_quality(const Draft& draft) {
     const SampleRequest& request = draft.request;
     if (request.run.quality != Quality::Stealthy) return {};
@@ -451,15 +456,17 @@ Result<void> check_quality(const Draft& draft) {
         return failure(ErrorCode::Malformed, "quality stealthy " + std::move(what), request.field_of("quality"));
     };
     if (!draft.rectangle || !draft.rectangle->periodic) return refused("needs a domain of the type torus");
-    if (!std::holds_alternative<std::monostate>(request.density)) return refused("is of points without a density");
-    if (!request.run.fixed.empty()) return refused("leaves no point where it is: it allows no fixed ones");
-    if (request.run.iterations == 0) return refused("needs an iteration at least");
+    if (!std::holds_alternative<std::monostate>(request.density)) return refused("needs a uniform density");
+    if (!request.run.fixed.empty()) return refused("allows no fixed points");
+    if (request.run.iterations == 0) return refused("needs at least one iteration");
     const double fewest = Stealth::fewest_sites({draft.rectangle->width, draft.rectangle->height});
     if (static_cast<double>(request.run.sites) >= fewest) return {};
-    return refused("needs four rows of points at least: 16 sites, times the torus' longer side over its shorter one");
+    return refused(
+        "needs at least four rows of points: 16 sites times the ratio of the longer side of the torus to the shorter "
+        "one");
 }
 
-/// Makes an error about a polygon one about the request.
+/// Converts an error about a polygon to an error about the request.
 Error located(Error error, const PolygonInput& polygon) {
     error.field = polygon.locate(error.field);
     return error;
@@ -481,7 +488,7 @@ Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop
     return domain;
 }
 
-/// Finds what is not as its sender may think: coordinates that look like degrees are taken for those of a plane.
+/// Returns warnings about the request: coordinates that look like degrees, but are used as coordinates in a plane.
 std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
     const auto* polygon = std::get_if<PolygonInput>(&request.domain);
     if (polygon == nullptr || !polygon->is_geojson() || request.coordinates != Coordinates::Plane) return {};
@@ -490,7 +497,7 @@ std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& dom
     return {{polygon->locate({}), *detail}};
 }
 
-/// Turns a picture over: pictures have their top row first, grids over the plane their bottom one.
+/// Reverses the order of the rows. Pictures begin with the top row, density grids with the bottom row.
 void flip_rows(std::vector<float>& values, int width) {
     const auto row = static_cast<std::ptrdiff_t>(width);
     auto top = values.begin();
@@ -506,16 +513,16 @@ Result<Density> make_density(const DensityImage& image, const Limits& limits, co
     const int width = picture->width;
     const int height = picture->height;
     std::vector<float> coverage = ink_coverage(*picture, Tone::Linear, false);
-    *picture = {};  // megabytes a megapixel, no longer needed
+    *picture = {};  // frees several megabytes per megapixel
     flip_rows(coverage, width);
     auto density = Density::grid(width, height, std::span<const float>(coverage));
     if (!density) density.error().field = "/density/image";
     return density;
 }
 
-/// Points, and the distance in metres that they would have in a square grid, if they are on the ground.
+/// Placed points.
 struct PlacedPoints {
-    ClassDots dots;  ///< told by features, if the request has them
+    ClassDots dots;  ///< grouped by features, if the request has features
     std::optional<double> pitch;
 };
 
@@ -541,7 +548,7 @@ Result<PlacedPoints> place_points(const SampleRequest& request, const Domain& do
     return placed;
 }
 
-/// Tells points by features, if the request has them, and puts them into the order that it asks for.
+/// Groups points by features, if the request has features, and puts them into the requested order.
 Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain, PlacedPoints placed,
                              const Control& control) {
     ClassDots& dots = placed.dots;
@@ -556,12 +563,12 @@ Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain,
     return placed;
 }
 
-/// Distance from dot to dot, in units of the domain, if they were evenly spread.
+/// Returns the distance of neighbouring dots in a square grid, in units of the domain.
 double pitch_of(const Domain& domain, std::size_t sites) {
     return std::sqrt(domain.area() / static_cast<double>(sites));
 }
 
-/// Writes points in the way that a format's writer takes them.
+/// Writes points in a format, with the kind of writer that the format has.
 class Writing {
 public:
     Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink, Body& body,
@@ -571,7 +578,7 @@ public:
           report_(report),
           ink_(ink),
           body_(body),
-          hurry_(control.stop),
+          path_stop_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)) {}
 
     Result<void> operator()(const ListWriter& writer) const {
@@ -581,7 +588,7 @@ public:
 
     Result<void> operator()(const VectorWriter& writer) const {
         if (auto checked = writer.check(request_, ink_.radius, page_); !checked) return checked;
-        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing, body_, hurry_, stop_);
+        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 
@@ -597,7 +604,7 @@ private:
     const Report& report_;
     const InkDots& ink_;
     Body& body_;
-    std::stop_token hurry_;
+    std::stop_token path_stop_;
     std::stop_token stop_;
 };
 

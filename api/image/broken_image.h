@@ -5,9 +5,9 @@
 
 namespace ccdt::api {
 
-/// Returns the error of a file that its reader cannot decode, whatever its format.
+/// Returns the error for an image file of any format that cannot be decoded.
 inline tl::unexpected<Error> broken_image() {
-    return failure(ErrorCode::Unusable, "the image is broken or cut short");
+    return failure(ErrorCode::Unusable, "the image is broken or truncated");
 }
 
 }  // namespace ccdt::api

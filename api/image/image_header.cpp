@@ -15,12 +15,12 @@ namespace {
 
 using std::uint64_t;
 
-constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< for any file
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< needed for any file
 constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< allocated by the library if samples must be converted
-constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< for the tables of a profile, besides a copy of the file
-constexpr uint64_t kRowBytes = 48;                        ///< for the rows being read, per pixel of their width
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< needed for the tables of a profile
+constexpr uint64_t kRowBytes = 48;                        ///< needed for the rows being read, per pixel of the width
 
-/// Returns whether all chunks up to the last are complete. If they are not, the reader leaks memory.
+/// Returns whether all chunks up to the last one are complete. The reader leaks memory if a chunk is not.
 bool is_whole_png(std::string_view bytes) {
     std::size_t at = kPngChunks;
     while (const auto chunk = png_chunk(bytes, at)) {
@@ -32,7 +32,7 @@ bool is_whole_png(std::string_view bytes) {
 
 /// Reads the header of a PNG, whose rows are decoded one by one unless they are interlaced.
 Result<ImageHeader> read_png(std::string_view bytes) {
-    constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; palettes become three
+    constexpr uint64_t kChannels[] = {1, 1, 3, 3, 2, 1, 4};  // by colour type; a palette is converted to three channels
     constexpr std::uint32_t kHeaderChunk = 0x49484452;       // IHDR
     const ByteReader reader(bytes, true);
     const auto width = reader.read(16, 4);
@@ -43,18 +43,19 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken_image();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
-    // One more for alpha, which a chunk may add to any of them.
+    // One more channel: the chunk tRNS may add alpha to any colour type.
     if (*interlaced != 0) header.decoder_bytes = header.pixels() * (kChannels[*colour] + 1) * sample;
     return header;
 }
 
 constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 
-/// Maximum number of scans of a JPEG. Each costs a pass over the whole picture, and takes but a few bytes of the file.
-/// Encoders write about ten. libtiff has the same limit.
+/// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the whole picture. Encoders write
+/// about ten scans. libtiff has the same limit.
 constexpr int kMostScans = 100;
 
-/// Returns the offset of the marker after entropy-coded data: of a 0xFF that no stuffed zero or restart marker follows.
+/// Returns the offset of the marker after entropy-coded data. It begins with the first 0xFF that is not followed by a
+/// zero and is not part of a restart marker.
 std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
     while ((at = bytes.find('\xff', at)) < bytes.size() - 1) {
         const auto next = static_cast<unsigned char>(bytes[at + 1]);
@@ -65,7 +66,7 @@ std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
 }
 
 /// Returns whether a JPEG has too many scans.
-/// @param at  offset after the header of its frame
+/// @param at  offset after the frame header
 bool has_too_many_scans(std::string_view bytes, std::size_t at) {
     int scans = 0;
     while (const auto segment = jpeg_segment(bytes, at)) {
@@ -76,8 +77,8 @@ bool has_too_many_scans(std::string_view bytes, std::size_t at) {
     return false;
 }
 
-/// Reads the header of a JPEG. Rows are decoded one by one, but of a picture in several scans all coefficients are
-/// kept.
+/// Reads the header of a JPEG. Rows are decoded one by one. If the picture has several scans, the decoder keeps all
+/// coefficients.
 Result<ImageHeader> read_jpeg(std::string_view bytes) {
     std::size_t at = kJpegSegments;
     while (const auto segment = jpeg_segment(bytes, at)) {
@@ -91,8 +92,9 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             const auto channels = reader.read(5, 1);
             if (!channels) return broken_image();
             ImageHeader header{ImageFormat::Jpeg, *width, *height, 0};
-            // A baseline picture may have several scans, too, and its frame header does not tell.
-            constexpr uint64_t kCoefficient = 2, kBlock = 16;  // bytes; pixels to which sides are rounded up
+            // A baseline picture may have several scans, too. Its frame header does not state the number.
+            constexpr uint64_t kCoefficient = 2;  // bytes
+            constexpr uint64_t kBlock = 16;       // pixels; sides are rounded up to a multiple of this number
             header.decoder_bytes = (header.width + kBlock) * (header.height + kBlock) * *channels * kCoefficient;
             header.is_ink_jpeg = *channels == 4;
             if (has_too_many_scans(bytes, segment->end))
@@ -108,7 +110,8 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
 constexpr std::size_t kRiffHeader = 8;  ///< a chunk's name and size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
-    constexpr uint64_t kDecoderBytes = 12;  // per pixel: two canvases of an animation, its frame, lossless references
+    // Per pixel: two canvases of an animation, one frame, and references of lossless coding.
+    constexpr uint64_t kDecoderBytes = 12;
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
     const std::size_t data = kRiffChunks + kRiffHeader;
@@ -143,20 +146,22 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     const auto height = directory.number(tiff::kHeight);
     if (!width || !height) return broken_image();
     const auto bits = directory.number(tiff::kBitsPerSample);
-    // If it is missing, the reader assumes 8 where the format says 1, and returns uninitialised memory.
+    // If the bits per sample are missing, the reader assumes 8 although the default is 1, and returns uninitialised
+    // memory.
     if (!bits) {
         return failure(ErrorCode::Unusable,
                        "the server does not read this kind of image: a TIFF without bits per sample");
     }
     ImageHeader header{ImageFormat::Tiff, *width, *height, 0};
-    // A strip may be the whole picture: as it is stored, as it is read, and converted to other colours.
+    // A strip may be the whole picture. Up to three copies exist: the stored data, the decoded data, and the converted
+    // colours.
     const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
     const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
     header.decoder_bytes = kConvertedBytes + (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
     return header;
 }
 
-/// Reads the header of a GIF, whose first frame is decoded as a whole, to a byte per pixel.
+/// Reads the header of a GIF. Its first frame is decoded as a whole, to a byte per pixel.
 Result<ImageHeader> read_gif(std::string_view bytes) {
     const ByteReader reader(bytes, false);
     const auto width = reader.read(6, 2);
@@ -169,7 +174,7 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
 
 constexpr std::size_t kBmpInfo = 14;  ///< offset of the picture's header, which begins with its size
 
-/// Reads the header of a BMP, whose rows are decoded one by one unless they are run-length encoded.
+/// Reads the header of a BMP. Its rows are decoded one by one, unless they are run-length encoded.
 Result<ImageHeader> read_bmp(std::string_view bytes) {
     constexpr std::uint32_t kOldInfo = 12;
     const ByteReader reader(bytes, false);
@@ -177,14 +182,14 @@ Result<ImageHeader> read_bmp(std::string_view bytes) {
     const auto width = reader.read(kBmpInfo + 4, is_old ? 2 : 4);
     const auto height = reader.read(kBmpInfo + (is_old ? 6 : 8), is_old ? 2 : 4);
     if (!width || !height) return broken_image();
-    // Negative if rows are stored from the top.
+    // The height is negative if rows are stored from the top.
     const std::int64_t rows = is_old ? std::int64_t{*height} : static_cast<std::int32_t>(*height);
     ImageHeader header{ImageFormat::Bmp, *width, static_cast<uint64_t>(rows < 0 ? -rows : rows), 0};
     header.decoder_bytes = header.pixels();
     return header;
 }
 
-/// Whether a box states that no channel has more than 8 bits.
+/// Returns whether a box states that no channel has more than 8 bits.
 bool has_bytes(const Chunk& bits) {
     constexpr std::size_t kVersion = 4;
     const ByteReader reader(bits.data, true);
@@ -195,12 +200,13 @@ bool has_bytes(const Chunk& bits) {
     return channels > 0;
 }
 
-/// Reads the header of an AVIF, which is decoded as a whole: the decoder holds it before and after adding grain or
-/// joining tiles, and the reader holds it once more.
+/// Reads the header of an AVIF, which is decoded as a whole. The decoder may keep two copies, before and after adding
+/// grain or joining tiles. The reader keeps one more copy.
 Result<ImageHeader> read_avif(std::string_view bytes) {
-    constexpr uint64_t kSamples = 3 * 3 + 3 + 4;  // three times three planes, three times alpha, and interleaved pixels
-    constexpr uint64_t kTables = 3;               // bytes per pixel
-    constexpr uint64_t kBorder = 160;             // pixels by which a side may be rounded up, and some more
+    // Samples per pixel: three copies of three planes and of alpha, and the interleaved pixels.
+    constexpr uint64_t kSamples = 3 * 3 + 3 + 4;
+    constexpr uint64_t kTables = 3;    // bytes per pixel
+    constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, and some more
     ImageHeader header{ImageFormat::Avif, 0, 0, 0};
     uint64_t sample = 2;
     for (const Chunk& property : avif_properties(bytes)) {
@@ -237,7 +243,7 @@ uint64_t webp_frames(std::string_view bytes) {
     return frames;
 }
 
-/// Counts the pages of a TIFF, whose directories are a linked list. The maximum ends lists that lead back.
+/// Counts the pages of a TIFF, whose directories are a linked list. The maximum ends the count if the list is circular.
 uint64_t tiff_pages(std::string_view bytes) {
     constexpr uint64_t kMost = 65'535;
     const ByteReader reader(bytes, bytes.starts_with("MM"));
@@ -322,14 +328,14 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
 
 using namespace std::string_view_literals;
 
-/// Returns whether a file is a BMP. Checks the size of the header, too, since many texts begin with "BM".
+/// Returns whether a file is a BMP. Also checks the size of the picture's header, since any text may begin with "BM".
 bool is_bmp(std::string_view bytes) {
     constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
     const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
 }
 
-/// A format that is not supported, and the bytes with which it begins, after `offset` others.
+/// A format that is not supported. A file has this format if it contains `mark` at the offset.
 struct OtherFormat {
     std::size_t offset;
     std::string_view mark;
@@ -379,8 +385,8 @@ Result<ImageFormat> recognise_image(std::string_view bytes) {
     if (bytes.starts_with("GIF87a"sv) || bytes.starts_with("GIF89a"sv)) return ImageFormat::Gif;
     if (is_bmp(bytes)) return ImageFormat::Bmp;
     if (is_avif(bytes)) return ImageFormat::Avif;
-    return failure(ErrorCode::Unsupported,
-                   "this is " + name_of_other(bytes) + "; supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF");
+    return failure(ErrorCode::Unsupported, "this is " + name_of_other(bytes) +
+                                               "; the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF");
 }
 
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels) {

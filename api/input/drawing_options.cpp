@@ -33,7 +33,7 @@ Result<std::string> read_command(const Input& input) {
     if (!text->empty() && text->size() <= kLongestCommand && std::ranges::all_of(*text, is_of_command))
         return std::string(*text);
     return malformed(input, "must be 1 to " + std::to_string(kLongestCommand) +
-                                " letters, digits, blanks, points and signs of G-code, with | between lines");
+                                " letters, digits, blanks, points, plus and minus signs, with | between lines");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ constexpr std::array<OptionRule<Counting>, 2> kRules = {{
     {"/sites/per", [](const Input& i, const Limits&, Counting& c) { return assign(c.per, read_per(i)); }},
 }};
 
-/// Reads a count, which may be in a string; none if it is not a finite number of at least 0.
+/// Reads a count, which may be given as a string. Returns none if it is not a finite number of at least 0.
 std::optional<double> number_of(JsonValue value) {
     const auto number = value.is_string()   ? parse_number<double>(trim(value.text()), std::chars_format::general)
                         : value.is_number() ? std::optional(value.number())
@@ -53,7 +53,8 @@ Result<std::vector<double>> read_values(const FeatureSource& features, const std
     return values;
 }
 
-/// Rounds quotas so that they add up to their rounded sum. Source: Hamilton's method of largest remainders.
+/// Rounds quotas so that the results add up to the rounded sum of the quotas. Source: Hamilton's method of largest
+/// remainders.
 std::vector<std::size_t> rounded(const std::vector<double>& quotas, double sum) {
     std::vector<std::size_t> counts;
     for (const double quota : quotas) counts.push_back(static_cast<std::size_t>(quota));
@@ -62,7 +63,7 @@ std::vector<std::size_t> rounded(const std::vector<double>& quotas, double sum) 
     std::vector<std::size_t> order(quotas.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, std::greater(), [&](std::size_t i) { return quotas[i] - std::floor(quotas[i]); });
-    // The sum of many quotas may be so wrong by rounding that more remainders are wanted than there are.
+    // The sum of many quotas has a rounding error, so more points may be missing than there are remainders.
     const std::size_t more = wanted > all ? std::min(wanted - all, quotas.size()) : 0;
     for (std::size_t i = 0; i < more; ++i) ++counts[order[i]];
     return counts;
@@ -74,7 +75,7 @@ Result<void> check_total(double total, const Limits& limits, const std::string& 
     append_rounded(number, std::min(total, 1e18), 0);
     return failure(ErrorCode::LimitExceeded,
                    "the features have " + number + " points; this server's limit (max-sites) is " +
-                       std::to_string(limits.max_sites) + ": choose a larger per",
+                       std::to_string(limits.max_sites) + ": choose a larger value of per",
                    sites);
 }
 
@@ -93,8 +94,9 @@ Result<void> read_counted(const Input& input, Counting& counting) {
     Counting own;
     if (auto read = read_members<Counting>(kRules, *json, input.field, {}, own); !read) return read;
     if (own.per && counting.per)
-        return malformed(input, "has the member per, and so has the request: give only one of them");
-    if (!own.is_asked_for()) return malformed(input, "must have the member property, or per beside classes");
+        return malformed(input, "has the member per, which the request has, too: give only one of them");
+    if (!own.is_asked_for())
+        return malformed(input, "must have the member property, or per together with the option classes");
     counting.property = std::move(own.property);
     if (own.per) counting.per = own.per;
     return {};
@@ -135,7 +137,8 @@ Result<FeatureCounts> count_features(const FeatureSource& features, const Counti
         const auto counts = rounded(*quotas, sum);
         for (std::size_t i = 0; i < counts.size(); ++i) result.counts[i * result.classes.size() + number] = counts[i];
     }
-    if (result.total() == 0) return failure(ErrorCode::Unusable, "the features' counts add up to no point", sites);
+    if (result.total() == 0)
+        return failure(ErrorCode::Unusable, "the features have no points: their counts, added up, round to 0", sites);
     return check_total(static_cast<double>(result.total()), limits, sites).map([&] { return std::move(result); });
 }
 

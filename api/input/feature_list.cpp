@@ -11,7 +11,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Names of the properties and columns that answers define themselves.
+/// Names of the properties and columns that answers have for their own purposes.
 constexpr std::array<std::string_view, 8> kOwnNames = {"x",          "y",     "rank",  "feature",
                                                        "feature_id", "class", "color", "sites"};
 
@@ -50,10 +50,11 @@ public:
             }
         }
         if (names_.size() > PropertyChoice::kMost)
-            return failure(ErrorCode::LimitExceeded,
-                           "the features have more than " + std::to_string(PropertyChoice::kMost) +
-                               " different properties, the most that points carry: name those that they are to have",
-                           option_);
+            return failure(
+                ErrorCode::LimitExceeded,
+                "the features have more than " + std::to_string(PropertyChoice::kMost) +
+                    " different properties, the limit for points: list the names of those that points should carry",
+                option_);
         std::ranges::sort(values, {}, &CarriedProperties::Value::name);
         carried_.of_feature.push_back(std::move(values));
         return check_last(pointer);
@@ -75,7 +76,7 @@ private:
         names_.push_back(name);
     }
 
-    /// Finds the number of a property; none if points do not carry it.
+    /// Finds the number of a property. Returns none if points do not carry the property.
     std::optional<std::uint32_t> number_of(std::string_view name) {
         const std::string key(name);
         if (const auto found = numbers_.find(key); found != numbers_.end()) return found->second;
@@ -91,12 +92,12 @@ private:
         if (size <= CarriedProperties::kMostOfFeature) return {};
         const std::string own = pointer_below(pointer, "properties");
         return failure(ErrorCode::LimitExceeded,
-                       own + ": the chosen ones take " + std::to_string(size) + " bytes; points carry at most " +
+                       own + ": the chosen properties take " + std::to_string(size) + " bytes; the limit is " +
                            std::to_string(CarriedProperties::kMostOfFeature),
                        own);
     }
 
-    /// Appends underscores to a name that answers define themselves until no other property has it.
+    /// If answers use a name for their own purposes, appends underscores to the name until no other property has it.
     void make_distinct(std::string& name) const {
         if (std::ranges::find(kOwnNames, name) == kOwnNames.end()) return;
         do name += '_';
@@ -107,7 +108,7 @@ private:
     const std::string& option_;
     CarriedProperties carried_;
     std::vector<std::string> names_;
-    std::vector<bool> is_there_;  ///< [chosen names] whether a feature has it
+    std::vector<bool> is_there_;  ///< [chosen names] whether any feature has the property
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 
@@ -221,7 +222,7 @@ Result<void> check_size(const CarriedProperties& carried, const std::vector<std:
     if (size <= static_cast<double>(CarriedProperties::kMostInAll)) return {};
     return failure(ErrorCode::LimitExceeded,
                    "the properties of all points take more than " + std::to_string(CarriedProperties::kMostInAll) +
-                       " bytes: carry fewer, or make fewer points",
+                       " bytes: choose fewer properties or fewer points",
                    option);
 }
 

@@ -18,7 +18,8 @@ struct MediaRange {
     std::string subtype;
     double quality = 1;
 
-    /// Returns how closely it matches a media type: 3 exactly, 2 by type, 1 because it matches any, 0 not at all.
+    /// Returns how specifically the range matches a media type: 3 by type and subtype, 2 by type, 1 as `*/*`, 0 if it
+    /// does not match.
     int match(std::string_view media_type) const {
         const auto slash = media_type.find('/');
         if (type == "*") return 1;
@@ -108,7 +109,7 @@ Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* 
     if (found != made.end()) return static_cast<std::size_t>(found - made.begin());
     return failure(
         ErrorCode::Malformed,
-        "format '" + excerpt(*name) + "' is not available here; available are " + list(made, &FileFormat::name),
+        "format '" + excerpt(*name) + "' is not available here; the formats are " + list(made, &FileFormat::name),
         input.field);
 }
 
@@ -124,8 +125,9 @@ Result<std::size_t> negotiate(std::string_view accept, std::span<const FileForma
         }
     }
     if (best > 0) return chosen;
-    return failure(ErrorCode::NotAcceptable, "none of the media types in Accept is available here; available are " +
-                                                 list(made, &FileFormat::media_type));
+    return failure(ErrorCode::NotAcceptable,
+                   "no media type of the header Accept is available here; the media types are " +
+                       list(made, &FileFormat::media_type));
 }
 
 }  // namespace ccdt::api

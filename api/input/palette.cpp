@@ -47,7 +47,7 @@ Result<Palette> read_palette(const Input& input) {
         if (!colour) return tl::unexpected(colour.error());
         const auto same = [&](const Ink& ink) { return ink.colour == *colour; };
         if (std::ranges::any_of(palette.inks, same))
-            return malformed(part, "repeats an earlier one: " + hexadecimal(*colour));
+            return malformed(part, "repeats an earlier colour: " + hexadecimal(*colour));
         palette.inks.push_back({hexadecimal(*colour), *colour});
     }
     return palette;

@@ -32,8 +32,8 @@ public:
         if (*type == "Feature") return in_member(object, "geometry", &Collector::add_object);
         if (*type == "GeometryCollection") return in_member(object, "geometries", &Collector::add_objects);
         if (*type == "FeatureCollection") return in_member(object, "features", &Collector::add_objects);
-        return malformed(
-            object, "must be a Point, a MultiPoint, or a Feature or a collection of such, not a " + excerpt(*type));
+        return malformed(object, "must be a Point, a MultiPoint, a Feature of one, or a collection of these, not a " +
+                                     excerpt(*type));
     }
 
     Result<void> add_positions(const Input& list) {

@@ -22,7 +22,7 @@ Input element_of(const Input& parent, std::size_t index, JsonValue value) {
     return {pointer, pointer, value};
 }
 
-/// Returns the value of an input from a JSON body; polygons come in no other way.
+/// Returns the JSON value of an input. Polygons are given in JSON only.
 JsonValue json_of(const Input& input) {
     return std::get<JsonValue>(input.value);
 }
@@ -85,7 +85,7 @@ Result<std::vector<PolygonPart>> read_parts(const Input& input, PolygonInput::Ne
     if (nesting == PolygonInput::Nesting::MultiPolygon) {
         auto parts = read_each<PolygonPart>(input, "must be a list of polygons", read_part);
         if (parts && parts->empty()) {
-            return failure(ErrorCode::Unusable, input.field + " holds no polygon", input.field);
+            return failure(ErrorCode::Unusable, input.field + " contains no polygon", input.field);
         }
         return parts;
     }
@@ -146,11 +146,11 @@ Result<void> append_geometry(const Input& object, PolygonInput& polygon) {
             return append_geometry(geometry, polygon);
         });
     }
-    return wrong(object.field,
-                 "must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a " + excerpt(*type));
+    return wrong(object.field, "must be a Polygon, a MultiPolygon, a Feature of one, or a collection of these, not a " +
+                                   excerpt(*type));
 }
 
-/// Removes the number at the front of a field such as `/3/0/17`.
+/// Removes and returns the number at the front of a field such as `/3/0/17`.
 std::size_t take_index(std::string_view& field) {
     std::size_t index = 0;
     field.remove_prefix(1);
@@ -164,7 +164,7 @@ std::string ring_of(std::string_view field) {
     return std::string(field.substr(0, field.find('/', 1)));
 }
 
-/// Removes the vertex from a field if the ring, as it was given, has no vertex of this number.
+/// Removes the vertex from a field if the ring in the request has no vertex with this index.
 std::string_view without_added(std::string_view field, const std::vector<PolygonPart>& parts) {
     std::string_view rest = field;
     const PolygonPart& part = parts[take_index(rest)];
@@ -188,7 +188,7 @@ std::size_t PolygonInput::corner_count() const {
 }
 
 std::string PolygonInput::locate(std::string_view field) const {
-    if (field.empty() && sources.size() > 1) return {};  // it is about all sources
+    if (field.empty() && sources.size() > 1) return {};  // the error is about all sources
     if (field.empty()) return sources.front().nesting == Nesting::Members ? "/polygon" : sources.front().coordinates;
     field = without_added(field, parts);
     const std::size_t part = take_index(field);
@@ -238,7 +238,7 @@ bool is_geojson(JsonValue value) {
 Result<PolygonInput> read_geometry(const Input& input) {
     PolygonInput polygon{{}, {}};
     if (auto read = append_geometry(input, polygon); !read) return tl::unexpected(read.error());
-    if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " holds no polygon", input.field);
+    if (polygon.parts.empty()) return failure(ErrorCode::Unusable, input.name + " contains no polygon", input.field);
     return polygon;
 }
 

@@ -20,7 +20,7 @@ Input below(const Input& parent, std::size_t index, JsonValue value) {
     return {pointer, pointer, value};
 }
 
-/// Reads a pair of numbers; ignores further ones.
+/// Reads a pair of numbers. Ignores further numbers.
 std::optional<Point> read_pair(JsonValue value) {
     if (!value.is_array() || value.size() < 2) return std::nullopt;
     auto i = value.begin();
@@ -53,7 +53,7 @@ Result<std::optional<Transform>> read_transform(const Input& topology) {
     return transform;
 }
 
-/// Arcs of a document, each of which is decoded on first use.
+/// Arcs of a document. Each arc is decoded on first use.
 class Arcs {
 public:
     static Result<Arcs> create(const Input& topology) {
@@ -108,14 +108,14 @@ public:
     Result<PolygonInput> execute(const Input& object) {
         if (auto read = read_object(object, true); !read) return tl::unexpected(read.error());
         if (polygon_.parts.empty())
-            return failure(ErrorCode::Unusable, object.name + " holds no polygon", object.field);
+            return failure(ErrorCode::Unusable, object.name + " contains no polygon", object.field);
         return std::move(polygon_);
     }
 
 private:
     using Nesting = PolygonInput::Nesting;
 
-    /// @param is_root  whether the geometries of a collection are features
+    /// @param is_root  if true, the geometries of a collection are features
     Result<void> read_object(const Input& object, bool is_root) {
         if (!json_of(object).is_object()) return malformed(object, "must be an object of TopoJSON");
         const auto type = require(object, "type");
@@ -127,7 +127,7 @@ private:
         const bool is_multiple = *name == "MultiPolygon";
         if (!is_multiple && *name != "Polygon")
             return malformed(
-                object, "must be a Polygon, a MultiPolygon or a GeometryCollection of such, not a " + excerpt(*name));
+                object, "must be a Polygon, a MultiPolygon or a GeometryCollection of these, not a " + excerpt(*name));
         const auto arcs = require(object, "arcs");
         if (!arcs) return tl::unexpected(arcs.error());
         polygon_.sources.push_back(
@@ -160,7 +160,7 @@ private:
         return {};
     }
 
-    /// Joins arcs; each begins at the last position of the previous one.
+    /// Joins arcs to a ring. Each arc must begin at the last position of the previous arc.
     Result<void> read_ring(const Input& indices, Ring& ring) {
         return for_each(indices, "must be a list of indices of arcs", [&](const Input& index) -> Result<void> {
             const auto arc = find_arc(index);
@@ -169,10 +169,10 @@ private:
             if (!ring.empty() && !points.empty()) ring.pop_back();
             corners_ += points.size();
             if (corners_ > PolygonInput::kMaxCorners)
-                return failure(ErrorCode::LimitExceeded,
-                               "the polygons have more than " + std::to_string(PolygonInput::kMaxCorners) +
-                                   " corners, the most that are read",
-                               indices.field);
+                return failure(
+                    ErrorCode::LimitExceeded,
+                    "the polygons have more than " + std::to_string(PolygonInput::kMaxCorners) + " corners, the limit",
+                    indices.field);
             if (is_reversed) {
                 ring.insert(ring.end(), points.rbegin(), points.rend());
             } else {
@@ -237,7 +237,8 @@ Result<Input> find_object(const Input& topology, const std::optional<std::string
     const JsonValue all = json_of(*objects);
     if (!all.is_object() || all.size() == 0) return malformed(*objects, "must be an object with members");
     if (!name && all.size() > 1)
-        return malformed(*objects, "has several members: choose one of " + names_of(all) + " by the option object");
+        return malformed(*objects,
+                         "has several members: choose one of them with the option object (" + names_of(all) + ")");
     if (!name) return require(*objects, all.members().front().name);
     if (all.find(*name)) return require(*objects, *name);
     return malformed(*objects, "has no member " + excerpt(*name) + ", only " + names_of(all));

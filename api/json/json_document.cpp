@@ -12,14 +12,15 @@
 namespace ccdt::api {
 namespace {
 
-/// @param position  of the error, counted from 1
+/// @param position  position of the error, counted from 1
 tl::unexpected<Error> invalid_at(std::size_t position) {
     return failure(ErrorCode::Malformed, "the body is not valid JSON: error at byte " + std::to_string(position));
 }
 
 }  // namespace
 
-/// Receives the parser's events and stops it at the first error or exceeded limit. The library prescribes the names.
+/// Receives the events of the parser. Stops the parser at the first error or exceeded limit. The library prescribes the
+/// names of the functions.
 class JsonBuilder {
 public:
     using Kind = JsonDocument::Kind;
@@ -53,7 +54,7 @@ private:
         auto& nodes = document_.nodes_;
         if (nodes.size() == JsonDocument::kMaxValues) {
             return fail(ErrorCode::LimitExceeded, "the body has more than " + std::to_string(JsonDocument::kMaxValues) +
-                                                      " JSON values, which is the limit");
+                                                      " JSON values, the limit");
         }
         nodes.push_back({payload, static_cast<std::uint32_t>(nodes.size() + 1), kind});
         return true;
@@ -76,7 +77,7 @@ private:
         return add(kind, 0);
     }
 
-    /// @param nodes_per_child  1 for an array; 2, name and value, for an object
+    /// @param nodes_per_child  1 for an array; 2 for an object, where a child is a name and a value
     bool close(std::uint64_t nodes_per_child) {
         auto& nodes = document_.nodes_;
         const std::uint32_t start = open_.back();
@@ -107,12 +108,12 @@ private:
     }
 
     JsonDocument document_;
-    std::vector<std::uint32_t> open_;  ///< arrays and objects not yet closed
+    std::vector<std::uint32_t> open_;  ///< indices of the arrays and objects that are not closed yet
     std::optional<Error> error_;
 };
 
 Result<JsonDocument> JsonDocument::parse(std::string_view text) {
-    // The library takes a NUL for the end of the text.
+    // The library treats a NUL as the end of the text.
     if (const auto nul = text.find('\0'); nul != std::string_view::npos) return invalid_at(nul + 1);
     JsonBuilder builder;
     nlohmann::json::sax_parse(text.begin(), text.end(), &builder);

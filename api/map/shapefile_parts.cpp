@@ -30,7 +30,8 @@ std::string_view without_folders(std::string_view path) {
     return path.substr(path.rfind('/') + 1);
 }
 
-/// Paths of all shapefiles in an archive, without the ending. Copies of a Mac's attributes are none.
+/// Returns the paths of all shapefiles in an archive, without the file extension. Ignores the files in which macOS
+/// stores attributes.
 std::vector<std::string> list_shapefiles(const ZipArchive& archive) {
     constexpr std::string_view kEnding = ".shp";
     std::vector<std::string> paths;
@@ -50,10 +51,10 @@ std::string join_names(std::span<const std::string> names) {
     return names.size() > kMost ? list + " and others" : list;
 }
 
-/// Chooses a shapefile by its path, or by the last part of it.
+/// Chooses a shapefile by its path or its file name, without the extension.
 Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view object) {
     const auto paths = list_shapefiles(archive);
-    if (paths.empty()) return unusable("the archive holds no shapefile (.shp)");
+    if (paths.empty()) return unusable("the archive contains no shapefile (.shp)");
     std::vector<std::string> chosen;
     std::ranges::copy_if(paths, std::back_inserter(chosen), [object](const std::string& path) {
         return object.empty() || path == object || without_folders(path) == object;
@@ -61,15 +62,15 @@ Result<std::string> choose_shapefile(const ZipArchive& archive, std::string_view
     if (chosen.size() == 1) return chosen.front();
     if (chosen.empty())
         return failure(ErrorCode::Unusable,
-                       "object: the archive holds no shapefile " + excerpt(object) + ", only " + join_names(paths),
+                       "object: the archive contains no shapefile " + excerpt(object) + ", only " + join_names(paths),
                        "object");
-    return failure(
-        ErrorCode::Unusable,
-        "the archive holds several shapefiles: choose one of " + join_names(chosen) + " by the option object",
-        "object");
+    return failure(ErrorCode::Unusable,
+                   "the archive contains several shapefiles: choose one of them with the option object (" +
+                       join_names(chosen) + ")",
+                   "object");
 }
 
-/// Inflates the file of a shapefile that has this ending; empty if there is none.
+/// Inflates the file with the given path and extension. Returns an empty text if there is no such file.
 Result<std::string> read_part(const ZipArchive& archive, std::string_view path, std::string_view ending,
                               std::size_t& budget) {
     const std::string wanted = std::string(path) + std::string(ending);
@@ -99,7 +100,8 @@ void append_big_endian(std::string& out, std::uint32_t value) {
     for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 0xFF);
 }
 
-/// Counts the corners that the content of a record tells of, which may be more than it holds; 0 if it is no polygon.
+/// Returns the number of corners that a record declares, which may be more than it has. Returns 0 if the record is not
+/// a polygon.
 std::size_t count_corners(std::string_view content) {
     constexpr std::size_t kCountAt = 40;
     constexpr std::uint32_t kPolygonTypes[] = {5, 15, 25};
@@ -111,16 +113,16 @@ std::size_t count_corners(std::string_view content) {
 tl::unexpected<Error> too_many(std::string_view what) {
     return failure(ErrorCode::LimitExceeded, "the shapefile has more than " +
                                                  std::to_string(PolygonInput::kMaxCorners) + ' ' + std::string(what) +
-                                                 ", the most that are read");
+                                                 ", the limit");
 }
 
-/// Makes the .shx file: its header is that of the .shp file, but for the length, and each record has its offset and its
-/// length there, in words of 16 bits.
+/// Creates the .shx file. Its header is a copy of the header of the .shp file, with another length. After the header,
+/// it has the offset and the length of each record in the .shp file, in words of 16 bits.
 Result<std::string> make_index(std::string_view shp) {
     constexpr std::uint32_t kFileCode = 9994;
     constexpr std::size_t kLengthAt = 24;
     if (shp.size() < kHeaderSize || number_at(shp, 0, std::endian::big) != kFileCode)
-        return unusable("the .shp file does not begin as one");
+        return unusable("the .shp file does not begin with the signature of a shapefile");
     const std::size_t end = std::size_t{2} * number_at(shp, kLengthAt, std::endian::big);
     if (end < kHeaderSize || end > shp.size()) return unusable("the .shp file is truncated");
     std::string index(shp.substr(0, kHeaderSize));
@@ -169,7 +171,7 @@ Result<ShapefileParts> read_parts(std::string_view bytes, const ShapefileReading
 
 tl::unexpected<Error> too_many_bytes(std::string_view what, std::size_t limit) {
     return failure(ErrorCode::LimitExceeded, std::string(what) + " than " + std::to_string(limit) +
-                                                 " bytes, the most that this server reads (max-body, memory)");
+                                                 " bytes, this server's limit (max-body, memory)");
 }
 
 }  // namespace ccdt::api

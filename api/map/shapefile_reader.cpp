@@ -27,13 +27,14 @@ tl::unexpected<Error> unusable(std::string message) {
     return failure(ErrorCode::Unusable, std::move(message));
 }
 
-/// A file in memory that the library has opened.
+/// A file in memory that the library has open.
 struct OpenFile {
     std::string_view bytes;
     std::size_t position = 0;
 };
 
-/// Files that the library may open, by their endings: it passes on names alone. Set while a shapefile is opened.
+/// Files that the library may open, by their extensions. The library passes only names to open_file(). Not null while a
+/// shapefile is being opened.
 thread_local const ShapefileParts* files_to_open = nullptr;
 
 OpenFile& file_of(SAFile file) {
@@ -52,7 +53,7 @@ SAFile open_file(const char* name, const char* /*access*/) {
     return nullptr;
 }
 
-/// Reads as fread() does: of an item that is not whole it gives what there is, but does not count it.
+/// Reads like fread(). Copies an incomplete last item, but does not count it.
 SAOffset read_file(void* to, SAOffset size, SAOffset count, SAFile file) {
     OpenFile& open = file_of(file);
     if (size == 0 || open.position >= open.bytes.size()) return 0;
@@ -95,10 +96,10 @@ struct CloseTable {
 using Shapes = std::unique_ptr<SHPInfo, CloseShapes>;
 using Table = std::unique_ptr<DBFInfo, CloseTable>;
 
-/// A shapefile that the library has opened.
+/// A shapefile that the library has open.
 struct OpenShapefile {
     Shapes shapes;
-    Table table;  ///< null: there is none
+    Table table;  ///< null: no table
 };
 
 OpenShapefile open_parts(const ShapefileParts& parts) {
@@ -109,27 +110,27 @@ OpenShapefile open_parts(const ShapefileParts& parts) {
     return open;
 }
 
-/// Field of the table.
+/// Field of the table of properties.
 struct Field {
-    std::string name;  ///< as a JSON text
-    char type = 'C';   ///< as the file has it
+    std::string name;  ///< as a JSON string
+    char type = 'C';   ///< type in the file
 };
 
-/// Texts of the table and their encoding.
+/// Converts the texts of the table from their encoding.
 class Texts {
 public:
     explicit Texts(const char* name) : name_(name == nullptr ? "" : name), page_(find_code_page(name_)) {}
 
-    /// Appends a text as JSON. Errors: Unusable for one in an encoding that is not read.
+    /// Appends a text as JSON. Errors: Unusable for a text in an encoding that is not supported.
     Result<void> append(std::string& out, std::string_view text) const {
         if (page_ || is_ascii(text)) {
             append_json_text(out, to_utf8(text, page_.value_or(CodePage::Utf8)));
             return {};
         }
-        constexpr std::string_view kRead = "; UTF-8, ISO-8859-1 and Windows-1252 are read";
+        constexpr std::string_view kRead = "; supported are UTF-8, ISO-8859-1 and Windows-1252";
         if (name_.empty())
-            return unusable("the .dbf file names no encoding: add a .cpg file that does" + std::string(kRead));
-        return unusable("the encoding of the .dbf file, " + excerpt(name_) + ", is not read" + std::string(kRead));
+            return unusable("the .dbf file names no encoding: add a .cpg file that names it" + std::string(kRead));
+        return unusable("the encoding of the .dbf file, " + excerpt(name_) + ", is not supported" + std::string(kRead));
     }
 
 private:
@@ -188,13 +189,13 @@ private:
             Field field{{}, DBFGetNativeFieldType(table_.get(), i)};
             if (auto appended = texts_.append(field.name, name.data()); !appended) return appended;
             if (std::ranges::find(fields_, field.name, &Field::name) != fields_.end())
-                return unusable("the .dbf file has two fields " + field.name);
+                return unusable("the .dbf file has two fields named " + field.name);
             fields_.push_back(std::move(field));
         }
         return {};
     }
 
-    /// @param value  neither empty nor what stands for nothing in its type
+    /// @param value  neither empty nor the null value of its type
     Result<void> append_value(std::string& out, char type, std::string_view value) const {
         if (type == 'N' || type == 'F') {
             const auto number = parse_number<double>(trim(value));
@@ -252,7 +253,7 @@ public:
     }
 
 private:
-    /// Bytes that are kept before they are passed on.
+    /// Number of bytes that are collected before the text is passed on.
     static constexpr std::size_t kPiece = 65'536;
 
     Result<void> write_feature(std::size_t record) {
@@ -322,27 +323,27 @@ private:
             for (int i = shape->panPartStart[part]; i < end; ++i) ring.push_back({shape->padfX[i], shape->padfY[i]});
             const auto is_finite = [](const Point& p) { return std::isfinite(p.x) && std::isfinite(p.y); };
             if (!std::ranges::all_of(ring, is_finite))
-                return unusable(describe_record(record) + " has a coordinate that is no finite number");
+                return unusable(describe_record(record) + " has a coordinate that is not a finite number");
             if (!ring.empty()) rings.push_back(std::move(ring));
         }
         return rings;
     }
 
-    /// Passes the text on if it has so many bytes.
+    /// Passes the collected text on if it has at least `least` bytes.
     Result<void> flush(std::size_t least) {
         if (text_.size() < least) return {};
         if (text_.size() > max_bytes_ - written_ || !take_(text_))
-            return too_many_bytes("the shapefile is larger as GeoJSON", max_bytes_);
+            return too_many_bytes("the shapefile, converted to GeoJSON, is larger", max_bytes_);
         written_ += text_.size();
         text_.clear();
         return {};
     }
 
     SHPInfo& shapes_;
-    const Properties* properties_;  ///< null: there are none
+    const Properties* properties_;  ///< null: no properties
     const std::size_t max_bytes_;
     const TakeText& take_;
-    std::string text_;  ///< not passed on yet
+    std::string text_;  ///< collected text that has not been passed on yet
     std::size_t written_ = 0;
 };
 

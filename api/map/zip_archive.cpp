@@ -11,19 +11,19 @@ namespace ccdt::api {
 namespace {
 
 tl::unexpected<Error> unusable(const std::string& name, std::string_view what) {
-    return failure(ErrorCode::Unusable, "the archive's file " + excerpt(name) + ' ' + std::string(what));
+    return failure(ErrorCode::Unusable, "the file " + excerpt(name) + " in the archive" + ' ' + std::string(what));
 }
 
 tl::unexpected<Error> not_opened(zip_error_t& error) {
     const bool lacks_memory = zip_error_code_zip(&error) == ZIP_ER_MEMORY;
     zip_error_fini(&error);
-    if (lacks_memory) return failure(ErrorCode::LimitExceeded, "the archive's directory is too large");
+    if (lacks_memory) return failure(ErrorCode::LimitExceeded, "the directory of the archive is too large");
     return failure(ErrorCode::Unusable, "the body is not a zip archive, or is truncated");
 }
 
 using OpenMember = std::unique_ptr<zip_file_t, decltype(&zip_fclose)>;
 
-/// Reads as many bytes as there are, up to those that are wanted; -1 for damaged data.
+/// Reads `wanted` bytes, or fewer at the end of the file. Returns -1 for damaged data.
 zip_int64_t read_up_to(zip_file_t* file, char* to, std::size_t wanted) {
     std::size_t done = 0;
     while (done < wanted) {
@@ -58,7 +58,7 @@ Result<ZipArchive> ZipArchive::open(std::string_view bytes) {
     zip_error_fini(&error);
     if (const auto count = zip_get_num_entries(archive, 0); count > static_cast<zip_int64_t>(kMaxMembers)) {
         zip_discard(archive);
-        return failure(ErrorCode::LimitExceeded, "the archive holds " + std::to_string(count) +
+        return failure(ErrorCode::LimitExceeded, "the archive contains " + std::to_string(count) +
                                                      " files; the limit is " + std::to_string(kMaxMembers));
     }
     return ZipArchive(archive);
@@ -69,7 +69,7 @@ Result<std::string> ZipArchive::read(std::size_t member, std::size_t& budget) co
     const std::string& name = names_[member];
     zip_stat_t stat;
     if (zip_stat_index(archive_.get(), member, 0, &stat) != 0 || (stat.valid & kNeeded) != kNeeded)
-        return unusable(name, "is not described by the directory");
+        return unusable(name, "has no complete entry in the directory");
     if (stat.encryption_method != ZIP_EM_NONE) return unusable(name, "is encrypted");
     if (stat.comp_method != ZIP_CM_DEFLATE && stat.comp_method != ZIP_CM_STORE)
         return unusable(name, "is neither stored nor compressed by deflate");
@@ -78,10 +78,10 @@ Result<std::string> ZipArchive::read(std::size_t member, std::size_t& budget) co
     if (file == nullptr) return unusable(name, "is damaged");
     std::string bytes(static_cast<std::size_t>(stat.size), '\0');
     const bool is_whole = read_up_to(file.get(), bytes.data(), bytes.size()) == static_cast<zip_int64_t>(bytes.size());
-    // The CRC is checked where the data end.
+    // The library checks the CRC at the end of the data.
     char more = 0;
     if (!is_whole || read_up_to(file.get(), &more, 1) != 0)
-        return unusable(name, "is damaged: it has not the size or the CRC that the directory tells");
+        return unusable(name, "is damaged: its size or CRC differs from the one in the directory");
     budget -= bytes.size();
     return bytes;
 }

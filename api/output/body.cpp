@@ -7,7 +7,7 @@
 namespace ccdt::api {
 namespace {
 
-/// What is written between two calls of hand_on(), most of the time.
+/// Number of bytes that are usually written between two calls of hand_on().
 constexpr std::size_t kBetween = std::size_t{1} << 20;
 
 }  // namespace
@@ -24,8 +24,8 @@ bool Body::hand_on() {
 void Body::hand_all_on() {
     if (!std::exchange(begun_, true)) {
         Answer head = *head_;
-        // A stop may have made the path of a drawing longer.
-        head.repeats = head.repeats && !hurry_.stop_requested();
+        // A stop may have ended the search for a shorter path, so another run may give other bytes.
+        head.repeats = head.repeats && !path_stop_.stop_requested();
         head.plot_seconds = plot_seconds_;
         taken_ = taker_->begin(head);
     }
@@ -39,7 +39,7 @@ Result<Answer> Body::finish(Answer answer) {
         hand_all_on();
     } else {
         answer.body = std::move(text_);
-        answer.repeats = answer.repeats && !hurry_.stop_requested();
+        answer.repeats = answer.repeats && !path_stop_.stop_requested();
     }
     answer.plot_seconds = plot_seconds_;
     answer.streamed = begun_;

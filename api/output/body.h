@@ -14,50 +14,52 @@
 
 namespace ccdt::api {
 
-/// Takes an answer whose body is too large to be held whole. Errors: the taker's own; nothing more is handed on then.
+/// Receives an answer whose body is too large for memory, in pieces. After one of its functions has returned an error,
+/// none is called again.
 class BodyTaker {
 public:
     virtual ~BodyTaker() = default;
 
-    /// Takes all of an answer but its body; once, before the first piece.
+    /// Receives the answer without its body. Called once, before the first piece.
     virtual Result<void> begin(const Answer& head) = 0;
 
-    /// Takes a piece of the body, of at most Body::kPiece bytes.
+    /// Receives a piece of the body, of at most Body::kPiece bytes.
     virtual Result<void> take(std::string_view piece) = 0;
 };
 
-/// Body of an answer in the making. Up to kWhole bytes are held; of a larger one pieces are handed on as they are
-/// written, if there is somebody to take them.
+/// Body of an answer that is being written. A body of up to kWhole bytes is kept in memory. A larger body goes to the
+/// taker, if there is one, in pieces while it is written.
 class Body {
 public:
     static constexpr std::size_t kWhole = std::size_t{4} << 20;
     static constexpr std::size_t kPiece = std::size_t{256} << 10;
 
-    /// Makes one that is held whole, however large it gets.
+    /// Creates a body that is kept in memory, however large it gets.
     Body() = default;
 
-    /// @param head   of the answer
-    /// @param taker  null: nobody
-    /// @param hurry  stopped before the first piece is handed on, the answer is told not to repeat
-    /// Head and taker must outlive it.
-    Body(const Answer& head, BodyTaker* taker, std::stop_token hurry)
-        : head_(&head), taker_(taker), hurry_(std::move(hurry)) {}
+    /// @param head       the answer without its body
+    /// @param taker      null: the whole body is kept in memory
+    /// @param path_stop  token that shortens the search for paths; if it is stopped before the first piece is passed
+    ///                   on, the answer is marked as not repeatable
+    /// The head and the taker must outlive this object.
+    Body(const Answer& head, BodyTaker* taker, std::stop_token path_stop)
+        : head_(&head), taker_(taker), path_stop_(std::move(path_stop)) {}
 
-    /// Text to write to; now and then hand_on() is to be called.
+    /// Returns the text to which a writer appends. The writer must call hand_on() from time to time.
     std::string& text() { return text_; }
 
-    /// Makes room for so many bytes in all.
+    /// Reserves memory for a body of this size, or for the part that is in memory at once.
     void expect(std::size_t bytes);
 
-    /// Has the answer tell how long a plotter draws it; before anything is handed on.
+    /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
     void tell_plot(double seconds) { plot_seconds_ = seconds; }
 
-    /// Hands on what was written, if that is enough.
-    /// @returns  false if nobody takes any more: all further writing is in vain
+    /// Passes the text written so far to the taker, if the text is long enough.
+    /// @returns  false if the taker failed, so that further writing has no effect
     bool hand_on();
 
-    /// Hands on the rest of what was begun to be handed on; what was not is the answer's body.
-    /// Errors: those of the taker.
+    /// Ends the body. If the taker has received a piece, passes the remaining text to the taker. Otherwise stores the
+    /// text as the body of the answer. Errors: those of the taker.
     Result<Answer> finish(Answer answer);
 
 private:
@@ -65,15 +67,15 @@ private:
 
     const Answer* head_ = nullptr;
     BodyTaker* taker_ = nullptr;
-    std::stop_token hurry_;
+    std::stop_token path_stop_;
     std::string text_;
     std::optional<double> plot_seconds_;
     bool begun_ = false;
     Result<void> taken_;
 };
 
-/// Chooses after how many elements of a list hand_on() is called again.
-/// @param extra  bytes that each takes besides a few numbers
+/// Returns the number of list elements between two calls of hand_on().
+/// @param extra  bytes of each element in addition to a few numbers
 inline std::size_t stride_of(std::size_t extra) {
     constexpr std::size_t kMost = 4'096;
     return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMost);

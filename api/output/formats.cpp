@@ -15,18 +15,18 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kLeastText = 5;  ///< bytes of a site: `1,2` and the end of the line
+constexpr std::size_t kLeastText = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
 
-/// Bytes of a site with a Feature of its own.
+/// Minimum bytes of a site with its own Feature.
 constexpr std::size_t kLeastFeature =
     std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
 
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
-constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};   ///< of a site, as text or in binary
-constexpr Estimate kFeatures{400, 0.5 * kMicrosecond};  ///< of a site, with a Feature of its own
-constexpr Estimate kPath{360, 3.5 * kMicrosecond};      ///< of a site, with ordering it along a short path
-constexpr Estimate kColours{16, 0.1 * kMicrosecond};    ///< of a pixel as libwebp holds it
+constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
+constexpr Estimate kFeatures{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
+constexpr Estimate kPath{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
+constexpr Estimate kColours{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
 void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
     write_csv(inks, body, stop);
@@ -47,16 +47,16 @@ void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::st
 /// Writes the strokes of dots in the language of a plotter.
 template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_inks(std::span<const InkDots> inks, const Palette&, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
-    const Plot plot = plot_of(inks, page, drawing, hurry);
+               Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
+    const Plot plot = plot_of(inks, page, drawing, path_stop);
     body.tell_plot(plot.seconds());
     write(plot, body, stop);
 }
 
 template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_map(const MapOfDots& map, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
-              const std::stop_token& hurry, const std::stop_token& stop) {
-    const Plot plot = plot_of(map, page, drawing, hurry, stop);
+              const std::stop_token& path_stop, const std::stop_token& stop) {
+    const Plot plot = plot_of(map, page, drawing, path_stop, stop);
     body.tell_plot(plot.seconds());
     write(plot, body, stop);
 }
@@ -81,7 +81,7 @@ constexpr PointFormat kHpglPoints{
     kPath,
     {},
     VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {18, 0.2 * kMicrosecond}, true, true}};
-// Nobody has registered a media type for G-code.
+// G-code has no registered media type.
 constexpr PointFormat kGcodePoints{
     {"gcode", "G-code", "gcode", "text/x-gcode", ""},
     0,
@@ -101,7 +101,7 @@ constexpr PointFormat kGeoJsonSinglePoints{
 constexpr PointFormat kGeoJsonPoints{
     kGeoJson, kLeastText,           kNumbers, {}, ListWriter{true, write_feature, write_map_features},
     false,    &kGeoJsonSinglePoints};
-// The media type is the usual one; none is registered.
+// The media type is in common use, but not registered.
 constexpr PointFormat kJsonLines{{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson", ""},
                                  kLeastFeature,
                                  kFeatures,
@@ -120,7 +120,7 @@ constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=pre
                                  {},
                                  ListWriter{true, list_csv, list_map_csv},
                                  true};
-// NumPy has registered no media type.
+// NPY has no registered media type.
 constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
                                  2 * sizeof(double),
                                  kNumbers,
@@ -143,11 +143,12 @@ bool PointFormat::repeats() const {
 
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
     if (vector() == nullptr || drawing.width_mm) return {};
-    const std::string what = "width_mm is missing, the width of the drawing in millimetres, which ";
+    const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";
     if (vector()->in_millimetres)
-        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs", field);
+        return failure(ErrorCode::Malformed, what + "format=" + std::string(file.name) + " needs it", field);
     if (drawing.has_pen_width())
-        return failure(ErrorCode::Malformed, what + "style=" + std::string(name_of(drawing.style)) + " needs", field);
+        return failure(ErrorCode::Malformed, what + "style=" + std::string(name_of(drawing.style)) + " needs it",
+                       field);
     return {};
 }
 
@@ -156,8 +157,8 @@ Result<void> PointFormat::check_side(const Canvas& canvas, const std::string& op
     if (pixels == nullptr || std::max(canvas.width, canvas.height) <= pixels->max_side) return {};
     return failure(ErrorCode::LimitExceeded,
                    "the output would have " + std::to_string(canvas.width) + " x " + std::to_string(canvas.height) +
-                       " pixels; " + std::string(file.title) + " holds at most " + std::to_string(pixels->max_side) +
-                       " a side: take a smaller " + option + " or another format",
+                       " pixels; a side of a " + std::string(file.title) + " file has at most " +
+                       std::to_string(pixels->max_side) + ": choose a smaller " + option + " or another format",
                    field);
 }
 

@@ -21,9 +21,10 @@
 
 namespace ccdt::api {
 
-/// Writer of points as numbers. Stopped, it ends early, with nothing of use.
+/// Writer of points as numbers. A stop ends the output early and makes it useless.
 struct ListWriter {
-    bool repeats;  ///< the same bytes each time; not so if it tells how long computing took
+    bool repeats;  ///< whether the same points always give the same bytes; false if the output contains the computing
+                   ///< time
     void (&write)(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop);
     void (&write_map)(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop);
 };
@@ -31,17 +32,18 @@ struct ListWriter {
 /// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
 struct VectorWriter {
     void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page,
-                  const DrawingOptions& drawing, Body& body, const std::stop_token& hurry, const std::stop_token& stop);
+                  const DrawingOptions& drawing, Body& body, const std::stop_token& path_stop,
+                  const std::stop_token& stop);
     void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                      Body& body, const std::stop_token& hurry, const std::stop_token& stop);
-    Estimate per_turn_point;  ///< of a point of the circles or the spiral that fill a dot
+                      Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
+    Estimate per_turn_point;  ///< cost of a point of the circles or of the spiral that fill a dot
 
-    bool in_millimetres = false;  ///< its pages have a width in millimetres
-    bool by_pen = false;          ///< a pen draws, which can only add ink
+    bool in_millimetres = false;  ///< whether pages must have a width in millimetres
+    bool by_pen = false;          ///< whether the format is for pens, which can only add ink
 
-    /// Checks that the pen and the page suit the dots, as check_pen() and check_sides() do.
-    /// @param request  has `drawing` and `field_of(option)`
-    /// @param radius   of the largest dots, in the points' units
+    /// Checks the pen with check_pen(), and a page in millimetres with check_sides().
+    /// @param request  has members `drawing` and `field_of(option)`
+    /// @param radius   radius of the largest dots, in the units of the points
     /// Errors: Unusable.
     template <class Request>
     Result<void> check(const Request& request, double radius, const Page& page) const {
@@ -53,47 +55,49 @@ struct VectorWriter {
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
 struct RasterWriter {
-    int max_side;       ///< pixels
-    bool is_for_print;  ///< drawings are for printers unless a request says otherwise; else for screens
+    int max_side;       ///< maximum length of a side, in pixels
+    bool is_for_print;  ///< whether drawings in this format are by default for printers, not for screens
     Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
 
-    /// Writes inks that multiply apart from each other, as they are printed; null: the format holds but what is seen.
+    /// Writes inks that multiply as printing plates, one for each ink; null: the format stores only the visible
+    /// colours.
     Result<std::string> (*write_plates)(std::span<const Raster> plates, std::span<const Ink> inks,
                                         std::optional<double> width_mm, const std::stop_token& stop);
 };
 
-/// Format that points are answered in: a row of the table in formats.cpp. Writers are references, lest a row without
-/// one compile.
+/// Format of an answer with points: a row of the table in formats.cpp. Functions are references, so that a row without
+/// a function does not compile.
 struct PointFormat {
     FileFormat file;
-    std::size_t least;   ///< bytes that a site has at least
-    Estimate per_site;   ///< of writing
-    Estimate per_pixel;  ///< of writing, besides the raster
+    std::size_t least;   ///< minimum number of bytes that a site takes in the output
+    Estimate per_site;   ///< cost of writing a site
+    Estimate per_pixel;  ///< cost of writing a pixel, in addition to the cost of the raster
     std::variant<ListWriter, VectorWriter, RasterWriter> writer;
 
-    bool repeats_properties = false;  ///< of a feature, for each of its points
+    bool repeats_properties = false;  ///< whether it repeats a feature's properties for each of its points
 
-    /// The same with a GeoJSON Feature for each point; null: there is none, or each has one already.
+    /// Variant of this GeoJSON format that writes a Feature for each point; null: there is none, or this format does so
+    /// itself.
     const PointFormat* single_points = nullptr;
 
     bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
     const RasterWriter* raster() const { return std::get_if<RasterWriter>(&writer); }
     const VectorWriter* vector() const { return std::get_if<VectorWriter>(&writer); }
 
-    /// Tells whether the same request gets the same bytes each time.
+    /// Whether the same request always gets the same bytes.
     bool repeats() const;
 
     /// Checks that a drawing has a width in millimetres if its format or its style needs one.
-    /// @param field  of that option
+    /// @param field  field of the option width_mm
     /// Errors: Malformed.
     Result<void> check_drawing(const DrawingOptions& drawing, const std::string& field) const;
 
-    /// Checks the size of a canvas, which `option` makes smaller.
-    /// Errors: LimitExceeded for one that is larger than what the format holds.
+    /// Checks the size of a canvas. The error message recommends a smaller value of `option`.
+    /// Errors: LimitExceeded if a side is longer than the format allows.
     Result<void> check_side(const Canvas& canvas, const std::string& option, const std::string& field) const;
 };
 
-/// Formats of /halftone and /sample, in the server's order of preference.
+/// Returns the formats of an endpoint, in the server's order of preference.
 std::span<const PointFormat* const> halftone_formats();
 std::span<const PointFormat* const> sample_formats();
 

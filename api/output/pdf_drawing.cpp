@@ -33,13 +33,13 @@ cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
     }
 }
 
-/// Document of one page in the making, in millimetres from its upper left corner.
+/// PDF document of one page that is being written. Coordinates are millimetres from the upper left corner.
 class PdfPage {
 public:
     PdfPage(Point size, Body& body, const std::stop_token& stop) : stop_(stop), size_(size) {
         constexpr double kPoints = 72 / 25.4;  // per millimetre
         surface_.reset(cairo_pdf_surface_create_for_stream(hand_to, &body, kPoints * size.x, kPoints * size.y));
-        // The same drawing is the same bytes at any time.
+        // With a fixed date, the same drawing has the same bytes at any time.
         cairo_pdf_surface_set_metadata(surface_.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
         context_.reset(cairo_create(surface_.get()));
         cairo_scale(context_.get(), kPoints, kPoints);
@@ -53,7 +53,7 @@ public:
         fill(colour);
     }
 
-    /// Begins what is drawn as one before it is mixed with what is below it.
+    /// Begins a group. Its shapes are first combined with each other; the result is then mixed with the layers below.
     void begin_group() { cairo_push_group(context_.get()); }
 
     void end_group(Mixing mixing) {
@@ -64,7 +64,7 @@ public:
         cairo_set_operator(context_.get(), CAIRO_OPERATOR_OVER);
     }
 
-    /// Adds a disc of four cubic curves, whose radius is right to a third of a thousandth.
+    /// Adds a disc made of four cubic curves. The relative error of its radius is below 0.0003.
     void disc(Point centre, double radius) {
         constexpr double kArm = 0.5522847498307936;
         Point out{radius, 0};
@@ -92,7 +92,7 @@ public:
     void move_to(Point p) { cairo_move_to(context_.get(), p.x, p.y); }
     void line_to(Point p) { cairo_line_to(context_.get(), p.x, p.y); }
 
-    /// Adds a quadratic curve, as the cubic one that it is.
+    /// Adds a quadratic curve, converted exactly to a cubic one.
     void curve_to(Point control, Point end) {
         Point begin;
         cairo_get_current_point(context_.get(), &begin.x, &begin.y);
@@ -103,7 +103,7 @@ public:
 
     void close() { cairo_close_path(context_.get()); }
 
-    /// Fills the path by the even-odd rule, and clips by it what follows until end_clip().
+    /// Fills the path by the even-odd rule. Clips all shapes to the path until end_clip() is called.
     void fill_and_clip_even_odd(const Colour& colour) {
         cairo_set_fill_rule(context_.get(), CAIRO_FILL_RULE_EVEN_ODD);
         choose(colour);
@@ -135,7 +135,7 @@ private:
     std::unique_ptr<cairo_t, Release> context_;
 };
 
-/// Shapes that readers take at once: a path of many is slow to fill.
+/// Maximum number of shapes in a path. Viewers are slow to fill longer paths.
 constexpr std::size_t kChunk = 1'000;
 
 /// Strokes of a pen on a page.
@@ -147,7 +147,7 @@ public:
 
     void begin(Point at) {
         page_.move_to(at);
-        page_.line_to(at);  // of a touch: with round caps it is a disc
+        page_.line_to(at);  // a line of no length, which is a disc because of the round caps
         ++count_;
     }
 
@@ -165,7 +165,7 @@ private:
     std::size_t count_ = 0;
 };
 
-/// Draws discs, so many at a time.
+/// Draws discs. Each path has up to kChunk discs.
 template <class DrawDisc>
 void fill_discs(PdfPage& page, std::size_t count, const Colour& colour, DrawDisc&& draw_disc) {
     for (std::size_t i = 0; i < count && page.goes_on(); ++i) {
@@ -187,9 +187,9 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
     }
 }
 
-/// Draws a channel: ink dots, ink ground on them, and paper dots on that. Dots that the boundary of the ground cuts are
-/// in the first and in the last.
-/// @param ground  rings around ground that is ink
+/// Draws a channel in three layers from bottom to top: ink dots, black ground, paper dots. A dot on the boundary of the
+/// ground is drawn both as an ink dot and as a paper dot.
+/// @param ground  rings around black ground
 /// @param bare    colour of paper dots
 void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::vector<Point>> ground,
                   const Colour& bare, const Page& sheet, PdfPage& page) {
@@ -207,7 +207,7 @@ void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::
     page.end_clip();
 }
 
-/// Draws dots on both sides of the tonal scale; channels that have names mix.
+/// Draws dots on both sides of the tonal scale. Channels are mixed if they have names.
 void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& sheet, Body& body,
                      const std::stop_token& stop) {
     const Grounds& grounds = kinds.front().two_sides->grounds;
@@ -238,14 +238,14 @@ void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body
 }  // namespace
 
 void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
+               Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     if (inks.front().two_sides != nullptr) return write_two_sides(inks, palette, page, body, stop);
-    write_plot(plot_of(inks, page, drawing, hurry), palette, are_named(inks), body, stop);
+    write_plot(plot_of(inks, page, drawing, path_stop), palette, are_named(inks), body, stop);
 }
 
 void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
-    write_plot(plot_of(map, page, drawing, hurry, stop), palette, map.are_named(), body, stop);
+                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
+    write_plot(plot_of(map, page, drawing, path_stop, stop), palette, map.are_named(), body, stop);
 }
 
 }  // namespace ccdt::api

@@ -13,16 +13,17 @@
 
 namespace ccdt::api {
 
-/// Writes dots as a page of PDF that is as large as the drawing: discs, or the strokes of pens, and dots on both sides
-/// of the tonal scale with their ground. All are shapes, none pixels. Inks are groups that mix as in SVG.
+/// Writes dots as a PDF document of one page, which is as large as the drawing. Dots are discs or the strokes of pens.
+/// Dots on both sides of the tonal scale are drawn with their ground. The page has shapes only, no pixels. Each ink is
+/// a group; groups are mixed as in SVG.
 ///
-/// @param page   has a width in millimetres
-/// @param hurry  stopped, the paths are longer
-/// @param stop   stopped, it ends early, with nothing of use
+/// @param page       must have a width in millimetres
+/// @param path_stop  once stopped, the search for short paths ends, and the paths are longer
+/// @param stop       once stopped, writing ends early and the output is useless
 /// Throws std::bad_alloc if memory runs out.
 void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& hurry, const std::stop_token& stop);
+               Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
 void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& hurry, const std::stop_token& stop);
+                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
 
 }  // namespace ccdt::api

@@ -15,9 +15,9 @@
 namespace ccdt::api {
 namespace {
 
-/// Orders dots as a page has them.
-std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& hurry) {
-    if (page.along_path) return short_path(points, hurry);
+/// Returns the order in which dots are drawn on a page.
+std::vector<std::uint32_t> path_of(std::span<const Point> points, const Page& page, const std::stop_token& path_stop) {
+    if (page.along_path) return short_path(points, path_stop);
     std::vector<std::uint32_t> path(points.size());
     std::iota(path.begin(), path.end(), 0U);
     return path;
@@ -28,7 +28,7 @@ double distance(Point a, Point b) {
 }
 
 /// Appends a turn around the origin.
-/// @param from, to  its radii at the beginning and at the end
+/// @param from, to  radii at the beginning and at the end of the turn
 void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
     constexpr double kTolerance = 1.0 / 50;
     constexpr int kFewest = 8;
@@ -51,7 +51,7 @@ std::vector<Point> spiral(double reach, double pen) {
     return stroke;
 }
 
-/// The innermost circle covers the centre.
+/// Draws concentric circles, the innermost of which covers the centre.
 std::vector<Point> circles(double reach, double pen) {
     const double inner = std::min(reach, pen / 2);
     const int steps = static_cast<int>(std::ceil((reach - inner) / pen));
@@ -75,9 +75,10 @@ double length(std::span<const Point> stroke) {
     return sum;
 }
 
-/// Estimates how long a plotter draws so many dots; as dots_in() has it.
+/// Estimates the time in which a plotter draws a number of dots, by the model of dots_in().
 double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
-    constexpr double kOverlaps = 1.2;  // area of all dots over what they cover, in most pictures
+    constexpr double kOverlaps =
+        1.2;  // typical sum of the areas of all dots, divided by the area that the dots cover together
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
     const double each = radius.value_or(fitting);
     if (drawing.has_turns() && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
@@ -90,7 +91,7 @@ double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius
 }  // namespace
 
 std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
-    const double reach = radius - pen / 2;  // of the middle of the pen
+    const double reach = radius - pen / 2;  // radius of the outermost circle that the centre of the pen draws
     if (!(reach > 0)) return {{0, 0}};
     if (style == DotStyle::Spiral) return spiral(reach, pen);
     if (style == DotStyle::Circles) return circles(reach, pen);
@@ -103,8 +104,8 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
     append_shortest(message, drawing.pen_mm);
     message += " mm wide, but dots have a radius of ";
     append_rounded(message, radius * page.unit(), 2);
-    message += " mm: filling each would take more than " + std::to_string(kMostTurns) +
-               " turns; give a wider pen or more sites";
+    message += " mm: filling a dot would take more than " + std::to_string(kMostTurns) +
+               " turns; choose a wider pen or more sites";
     return failure(ErrorCode::Unusable, std::move(message), field);
 }
 
@@ -116,7 +117,7 @@ Result<void> check_sides(const Page& page, const std::string& field) {
     append_shortest(message, size.x);
     message += " x ";
     append_shortest(message, size.y);
-    message += " mm, whose sides must be from 0.01 to 100000 mm in this format";
+    message += " mm; in this format, its sides must be from 0.01 to 100000 mm";
     return failure(ErrorCode::Unusable, std::move(message), field);
 }
 
@@ -150,18 +151,18 @@ double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius,
 }
 
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
-             const std::stop_token& hurry) {
+             const std::stop_token& path_stop) {
     const std::vector<std::string> labels = pen_labels(inks_of(inks));
     Plot plot{page, drawing.style, drawing.plotter, {}};
     for (std::size_t i = 0; i < inks.size(); ++i) {
         plot.pens.push_back(make_pen(labels[i], inks[i].ink.colour, inks[i].radius * page.unit(), drawing));
         const std::span<const Point> points = inks[i].dots.points;
-        plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+        plot.pens.back().runs.push_back({points, path_of(points, page, path_stop)});
     }
     return plot;
 }
 
-Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& hurry,
+Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop) {
     const std::vector<std::string> labels = pen_labels(inks_of(map.classes));
     Plot plot{page, drawing.style, drawing.plotter, {}};
@@ -171,7 +172,7 @@ Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawi
         for_features(dots, [&, &all = dots.dots](std::uint32_t, std::size_t first, std::size_t count) {
             if (stop.stop_requested()) return;
             const auto points = std::span(all.points).subspan(first, count);
-            plot.pens.back().runs.push_back({points, path_of(points, page, hurry)});
+            plot.pens.back().runs.push_back({points, path_of(points, page, path_stop)});
         });
     }
     return plot;

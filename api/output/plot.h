@@ -21,74 +21,79 @@ namespace ccdt::api {
 /// Dots that a pen draws one after the other.
 struct PenRun {
     std::span<const Point> points;
-    std::vector<std::uint32_t> path;  ///< order of the points
+    std::vector<std::uint32_t> path;  ///< order in which the points are drawn, as indices
 };
 
 /// Strokes of one pen, in user units of the page.
 struct Pen {
-    std::string label;  ///< as pen_labels() makes it
+    std::string label;  ///< result of pen_labels()
     Colour colour;
-    double radius = 0;          ///< of its dots
-    double width = 0;           ///< of its strokes
-    std::vector<Point> stroke;  ///< that it draws for a dot, from the centre; one point: it touches the paper
+    double radius = 0;  ///< radius of the pen's dots
+    double width = 0;   ///< width of the pen's strokes
+    /// Polyline that the pen draws for each dot, relative to the dot's centre. One point: the pen only touches the
+    /// paper.
+    std::vector<Point> stroke;
     std::vector<PenRun> runs;
 };
 
-/// All strokes of a drawing: what SVG and the formats of plotters write, each in its own language.
+/// All strokes of a drawing, independent of the file format. SVG, PDF and the formats of plotters are written from it.
 struct Plot {
     const Page& page;
     DotStyle style;
     Plotter plotter;
     std::vector<Pen> pens;
 
-    /// Estimates how long a plotter draws: it moves at one speed, and lifts its pen between strokes.
-    /// Meaningful on pages that have a width in millimetres.
+    /// Estimates the time in which a plotter draws the plot, in seconds. The model: the pen moves at constant speed,
+    /// and is lifted between strokes. Meaningful only if the page has a width in millimetres.
     double seconds() const;
 };
 
-/// Ink that pens are to put on a page.
+/// Area of the ink that pens draw on a page.
 struct PlotInk {
-    double area = 0;    ///< mm2 that dots of all pens cover
-    double spread = 0;  ///< integral of the square root of each pen's share of the page, mm2
+    double area = 0;    ///< area that the dots of all pens cover, mm2
+    double spread = 0;  ///< sum over the pens of the integral of sqrt(coverage), mm2
 };
 
-/// Estimates how many dots a plotter draws in a time, as Plot::seconds() has it. The path through n dots, whose density
-/// is in proportion to the share c that they cover, is about sqrt(n) * integral of sqrt(c) / sqrt(integral of c) long
-/// (Beardwood, Halton and Hammersley 1959; the factor of 1 is that of short_path() on blue noise).
-/// @param radius  of the dots in millimetres; none: such that they cover the area
-/// @returns       whole, >= 0
+/// Estimates the number of dots that a plotter draws in a given time, by the model of Plot::seconds(). If the density
+/// of n dots is proportional to the coverage c, a short path through the dots has a length of about sqrt(n) * integral
+/// of sqrt(c) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the factor is about 1 for
+/// short_path() on blue noise.
+/// @param radius  radius of the dots in millimetres; none: chosen such that the dots cover ink.area
+/// @returns       an integer >= 0
 double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing);
 
-/// Turns of a spiral, or circles, that fill a dot at most.
+/// Maximum number of circles, or turns of a spiral, that fill a dot.
 inline constexpr int kMostTurns = 50;
 
-/// Draws a dot with a pen that is finer than it: Circles or Spiral, as a polyline from the centre of the dot. Turns are
-/// at most a pen's width apart, and the polyline keeps to them within a fiftieth of it.
-/// @param radius  at most kMostTurns pens
-/// @returns       one point for other styles, and for dots that are no wider than the pen
+/// Returns the polyline with which a pen fills a dot in the styles Circles and Spiral, relative to the dot's centre.
+/// Neighbouring circles or turns are at most one width of the pen apart. The polyline deviates from the exact curve by
+/// at most a fiftieth of that width.
+/// @param radius  at most kMostTurns widths of the pen
+/// @returns       one point, the centre, for other styles and for dots that are not wider than the pen
 std::vector<Point> dot_stroke(DotStyle style, double radius, double pen);
 
-/// Checks that a pen is not so fine that it would take more than kMostTurns to fill a dot.
-/// @param radius  of the dots, in the points' units
-/// @param field   of the option
+/// Checks that a pen is wide enough to fill a dot with at most kMostTurns circles or turns.
+/// @param radius  radius of the dots, in the units of the points
+/// @param field   field of the option `pen`
 /// Errors: Unusable.
 Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field);
 
-/// Checks that a page in millimetres has sides that machines and readers of files have room for.
-/// @param field  of the option width_mm
+/// Checks that the sides of a page are within the limits of machines and of programs that read the files.
+/// @param field  field of the option `width_mm`
 /// Errors: Unusable.
 Result<void> check_sides(const Page& page, const std::string& field);
 
-/// Plans the strokes of dots: each ink is a pen; of a map each class, with a run for each feature.
-/// Page, points and inks must outlive the plot.
-/// @param hurry  stopped, the paths are longer
+/// Plans the strokes of dots. Each ink, or each class of a dot map, has a pen. The dots of an ink are one run; the dots
+/// of a class are one run for each feature. Page, points and inks must outlive the plot.
+/// @param path_stop  once stopped, the search for short paths ends, and the paths are longer
 Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
-             const std::stop_token& hurry);
-Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& hurry,
+             const std::stop_token& path_stop);
+Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop);
 
-/// Draws a run in a medium, which has `bool goes_on()`, asked now and then, and `begin(Point)`, `line_to(Point)` and
-/// `end()` for each stroke; one without line_to() is a touch. Points are on the page, from its upper left corner.
+/// Draws a run with an object `medium`. For each stroke, calls medium.begin(Point), medium.line_to(Point) for the
+/// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.goes_on() from time
+/// to time, and returns early if it is false. Points are relative to the upper left corner of the page.
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
     constexpr std::size_t kBetween = 1'000;

@@ -20,20 +20,21 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kChunk = 10'000;  // dots between two looks at the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kUsualDot = 64;   // bytes
-constexpr int kDigits = 6;              // of a page's longer side
+constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
+constexpr std::size_t kUsualDot = 64;   // bytes of a dot
+constexpr int kDigits = 6;              // significant digits of the longer side of a page
 constexpr int kMostDecimals = 300;
 
-/// Attributes of a drawing with layers. Isolated, they do not mix with the page that the drawing stands on.
+/// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
+/// around the drawing.
 constexpr std::string_view kLayers =
     R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")";
 
-/// Points in the order of a path, as they lie on the page.
+/// Points of a path, in the order of the path and in coordinates of the page.
 class PlacedPath {
 public:
-    /// What is referred to must outlive it.
-    /// @param ranks  of the points, or none
+    /// All arguments must outlive this object.
+    /// @param ranks  of the points; may be empty
     PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
                const Placing& placing)
         : points_(points), ranks_(ranks), path_(path), placing_(placing) {}
@@ -60,7 +61,7 @@ private:
     const Placing& placing_;
 };
 
-/// Writes a text as the value of an attribute.
+/// Escapes a text for use as the value of an attribute.
 std::string escaped(std::string_view text) {
     std::string out;
     for (const char c : text) {
@@ -75,17 +76,17 @@ std::string escaped(std::string_view text) {
                 out += "&quot;";
                 break;
             default:
-                // Characters that XML 1.0 has no way to write.
+                // XML 1.0 cannot represent control characters.
                 out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
         }
     }
     return out;
 }
 
-/// SVG document of dots in the making.
+/// SVG document of dots that is being written.
 class DotDocument {
 public:
-    /// @param attributes  of the root, besides what it always has
+    /// @param attributes  additional attributes of the root element
     DotDocument(const Page& page, std::size_t dots, std::string_view attributes, Body& body)
         : body_(body),
           unit_(page.unit()),
@@ -104,7 +105,7 @@ public:
         write(R"(" viewBox="0 0 )", width_, " ", height_, "\">\n");
     }
 
-    /// Gives user units per unit of the points.
+    /// Returns the number of user units per unit of the points.
     double unit() const { return unit_; }
 
     void describe(std::size_t dots, double radius, double path, double original, std::string_view unit) {
@@ -117,10 +118,10 @@ public:
         write(R"(<rect width=")", width_, R"(" height=")", height_, R"(" fill=")", hexadecimal(colour), "\"/>\n");
     }
 
-    /// Begins a layer of the drawing. Its id numbers it for programs that change pens between layers.
+    /// Begins a layer of the drawing. Programs that change pens between layers read the layer's number in its id.
     /// @param number  from 1, in drawing order
-    /// @param blend   of CSS; empty: the layer hides what is below it
-    /// @param clip    id of the path outside of which nothing is seen; empty: none
+    /// @param blend   blend mode of CSS; empty: the layer hides the layers below it
+    /// @param clip    id of the path to which the layer is clipped; empty: none
     void begin_layer(std::size_t number, std::string_view label, std::string_view blend, std::string_view clip = {}) {
         write(R"(<g id="layer)", std::to_string(number), R"(" inkscape:groupmode="layer" inkscape:label=")",
               escaped(label), "\"");
@@ -146,7 +147,7 @@ public:
         write(R"(<clipPath id=")", id, R"("><path clip-rule="evenodd" d=")", data, "\"/></clipPath>\n");
     }
 
-    /// @param radius_of  the radius of each dot of the path
+    /// @param radius_of  returns the radius of a dot, by its index in the path
     template <class RadiusOf>
     void discs(const PlacedPath& centres, const RadiusOf& radius_of, const Colour& colour,
                const std::stop_token& stop) {
@@ -171,8 +172,8 @@ public:
     void finish() { write("</svg>\n"); }
 
 private:
-    /// Writes strokes as paths of a length that programs read. Programs for plotters leave out strokes of no length, so
-    /// a touch of the pen has some.
+    /// Writes strokes as paths that are short enough for programs that read SVG. Programs for plotters omit strokes of
+    /// no length, so a touch of the pen is a very short stroke.
     class Strokes {
     public:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
@@ -188,7 +189,7 @@ private:
         }
 
         void line_to(Point at) {
-            // A line that goes on needs a path of its own after so many points.
+            // A longer line is continued in another path.
             constexpr std::size_t kLongest = 250'000;
             document_.write("L", at.x, " ", at.y);
             is_touch_ = false;
@@ -211,9 +212,9 @@ private:
 
     private:
         DotDocument& document_;
-        double touch_;  ///< length of it
+        double touch_;  ///< length of a touch
         const std::stop_token& stop_;
-        std::size_t points_ = 0;  ///< in the path that is open
+        std::size_t points_ = 0;  ///< number of points in the open path
         bool is_touch_ = false;
     };
 
@@ -226,7 +227,7 @@ private:
         write("</g>\n");
     }
 
-    /// Calls function(first, end) for each so many dots, until it is stopped or nobody takes them.
+    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the taker of the body fails.
     template <class Function>
     void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
         for (std::size_t i = 0; i < centres.size() && body_.hand_on() && !stop.stop_requested(); i += kChunk)
@@ -254,7 +255,7 @@ std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
     return result;
 }
 
-/// Adds the copies of dots that reach in from beyond the border of a torus.
+/// Adds copies of the dots that cross the border of a torus, at the opposite side.
 void add_copies(std::vector<Point>& dots, Point size, double radius) {
     for (const bool along_x : {true, false}) {
         const double period = along_x ? size.x : size.y;
@@ -268,9 +269,9 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
-/// Draws a run of dots, and has the document tell of it before.
-/// @param ranks  of the dots, or none
-/// @param paper  that lies below them, if any
+/// Writes a description of a run of dots, then the dots.
+/// @param ranks  of the dots; may be empty
+/// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
           const Colour* paper, DotDocument& document, const std::stop_token& stop) {
     const Placing place(plot.page, document.unit());
@@ -281,7 +282,7 @@ void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const s
     document.dots(plot, pen, run, dots, stop);
 }
 
-/// Writes the ground's outline as path data of SVG.
+/// Converts the outline of the ground to path data of SVG.
 std::string curves(std::span<const std::vector<Point>> rings, const Page& page, int decimals) {
     std::string data;
     const auto append = [&](std::string_view command, Point p) {
@@ -307,11 +308,11 @@ std::string curves(std::span<const std::vector<Point>> rings, const Page& page, 
 
 /// Orders some dots along a short path.
 std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, std::span<const Point> points,
-                                        const std::stop_token& hurry) {
+                                        const std::stop_token& path_stop) {
     std::vector<Point> own;
     for (const std::uint32_t i : numbers) own.push_back(points[i]);
     std::vector<std::uint32_t> path;
-    for (const std::uint32_t i : short_path(own, hurry)) path.push_back(numbers[i]);
+    for (const std::uint32_t i : short_path(own, path_stop)) path.push_back(numbers[i]);
     return path;
 }
 
@@ -320,24 +321,26 @@ std::string id_of(const Ink& ink) {
     return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
 }
 
-/// Draws dots on both sides of the tonal scale, of each channel as three layers: ink dots, ink ground on them, paper
-/// dots on that. Dots that the boundary of the ground cuts are in the first and in the last; the ground covers those in
-/// the first, and those in the last are clipped by it, so that each part has the colour opposite to its ground.
+/// Draws dots on both sides of the tonal scale. Each channel has three layers, from bottom to top: ink dots, black
+/// ground, paper dots. A dot on the boundary of the ground is both an ink dot and a paper dot. The black ground hides
+/// ink dots, and paper dots are clipped to the black ground. Thus each part of a dot has the colour opposite to its
+/// ground.
 void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& page, Body& body,
-                    const std::stop_token& hurry, const std::stop_token& stop) {
+                    const std::stop_token& path_stop, const std::stop_token& stop) {
     const Grounds& grounds = kinds.front().two_sides->grounds;
     const bool layered = are_named(kinds);
     const Colour bare = bare_colour(kinds, palette);
     std::vector<ChannelDots> channels;
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
         ChannelDots& dots = channels.emplace_back(dots_of_channel(kinds, c));
-        dots.ink = path_through(dots.ink, dots.points, hurry);
-        dots.paper = path_through(dots.paper, dots.points, hurry);
+        dots.ink = path_through(dots.ink, dots.points, path_stop);
+        dots.paper = path_through(dots.paper, dots.points, path_stop);
     }
     DotDocument document(page, count_points(kinds), kLayers, body);
     const Placing place(page, document.unit());
     const std::vector<std::string> labels = pen_labels(grounds.inks);
-    std::size_t number = layered ? channels.size() : 0;  // layers at the top come first, for programs that number these
+    // Top-level layers get the first numbers, because some programs number only top-level layers.
+    std::size_t number = layered ? channels.size() : 0;
     document.paper(palette.paper);
     for (std::size_t c = 0; c < channels.size(); ++c) {
         const ChannelDots& dots = channels[c];
@@ -389,11 +392,11 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 }
 
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, hurry, stop);
+               Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
+    if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, path_stop, stop);
     const bool layered = are_named(inks);
     const bool has_paper = drawing.style == DotStyle::Fill;
-    const Plot plot = plot_of(inks, page, drawing, hurry);
+    const Plot plot = plot_of(inks, page, drawing, path_stop);
     if (page.width_mm) body.tell_plot(plot.seconds());
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
@@ -408,15 +411,16 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
 }
 
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& hurry, const std::stop_token& stop) {
-    const Plot plot = plot_of(map, page, drawing, hurry, stop);
+                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
+    const Plot plot = plot_of(map, page, drawing, path_stop, stop);
     if (page.width_mm) body.tell_plot(plot.seconds());
     DotDocument document(page, map.size(), kLayers, body);
     if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
     for (std::size_t number = 0; number < map.classes.size(); ++number) {
         const ClassDots& dots = map.classes[number].dots;
         const Pen& pen = plot.pens[number];
-        // Also the only class is a layer: programs for plotters take each group at the top for one.
+        // Even a single class needs a layer: programs for plotters treat each top-level group as a layer, and the
+        // features are groups.
         const std::string prefix = map.are_named() ? "class-" + std::to_string(number) + "-feature-" : "feature-";
         document.begin_layer(number + 1, pen.label, "multiply");
         std::size_t run = 0;

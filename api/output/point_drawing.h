@@ -16,47 +16,50 @@
 
 namespace ccdt::api {
 
-/// Makes the canvas that shows a box at a scale, at least a pixel each way and at most as many as an int can tell.
+/// Returns the canvas that shows a box at a scale. Sides are clamped to at least one pixel and at most the largest int.
 /// @param scale  > 0
 Canvas canvas_of(const Box& box, double scale);
 
-/// Tells whether a canvas has that many pixels at most.
+/// Returns whether a canvas has at most `max_pixels` pixels.
 bool fits(const Canvas& canvas, std::size_t max_pixels);
 
-/// Finds the largest scale, up to one that is wished for, at which a box has that many pixels at most.
+/// Returns the largest scale, up to `wished`, at which a box has at most `max_pixels` pixels.
 /// @param wished      > 0, finite
 /// @param max_pixels  >= 1
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
 /// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
 /// units of the points. The origin is the upper left corner of the page. The dots of each ink are ordered along a
-/// short path, and the element `desc` gives its length and the length in the original order. Circles of dots with
-/// ranks have them as `data-rank`. The paper is drawn for discs only, because a pen would draw it, too.
+/// short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
+/// ranks, their circles have the attribute `data-rank`. The paper is drawn only if dots are discs, because in drawings
+/// for pens a pen would draw the paper, too.
 ///
-/// Inks with names are layers for Inkscape and programs for plotters, so that pens can be changed between them. Their
-/// ids are `layer1`, `layer2` and so on. Their labels have no digits, because those programs take digits for the
-/// number.
+/// Inks with names are layers, as Inkscape and programs for plotters understand them, so that pens can be changed
+/// between layers. The ids of layers are `layer1`, `layer2` and so on. The labels of layers have no digits, because
+/// programs for plotters read digits in a label as the layer's number.
 ///
 /// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
-/// each channel is a layer of these three.
+/// each channel is a layer that contains these three.
 ///
-/// @param inks     with the radius of their dots: at most a small multiple of the page's longer side
-/// @param palette  the palette of the inks
-/// @param hurry    once stopped, the paths are longer; no output is written before all paths are found
-/// @param stop     once stopped, writing ends early and the output is useless
+/// @param inks       the radius of dots must be at most a small multiple of the page's longer side
+/// @param palette    the palette of the inks
+/// @param path_stop  once stopped, the search for short paths ends, and the paths are longer; output begins after the
+///                   search
+/// @param stop       once stopped, writing ends early and the output is useless
 void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+               Body& body, const std::stop_token& path_stop = {}, const std::stop_token& stop = {});
 
-/// Writes the dots of a map as SVG, as write_svg() does: in each class, which is a layer, a group for each feature,
-/// whose id is `feature-` and the index of the feature, of classes with names with the class' number in front. Paths
-/// are short within a group.
+/// Writes the dots of a map as SVG, like write_svg(). Each class is a layer, with a group for each feature. The id of a
+/// group is `feature-2` for the feature with index 2, or `class-1-feature-2` if classes have names. The dots of each
+/// group are ordered along a short path.
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& hurry = {}, const std::stop_token& stop = {});
+                   Body& body, const std::stop_token& path_stop = {}, const std::stop_token& stop = {});
 
-/// Draws dots antialiased; on a torus they come in again where they leave it, so that the picture tiles.
+/// Draws dots with antialiasing. On a torus, dots that cross the border reappear at the opposite side, so the picture
+/// tiles.
 ///
-/// @param radius  of the dots, in the points' units; at most a few of the page's longer side
-/// @param stop    stopped, it ends early, with nothing of use
+/// @param radius  radius of the dots, in the units of the points; at most a small multiple of the page's longer side
+/// @param stop    once stopped, drawing ends early and the result is useless
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

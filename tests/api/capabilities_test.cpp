@@ -24,19 +24,19 @@ Json capabilities(const Limits& limits = {}) {
     return Json::parse(capabilities_json(limits));
 }
 
-/// The document that describes the service to its clients.
+/// Returns the OpenAPI document of the service.
 const Json& openapi() {
     static const Json document = Json::parse(std::ifstream(CCDT_OPENAPI));
     return document;
 }
 
-/// A node, or what it refers to.
+/// Returns a node of the OpenAPI document, or the node that it refers to.
 const Json& resolve(const Json& node) {
     if (!node.contains("$ref")) return node;
     return openapi().at(Json::json_pointer(node.at("$ref").get<std::string>().substr(1)));
 }
 
-/// Adds the properties of a schema, and of those that it includes.
+/// Adds the properties of a schema and of the schemas that it includes.
 void add_properties(const Json& schema, Json& properties) {
     if (schema.contains("allOf")) {
         for (const Json& part : schema.at("allOf")) add_properties(resolve(part), properties);
@@ -88,7 +88,7 @@ TEST_P(Documented, ListDocumentedOptions) {
     std::set<std::string> documented;
     const Json properties = properties_of(GetParam().schema);
     for (const auto& [name, schema] : properties.items()) documented.insert(name);
-    documented.erase("image");  // the picture itself is no option
+    documented.erase("image");  // the picture itself is not an option
     const Json options = capabilities().at(GetParam().name).at("options");
     EXPECT_EQ(options.get<std::set<std::string>>(), documented);
 }
@@ -106,8 +106,8 @@ TEST(Capabilities, ListDocumentedMethods) {
     }
 }
 
-/// Of an option of few words that is given another: the error names those that there are.
-std::string objection(const std::string& option) {
+/// Returns the error for an unknown value of an option, which lists the valid values.
+std::string error_for(const std::string& option) {
     const auto request = parse_halftone(fixture("rgba.png"), {{option, "?"}}, "", {});
     return request ? "" : request.error().message;
 }
@@ -121,7 +121,7 @@ TEST(Capabilities, MatchDocumentedEnumerations) {
         std::string expected = option + " is '?', but must be";
         for (const Json& word : schema.at("enum"))
             expected += (word == schema.at("enum").front() ? " '" : " or '") + word.get<std::string>() + "'";
-        EXPECT_EQ(objection(option), expected);
+        EXPECT_EQ(error_for(option), expected);
         ++words;
     }
     EXPECT_GE(words, 5);

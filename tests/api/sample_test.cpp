@@ -151,7 +151,7 @@ TEST(SampleRequest, ReadsGeoJsonDocumentWithSeparateOptions) {
     EXPECT_EQ(parse_sample('{' + kSquare + R"(,"sites":9})", {{"seed", "1"}}, "", {}).error().field, "seed");
     EXPECT_EQ(parse_sample(R"({"type":"Polygon"})", {{"sites", "9"}}, "", {}).error().field, "/coordinates");
     EXPECT_EQ(parse_sample(R"({"type":"Point","coordinates":[1,2]})", {{"sites", "9"}}, "", {}).error().message,
-              "the body must be a Polygon, a MultiPolygon, or a Feature or a collection of such, not a Point");
+              "the body must be a Polygon, a MultiPolygon, a Feature of one, or a collection of these, not a Point");
 }
 
 TEST(SampleRequest, PointsToInvalidMember) {
@@ -212,7 +212,7 @@ TEST(SampleRequest, PointsToInvalidMember) {
     }
 }
 
-/// Fields of all that is wrong with a request.
+/// Returns the fields of all errors of a request.
 std::vector<std::string> fields_of(const Result<SampleRequest>& request) {
     if (request) return {};
     std::vector<std::string> fields = {request.error().field};
@@ -377,7 +377,7 @@ TEST(Sample, ReturnsTheMeshOnRequest) {
     EXPECT_EQ(json.at("boundary").size(), 1U);
 }
 
-/// Share of the points above the middle of the rectangle.
+/// Returns the share of the points above `middle`.
 double share_above(const nlohmann::json& json, double middle) {
     const auto& points = json.at("points");
     const auto above = std::count_if(points.begin(), points.end(), [&](const auto& p) { return p[1] > middle; });
@@ -391,7 +391,7 @@ TEST(Sample, PutsFirstRowOfDensityGridAtBottom) {
 }
 
 TEST(Sample, PutsFirstRowOfDensityImageAtTop) {
-    // One black pixel above one white.
+    // A black pixel above a white one.
     const auto json = sample(R"({"sites":100,"domain":{"type":"rectangle","width":10,"height":4},"density":{"image":
         "iVBORw0KGgoAAAANSUhEUgAAAAEAAAACCAAAAAC86un7AAAADElEQVR4nGNgYPgPAAEDAQAIicLsAAAAAElFTkSuQmCC"}})");
     EXPECT_GT(share_above(json, 2), 0.95);
@@ -433,7 +433,7 @@ TEST(Sample, RepairsPolygonsAndReportsIt) {
         ASSERT_TRUE(result) << format;
         EXPECT_EQ(nlohmann::json::parse(result->repaired), expected) << format;
     }
-    EXPECT_TRUE(answer(bow + '}')->repaired.empty()) << "the body tells";
+    EXPECT_TRUE(answer(bow + '}')->repaired.empty()) << "JSON reports it in the body";
     EXPECT_FALSE(sample('{' + kSquare + R"(,"sites":3})").contains("repaired"));
 }
 
@@ -450,7 +450,7 @@ TEST(Sample, WarnsIfCoordinatesLookLikeDegrees) {
         "many to a square kilometre at latitude 71 as at 58";
     const auto expected = nlohmann::json::array({{{"pointer", "/geometry/coordinates"}, {"detail", detail}}});
     EXPECT_EQ(json.at("warnings"), expected);
-    EXPECT_TRUE(answer(norway + '}')->warnings.empty()) << "the body tells";
+    EXPECT_TRUE(answer(norway + '}')->warnings.empty()) << "JSON reports it in the body";
     for (const char* format : {"csv", "geojson", "svg"})
         EXPECT_EQ(nlohmann::json::parse(answer(norway + R"(,"format":")" + format + "\"}")->warnings), expected);
     EXPECT_TRUE(sample(box(-180, -90, 180, 90) + '}').contains("warnings"));
@@ -473,7 +473,7 @@ TEST(Sample, IsUniformOnGroundForCoordinatesInDegrees) {
         north += latitude > 30 ? 1 : 0;
         east += longitude < 0 ? 1 : 0;
     }
-    EXPECT_NEAR(north, 492, 15) << "sin 30 degrees over sin 80, about";
+    EXPECT_NEAR(north, 492, 15) << "about 1 - sin 30 degrees / sin 80 degrees of the area";
     EXPECT_NEAR(east, 667, 15);
     EXPECT_NE(sample(box + R"(,"method":"cvt"})").at("points"), json.at("points"));
     const auto feature = nlohmann::json::parse(answer(box + R"(,"format":"geojson"})")->body);
@@ -496,7 +496,7 @@ TEST(Sample, RejectsCoordinatesOffTheGlobe) {
         EXPECT_EQ(result.error().code, ErrorCode::Unusable);
         EXPECT_EQ(result.error().field, field);
     }
-    // The edge along the pole, which is no part of the request, is in the way of the other part.
+    // The reader adds an edge along the pole, which crosses the other part.
     const auto tip = sample(R"({"geometry":{"type":"MultiPolygon","coordinates":[[[[0,80],[120,80],[240,80]]],
         [[[10,89],[20,89],[20,90],[10,90]]]]})" +
                             lonlat);
@@ -546,7 +546,7 @@ TEST(Sample, RejectsZeroDensity) {
     EXPECT_TRUE(result.error().field.starts_with("/density"));
 }
 
-/// Numbers are promised wherever an answer may hold them: null would stand for one that is none.
+/// Checks that an answer contains neither NaN nor infinity, for which JSON has null.
 void expect_numbers(const Answer& answer, const std::string& request) {
     for (const std::string_view word : {"null", "nan", "inf"})
         EXPECT_EQ(answer.body.find(word), std::string::npos) << word << " for " << request;
@@ -672,7 +672,7 @@ TEST(Sample, ReturnsPartialResultOnRequest) {
 
 const std::string kTwenty = kSquare + R"(,"sites":20)";
 
-/// Points as a sorted list.
+/// Returns the points in sorted order.
 nlohmann::json sorted(nlohmann::json points) {
     std::sort(points.begin(), points.end());
     return points;

@@ -12,13 +12,13 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMost = 4'096;  ///< pixels of a picture, or bytes of a text
+constexpr std::size_t kMost = 4'096;  ///< limit of a picture's pixels or a text's bytes
 
 bool is_share(float value) {
     return value >= 0 && value <= 1;
 }
 
-/// @param light  a plane
+/// Checks that a picture has the size that it claims, within the limit.
 template <class AnyPicture>
 void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.width >= 1 && picture.height >= 1);
@@ -27,7 +27,7 @@ void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
 }
 
-/// Every value can be read, and whatever it is becomes a tone.
+/// Checks that any value of a picture is converted to a valid coverage.
 void check_product(const Picture& picture) {
     check_size(picture, picture.luminance);
     for (const Tone tone : {Tone::Linear, Tone::Perceptual, Tone::Density}) {
@@ -44,7 +44,7 @@ void check_product(const ColourPicture& picture) {
     }
 }
 
-/// A text is copied, whatever it is.
+/// Checks the size of a text; its content may be anything.
 void check_product(const std::string& text) {
     CCDT_CHECK(text.size() <= kMost);
 }
@@ -69,7 +69,7 @@ void check_reply(const std::uint8_t* data, std::size_t size) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Memory that a child shares with the server, as it may leave it after decoding a file.
+/// Reads the input as a decoder's reply: the memory that a child shares with the server.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::Picture>>(data, size);
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::ColourPicture>>(data, size);

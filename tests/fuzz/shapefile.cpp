@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMaxBytes = 65'536;
 
-/// Whatever an archive holds, it becomes GeoJSON that is read as such, or an error.
+/// Checks that an archive is converted to valid GeoJSON or refused with a valid error.
 void check_archive(const std::string& archive) {
     std::string text;
     const auto take = [&text](std::string_view piece) {
@@ -28,14 +28,14 @@ void check_archive(const std::string& archive) {
     const auto document = api::JsonDocument::parse(text);
     CCDT_CHECK(document && api::is_geojson(document->root()));
     const auto polygon = api::read_geometry({"the body", "", document->root()});
-    CCDT_CHECK(polygon || polygon.error().message == "the body holds no polygon");
+    CCDT_CHECK(polygon || polygon.error().message == "the body contains no polygon");
 }
 
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// A zip archive, or else the files of one: a number of 16 bits, a .shp file of that size, and a .dbf file. Few changes
-/// of an archive keep its checksums right.
+/// Reads a shapefile. The input is a zip archive, or else the files for one: a 16-bit size, a .shp file of that size,
+/// and a .dbf file. The second form exists because most mutations of an archive invalidate its checksums.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const std::string input(fuzz::text_of(data, size));

@@ -11,10 +11,10 @@ import tempfile
 import threading
 import time
 
-from harness import PATIENCE
+from harness import PATIENCE, wait_until
 
-# Debian's redis-server is a link to this program, which acts according to the name by which it is called. The package
-# of redis-server would start a daemon; the one with this program does not.
+# Debian's redis-server is a link to this program, which behaves according to the name in its first argument. Installing
+# the package redis-server would start a daemon; the package with this program does not.
 PROGRAM = "/usr/bin/redis-check-rdb"
 
 
@@ -25,7 +25,7 @@ def free_port():
 
 
 class Redis:
-    """A Redis on a free port, with an append-only file in a folder of its own."""
+    """A Redis server on a free port, with an append-only file in a temporary folder."""
 
     def __init__(self, *flags, certificate=None):
         self.folder = tempfile.TemporaryDirectory()
@@ -47,18 +47,19 @@ class Redis:
 
     def start(self):
         self.process = subprocess.Popen(self.command, executable=PROGRAM, stdout=subprocess.DEVNULL)
-        end = time.monotonic() + PATIENCE
-        while True:
-            try:
-                with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as connection:
-                    if self.certificate:
-                        return
-                    connection.sendall(b"PING\r\n")
-                    if not connection.recv(100).startswith(b"-LOADING"):
-                        return
-            except OSError:
-                if time.monotonic() > end or self.process.poll() is not None:
-                    raise AssertionError(pathlib.Path(self.folder.name, "log").read_text()) from None
+        wait_until(self._replies, "redis-server to reply")
+
+    def _replies(self):
+        try:
+            with socket.create_connection(("127.0.0.1", self.port), timeout=PATIENCE) as connection:
+                if self.certificate:
+                    return True
+                connection.sendall(b"PING\r\n")
+                return not connection.recv(100).startswith(b"-LOADING")
+        except OSError:
+            if self.process.poll() is not None:
+                raise AssertionError(pathlib.Path(self.folder.name, "log").read_text()) from None
+            return False
 
     def cli(self, *arguments):
         told = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
@@ -84,7 +85,7 @@ class Redis:
 
 
 class SlowWay:
-    """A proxy in front of a Redis that delays each of its answers."""
+    """A proxy that delays each reply of a Redis."""
 
     def __init__(self, redis, seconds):
         self.redis, self.seconds = redis, seconds

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The real server under test, and curl as its client.
+"""Starts the server under test, and sends requests to it by curl.
 
-The environment variable CCDT_SERVER holds the path of the program.
+The environment variable CCDT_SERVER contains the path of the program.
 """
 
 import base64
+import inspect
 import io
 import json
 import os
@@ -25,33 +26,37 @@ DATA = ROOT / "tests" / "data"
 PICTURES = DATA / "images"
 POLYGONS = DATA / "polygons"
 
-# Filled by tests/run. Tests run the Node.js of tests/page/package.json, never the machine's.
+# Installed by tests/run. Tests use the Node.js of tests/page/package.json, never that of the machine.
 TOOLS = pathlib.Path(os.environ.get("CCDT_TOOLS", ROOT / "build" / "tools"))
 NODE_MODULES = TOOLS / "page" / "node_modules"
 NODE = TOOLS / "page" / "node"
 
-# Seconds within which anything that must happen soon happens. Only a fault makes a test wait this long.
+# Time limit of a wait, in seconds. Only a fault makes a test wait this long.
 PATIENCE = 120
 
 
-def wait_until(condition):
-    """Waits until a condition holds, and returns its value."""
+def wait_until(condition, what=None):
+    """Waits until a condition holds, and returns its value.
+
+    `what` describes the condition in the message of a failure; by default, that contains the condition's source.
+    """
     end = time.monotonic() + PATIENCE
     while not (found := condition()):
         if time.monotonic() > end:
-            raise AssertionError("waited in vain")
+            what = what or inspect.getsource(condition).strip()
+            raise AssertionError(f"waited {PATIENCE} s for: {what}\nlast value: {found!r}")
     return found
 
 
 class Server:
-    """A running server on a port of its own. Its log is kept.
+    """A running server on a free port, and its log.
 
-    By default it has no cache, and computes as long as a client waits, because its workers yield to everything else on
-    the machine and are slow on a busy one.
+    By default it has no cache. Its timeout is as long as clients wait, because its workers have a low priority and are
+    slow on a busy machine.
     """
 
     def __init__(self, *flags, environment=None, program=None, limit=None):
-        limits = ["prlimit", limit] if limit else []  # which execs the server
+        limits = ["prlimit", limit] if limit else []  # prlimit executes the server in the same process
         command = [*limits, program or os.environ["CCDT_SERVER"], "--port=0", "--cache=0", f"--timeout={PATIENCE}",
                    *flags]
         self.process = subprocess.Popen(
@@ -71,7 +76,7 @@ class Server:
         self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)
 
     def keeps(self, line):  # pylint: disable=unused-argument
-        """Returns whether a line of the log is worth its memory."""
+        """Returns whether a line of the log is stored. Subclasses override this to save memory."""
         return True
 
     def _read_log(self):
@@ -84,13 +89,15 @@ class Server:
             self.news.notify_all()
 
     def wait_for_log(self, text):
+        """Waits for a line that contains `text`, and returns it."""
         def find():
             return next(((line,) for line in self.lines if line is None or text in line), None)
 
         with self.news:
             (line,) = self.news.wait_for(find, PATIENCE) or (None,)
         if line is None:
-            raise AssertionError(f"no '{text}' in the log:\n{self.log()}")
+            raise AssertionError(f"waited {PATIENCE} s, or until the end of the server, for '{text}' in the log:\n"
+                                 f"{self.log()}")
         return line
 
     def log(self):
@@ -104,7 +111,7 @@ class Server:
         self.process.send_signal(number)
 
     def wait(self):
-        """Waits for the end, and returns the exit code."""
+        """Waits for the end of the server, and returns its exit code."""
         code = self.process.wait(PATIENCE)
         self.reader.join()
         self.process.stderr.close()
@@ -139,7 +146,7 @@ class Answer:
         return json.loads(self.body)
 
     def picture(self, mode=None):
-        """Returns the pixels, as they are or in one of Pillow's modes; in pictures of one bit, white is 1."""
+        """Returns the pixels, unchanged or converted to one of Pillow's modes. In bilevel pictures, white is 1."""
         return pixels(self.body, mode)
 
     def __repr__(self):
@@ -147,7 +154,7 @@ class Answer:
 
 
 def _parse(head):
-    """Parses the last of several heads, as after 100 Continue."""
+    """Parses the last head; there are several after 100 Continue."""
     lines = head.decode("latin-1").strip().split("\r\n\r\n")[-1].split("\r\n")
     headers = {}
     for line in lines[1:]:
@@ -171,7 +178,7 @@ class Call:
             sent.write_bytes(data if isinstance(data, bytes) else data.encode())
             command += ["--data-binary", f"@{sent}"]
         if "--head" in arguments:
-            self.body = pathlib.Path(os.devnull)  # curl writes the head there
+            self.body = pathlib.Path(os.devnull)  # curl would write the head to the body's file
         self.process = subprocess.Popen([*command, url], stderr=subprocess.PIPE, text=True)
 
     def answer(self):
@@ -183,7 +190,7 @@ class Call:
             return Answer(status, headers, self.body.read_bytes() if self.body.is_file() else b"")
 
     def abandon(self):
-        """Ends curl, as if the client went away."""
+        """Kills curl, so that the client disconnects."""
         with self.folder:
             self.process.kill()
             self.process.communicate()
@@ -199,28 +206,29 @@ def post_json(server, path, body, *arguments):
 
 
 def figures_at_rest(server):
-    """Returns the figures of /metrics once all answers are counted, which happens after they are sent."""
-    told = ask(server, "/metrics").body.decode()
-    while "\nccdt_connections_open 1\n" not in told:
+    """Returns /metrics once all answers are counted, which happens after they are sent."""
+    def find():
         told = ask(server, "/metrics").body.decode()
-    return told
+        return told if "\nccdt_connections_open 1\n" in told else None
+
+    return wait_until(find, "the end of all other connections")
 
 
 class ServerCase(unittest.TestCase):
-    """Tests that share a server."""
+    """A test case whose tests share a server."""
 
     flags = ()
     program = None
 
     @classmethod
     def setUpClass(cls):
-        # Ends the server even if the set-up of a subclass fails: unittest then skips tearDownClass.
+        # If the set-up of a subclass fails, unittest skips tearDownClass, but ends this context.
         cls.server = cls.enterClassContext(Server(*cls.flags, program=cls.program))
 
     @classmethod
     def tearDownClass(cls):
         if cls.server.stop() != 0:
-            raise AssertionError("the server did not end well:\n" + cls.server.log())
+            raise AssertionError("the server did not exit with 0:\n" + cls.server.log())
 
     def ask(self, path, *arguments, data=None):
         return ask(self.server, path, *arguments, data=data)
@@ -249,7 +257,7 @@ class ServerCase(unittest.TestCase):
 
 
 def file_of(picture, kind="PNG"):
-    """Returns the bytes of a file, from an array of grey levels or colours of 8 bits."""
+    """Encodes an array of 8-bit grey levels or colours as a file, and returns its bytes."""
     file = io.BytesIO()
     Image.fromarray(numpy.asarray(picture, dtype=numpy.uint8)).save(file, kind)
     return file.getvalue()

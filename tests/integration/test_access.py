@@ -173,7 +173,7 @@ class Origins(ServerCase):
 
 
 class Hosts(unittest.TestCase):
-    """Host names of requests. A stranger's name may resolve to loopback, too."""
+    """Host names of requests. They are checked because foreign names may resolve to loopback, too."""
 
     def statuses(self, server, *hosts):
         return [ask(server, "/capabilities", "--header", f"Host: {host}").status for host in hosts]
@@ -270,6 +270,7 @@ class Log(unittest.TestCase):
     parent = "b7ad6b7169203331"
 
     def ask_all(self, server):
+        server.wait_for_log("pictures are decoded")
         ask(server, "/health", "--header", f"traceparent: 00-{self.trace}-{self.parent}-01")
         for bad in ("00-" + "0" * 32 + f"-{self.parent}-01", f"00-{self.trace.upper()}-{self.parent}-01",
                     f"ff-{self.trace}-{self.parent}-01", "evil\x1b[31m\t\"}", f"00-{self.trace}-{self.parent}-01-x"):
@@ -301,7 +302,7 @@ class Log(unittest.TestCase):
         self.check_clean(server.log(), lines)
 
     def check_clean(self, log, lines):
-        self.assertEqual(len(lines), 13, "two lines at the start, two at the end, one for each request")
+        self.assertEqual(len(lines), 13, "two lines at the start, two at the end, and one for each request")
         self.assertNotRegex(log, r"[^\x20-\x7e\n]")
         self.assertNotIn("evil\"", log)
         self.assertNotIn("Bearer", log)

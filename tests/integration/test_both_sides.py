@@ -194,14 +194,14 @@ class Colour(ServerCase):
 
 
 class Palettes(ServerCase):
-    """Inks of one's own."""
+    """Custom palettes."""
     RISO = ["ff48b0", "0078bf", "ffe800", "000000", "00a95c", "ff6c2f"]
 
     def query(self, count):
         return "&palette=" + ",".join("%23" + ink for ink in self.RISO[:count])
 
     def difference(self, data, sites, scale, options):
-        """Mean CIEDE2000 after a blur of two pitches."""
+        """Returns the mean CIEDE2000 difference after a blur of two pitches."""
         drawn, picture = (LIGHT[pixels(file, "RGB")] for file in
                           (self.halftone(data, f"?sites={sites}&scale={scale}&antialias=true{options}").body, data))
         sigma = 2 * (picture.shape[0] * picture.shape[1] / sites) ** 0.5
@@ -233,7 +233,7 @@ class Palettes(ServerCase):
         for colour in found:
             self.assertLess(min(abs(LIGHT[colour] - each).max() for each in expected), 0.01, colour)
 
-    def test_lists_tell_what_dots_flip(self):
+    def test_lists_name_the_inks_that_dots_flip(self):
         answer = self.halftone(ASTRONAUT, "?sites=900&dots=both&format=json" + self.query(4)).json()
         names = ["#" + ink for ink in self.RISO[:4]]
         self.assertEqual([ground["ink"] for ground in answer["grounds"]], names)

@@ -58,7 +58,7 @@ class Check(unittest.TestCase):
         self.assertRegex(parts["memory"][1], r"^\d+ MiB of 4096 ")
         self.assertRegex(parts["files"][1], r"\d+ connections, \d+ in reserve")
         self.assertIn(str(self.folder / "jobs"), parts["jobs"][1])
-        self.assertEqual(list(self.folder.iterdir()), [], "nothing is made")
+        self.assertEqual(list(self.folder.iterdir()), [], "no file may be created")
 
     def test_reports_all_faults_at_once(self):
         (self.folder / "file").touch()
@@ -120,7 +120,7 @@ class Check(unittest.TestCase):
             redis.cli("CONFIG", "SET", "maxmemory-policy", "noeviction")
             self.assertEqual(self.check("--port=0", *flags)[2]["answers"][0], "weak")
         code, _, parts = self.check("--port=0", *flags)
-        self.assertEqual(code, 0, "it starts without them")
+        self.assertEqual(code, 0, "the server starts without them")
         for part in ("answers", "rates"):
             self.assertEqual(parts[part][0], "weak")
             self.assertIn("refused", parts[part][1])

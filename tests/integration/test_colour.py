@@ -91,7 +91,7 @@ class Colours(ServerCase):
 
 
 class Likeness(ServerCase):
-    """Compares what is seen from afar, by CIEDE2000, after a blur by two spacings of dots."""
+    """Compares the appearance from a distance: CIEDE2000 after a blur by two spacings of dots."""
 
     def differences(self, data, sites, query):
         wanted = light(data)
@@ -163,7 +163,7 @@ class Formats(ServerCase):
                 numpy.testing.assert_array_equal(found[seen], expected[seen])
 
     def test_tiff_of_cmyk_has_a_plate_for_each_ink(self):
-        """The plates, composed as any reader does, are what PNG shows."""
+        """The plates, composed like a TIFF reader does, must look like the PNG."""
         answer = self.made("tiff", "&width_mm=100")
         self.assertEqual(answer.type, "image/tiff")
         image = Image.open(io.BytesIO(answer.body))
@@ -264,13 +264,13 @@ class Options(ServerCase):
                 ("palette=", "palette", "1 to 6 colours"),
                 ("palette=%23000,%23111,%23222,%23333,%23444,%23555,%23666", "palette", "1 to 6 colours"),
                 ("palette=%23000,red", "palette", "colour 2 must be a colour as #rgb or #rrggbb"),
-                ("palette=%23fff,%23ffffff", "palette", "colour 2 repeats an earlier one"),
-                ("palette=%23000&color=cmyk", "palette", "give one of the two"),
+                ("palette=%23fff,%23ffffff", "palette", "colour 2 repeats an earlier colour"),
+                ("palette=%23000&color=cmyk", "palette", "give only one of them"),
                 ("color=cmyk&foreground=%23f00", "foreground", "color=gray"),
                 ("color=cmyk&invert=true", "invert", "color=gray"),
                 ("color=cmyk&dots=paper", "dots", "color=gray"),
                 ("palette=%23f00&dots=paper", "dots", "color=gray"),
-                ("color=rgb&background=%23fff", "background", "on black")):
+                ("color=rgb&background=%23fff", "background", "is black")):
             with self.subTest(query=query):
                 problem = self.assert_problem(self.ask("/halftone?" + query, data=GREY), 400, words)
                 self.assertEqual(problem["errors"][0]["pointer"], field)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Computations that crash, hang or are killed: each affects only its own request."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -248,28 +249,40 @@ class Silence(unittest.TestCase):
                 server.wait_for_log(f"the {name} answers again")
             self.assertEqual(server.stop(), 0)
 
-    def test_of_starting_programs_ends_readiness(self):
+    @contextlib.contextmanager
+    def server_whose_program_is_stopped(self, name):
+        """Starts a server one of whose programs is stopped before it is ready, and yields the server and the process."""
         server_program = pathlib.Path(os.environ["CCDT_SERVER"]).resolve()
+        with tempfile.TemporaryDirectory() as folder:
+            for program in ("ccdt-decoder", "ccdt-worker"):
+                (pathlib.Path(folder) / program).symlink_to(server_program.parent / program)
+            stopped = pathlib.Path(folder) / name
+            real = stopped.readlink()
+            stopped.unlink()
+            stopped.write_text(f'#!/bin/sh\nkill -STOP $$\nexec "{real}" "$@"\n')
+            stopped.chmod(0o755)
+            copy = shutil.copy(server_program, folder)
+            with Server("--workers=1", program=copy) as server:
+                (process,) = wait_until(
+                    lambda: [child for child, state in children(server.process.pid).items() if state == "T"])
+                self.addCleanup(resume, process)
+                yield server, process
+
+    def test_of_starting_programs_ends_readiness(self):
         for name in ("ccdt-decoder", "ccdt-worker"):
-            with tempfile.TemporaryDirectory() as folder:
-                for program in ("ccdt-decoder", "ccdt-worker"):
-                    (pathlib.Path(folder) / program).symlink_to(server_program.parent / program)
-                stopped = pathlib.Path(folder) / name
-                real = stopped.readlink()
-                stopped.unlink()
-                stopped.write_text(f'#!/bin/sh\nkill -STOP $$\nexec "{real}" "$@"\n')
-                stopped.chmod(0o755)
-                copy = shutil.copy(server_program, folder)
-                with Server("--workers=1", program=copy) as server:
-                    (process,) = wait_until(
-                        lambda: [child for child, state in children(server.process.pid).items() if state == "T"])
-                    self.addCleanup(resume, process)
-                    wait_until(lambda: ask(server, "/health/ready").status == 503)
-                    self.assertIn(b"does not answer", ask(server, "/health/ready").body)
-                    os.kill(process, signal.SIGCONT)
-                    wait_until(lambda: ask(server, "/health/ready").status == 200)
-                    self.assertEqual(post_json(server, "/sample", sample()).status, 200)
-                    self.assertEqual(server.stop(), 0)
+            with self.subTest(name), self.server_whose_program_is_stopped(name) as (server, process):
+                wait_until(lambda: ask(server, "/health/ready").status == 503)
+                self.assertIn(b"does not answer", ask(server, "/health/ready").body)
+                os.kill(process, signal.SIGCONT)
+                wait_until(lambda: ask(server, "/health/ready").status == 200)
+                self.assertEqual(post_json(server, "/sample", sample()).status, 200)
+                self.assertEqual(server.stop(), 0)
+
+    def test_of_starting_programs_does_not_delay_the_end(self):
+        for name in ("ccdt-decoder", "ccdt-worker"):
+            with self.subTest(name), self.server_whose_program_is_stopped(name) as (server, process):
+                self.assertEqual(server.stop(), 0)
+                wait_until(lambda: not pathlib.Path(f"/proc/{process}").exists())
 
     def test_is_not_reported_for_busy_workers(self):
         with Server("--workers=1") as server:

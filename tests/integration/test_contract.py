@@ -10,7 +10,7 @@ import unittest
 
 from jsonschema import Draft202012Validator, RefResolver
 
-from harness import ROOT, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
+from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
 
 FILE = (ROOT / "api" / "openapi.json").read_bytes()
 DOCUMENT = json.loads(FILE)
@@ -519,7 +519,8 @@ class Statuses(ContractCase):
     def see_streams(self):
         with Server("--max-streams=1", "--workers=1") as server:
             job = post_json(server, "/sample", ENDLESS, *LATER).headers["location"]
-            with subprocess.Popen(["curl", "--silent", "--no-buffer", server.url(job + "/events")],
+            with subprocess.Popen(["curl", "--silent", "--no-buffer", "--max-time", str(PATIENCE),
+                                   server.url(job + "/events")],
                                   stdout=subprocess.PIPE) as stream:
                 stream.stdout.readline()
                 self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 503)

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""POST /sample with counts of features: dot maps, above all of the counties in npm's us-atlas.
+"""POST /sample with counts of features: dot maps, mostly of the counties in npm's us-atlas.
 
-Their counts are made up; densities of neighbours differ by up to 10,000 times.
+The counts are invented; densities of neighbouring counties differ by factors up to 10,000.
 """
 
 import base64
 import io
 import json
 import math
-import time
 import unittest
 
 import numpy
@@ -19,7 +18,7 @@ import shapely.geometry
 import shapely.vectorized
 from PIL import Image
 
-from harness import PATIENCE, POLYGONS, ServerCase, ask, post_json
+from harness import POLYGONS, ServerCase, ask, post_json, wait_until
 from test_maps import features, repaired_area
 
 PER = 2000
@@ -247,12 +246,9 @@ class Jobs(ServerCase):
         body = json.dumps({"geometry": Formats.MAP, "sites": {"property": "a", "per": 0.0002}, "iterations": 1000,
                            "passes": 100})
         job = ask(self.server, "/sample", "--header", "Prefer: respond-async", data=body).headers["location"]
-        end = time.monotonic() + PATIENCE
-        while ask(self.server, job).json().get("progress", 0) == 0:
-            self.assertLess(time.monotonic(), end)
+        wait_until(lambda: ask(self.server, job).json().get("progress", 0) > 0)
         self.assertIn(ask(self.server, job, "--request", "DELETE").status, (200, 202, 204))
-        while ask(self.server, job).json()["status"] == "running":
-            self.assertLess(time.monotonic(), end)
+        wait_until(lambda: ask(self.server, job).json()["status"] != "running")
 
 
 if __name__ == "__main__":

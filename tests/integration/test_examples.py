@@ -11,8 +11,8 @@ import unittest
 
 from harness import NODE, PATIENCE, PICTURES, ROOT, Server
 
-ROOMS = ("", "api", "core", "server", "tests")
-PAGES = [ROOT / room / "README.md" for room in ROOMS if (ROOT / room / "README.md").exists()]
+FOLDERS = ("", "api", "core", "server", "tests")
+PAGES = [ROOT / folder / "README.md" for folder in FOLDERS if (ROOT / folder / "README.md").exists()]
 ADDRESS = "localhost:8080"
 
 # The example that shows an error.

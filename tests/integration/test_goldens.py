@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Answers are those that they were: a digest of each is kept beside this file, over all routes, formats, inks, methods
-and qualities. A change that means to move dots renews the table, and says why it does:
+"""Detects changed answers: goldens.txt has a digest of each, over all routes, formats, inks, methods and qualities.
+
+A change that moves dots on purpose renews the table, and its commit says why:
 
     CCDT_SERVER=build/test/ccdt-server python3 tests/integration/test_goldens.py --renew
 
-Digests hold for x86-64 and Debian 12's libraries: another compiler may round differently, another zlib pack otherwise.
+The digests are valid for x86-64 and the libraries of Debian 12: another compiler may round differently, and another
+zlib may compress differently.
 """
 
 import hashlib
@@ -147,7 +149,7 @@ def analyses(formats):
 
 
 def everything(server):
-    """Names and answers, of all formats and methods that the server has."""
+    """Yields names and answers, for all formats and methods of the server."""
     offered = ask(server, "/capabilities").json()
     halftone, sample, analyze = offered["halftone"], offered["sample"], offered["analyze"]
     for query, picture in halftones(names(halftone["formats"])):
@@ -161,7 +163,7 @@ def everything(server):
 
 
 def digest(answer):
-    """Of all but the members that tell how long it took, and which request it was."""
+    """Returns the digest of an answer without the members that differ between runs: elapsed time and request id."""
     body = re.sub(rb'"(elapsed_ms|instance)":[^,}]*', b"", answer.body)
     return hashlib.sha256(json.dumps([answer.status, answer.type]).encode() + body).hexdigest()[:24]
 
@@ -171,7 +173,7 @@ def table():
         return {name: digest(answer) for name, answer in everything(server)}
 
 
-@unittest.skipUnless(platform.machine() == "x86_64", "digests are those of x86-64")
+@unittest.skipUnless(platform.machine() == "x86_64", "the digests are for x86-64")
 class Goldens(unittest.TestCase):
     maxDiff = None
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hostile and clumsy clients, each as measured against the plain library: their answers, how soon these come, and the
-cost."""
+"""Hostile and faulty clients, some of which cpp-httplib alone does not withstand: the answers to them, the delay, and
+the cost."""
 
 import gzip
 import json
@@ -16,7 +16,7 @@ import zlib
 
 import numpy
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, post_json
+from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, post_json, wait_until
 from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, statuses
 
 GREY = file_of(flat(128))
@@ -55,9 +55,14 @@ class SlowClients(HostileCase):
         """Sends a byte to each client in turn, with a ping in between, until all have been refused."""
         longest = 0
         waiting = list(clients)
-        while waiting:
+
+        def are_refused():
+            nonlocal longest, waiting
             longest = max(longest, ping(self.server))
             waiting = [client for client in waiting if not client.has_news() and client.try_send(b"x")]
+            return not waiting
+
+        wait_until(are_refused, "all slow clients to be refused")
         self.assertLess(longest, AT_ONCE)
         for client in clients:
             self.assertEqual(statuses(client.rest()), [408])
@@ -82,8 +87,8 @@ class SlowClients(HostileCase):
     def test_chunks_of_mostly_framing_are_refused(self):
         with Raw(self.server) as raw:
             raw.send(HALFTONE + b"Transfer-Encoding: chunked\r\n\r\n1;")
-            while not raw.has_news() and raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"):
-                pass
+            wait_until(lambda: raw.has_news() or not raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"),
+                       "chunks of mostly framing to be refused")
             self.assertEqual(statuses(raw.rest()), [400])
 
 
@@ -131,8 +136,7 @@ class Heads(HostileCase):
     def send_until_refused(self, start, piece):
         with Memory(self.server) as memory, Raw(self.server) as raw:
             raw.send(start)
-            while not raw.has_news() and raw.try_send(piece):
-                pass
+            wait_until(lambda: raw.has_news() or not raw.try_send(piece), "an endless head to be refused")
             self.assertEqual(statuses(raw.rest()), [431])
         self.assert_cheap(memory)
 
@@ -179,8 +183,7 @@ class Connections(HostileCase):
     def test_an_unread_body_is_not_parsed_as_a_request(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             busy = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
-            while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
-                pass
+            wait_until(lambda: ask(server, "/halftone?nonsense=1", data=LONG).status == 429)
             hidden = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
             with Raw(server) as raw:
                 count = len(LONG) // len(hidden)
@@ -233,12 +236,10 @@ class Connections(HostileCase):
     def test_a_leaving_client_frees_its_worker(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             call = Call(server.url("/sample"), "--header", "Content-Type: application/json", data=ENDLESS)
-            while ask(server, "/halftone?nonsense=1", data=LONG).status != 429:
-                pass
+            wait_until(lambda: ask(server, "/halftone?nonsense=1", data=LONG).status == 429)
             call.abandon()
             server.wait_for_log(" 499 ")
-            while ask(server, "/halftone?nonsense=1", data=LONG).status == 429:
-                pass
+            wait_until(lambda: ask(server, "/halftone?nonsense=1", data=LONG).status != 429)
 
     def test_a_client_that_leaves_during_its_body_affects_no_other(self):
         body = b'{"sites":10,"polygon":[' + b"[0,0]," * 1_000_000 + b"0]}"
@@ -247,10 +248,10 @@ class Connections(HostileCase):
             for _ in range(5):
                 with Raw(server) as raw:
                     raw.send(head + b"Content-Length: %d\r\n\r\n" % len(body) + body)
-            while server.process.poll() is None and len(re.findall(" (?:499|400) ", server.log())) < 5:
-                pass
-            self.assertIn(" 499 ", server.log(), "nobody left while a worker was reading")
-            # Queued behind the bodies that are still being read.
+            wait_until(lambda: server.process.poll() is not None or len(re.findall(" (?:499|400) ", server.log())) >= 5,
+                       "five abandoned or refused requests in the log")
+            self.assertIn(" 499 ", server.log(), "no client left while a worker parsed its body")
+            # This request is queued behind the bodies that are still being parsed.
             self.assertEqual(post_json(server, "/sample", {"sites": 10, "domain": RECTANGLE}).status, 200)
             self.assertEqual(server.stop(), 0)
 

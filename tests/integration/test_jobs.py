@@ -9,16 +9,15 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_until
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 LATER = ("--header", "Prefer: respond-async")
 SMALL = {"sites": 200, "domain": TORUS}
-# Takes some seconds, longer than a request to the server.
+# Takes a few seconds, longer than a request to the server.
 LONG = {"sites": 20_000, "iterations": 50, "domain": TORUS}
 # Takes longer than any test; ends when it is cancelled.
 ENDLESS = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": TORUS}
@@ -39,11 +38,8 @@ def status(server, job, *arguments):
 
 
 def wait_for(server, job, *wanted):
-    end = time.monotonic() + PATIENCE
-    while (found := status(server, job))["status"] not in wanted:
-        if time.monotonic() > end:
-            raise AssertionError(f"still {found}")
-    return found
+    wait_until(lambda: status(server, job)["status"] in wanted, f"{job} to be {' or '.join(wanted)}")
+    return status(server, job)
 
 
 def wait_for_end(server, job):
@@ -62,10 +58,7 @@ def events(body):
 
 def wait_for_event(stream):
     """Waits until a curl that follows a job has received an event."""
-    end = time.monotonic() + PATIENCE
-    while not stream.body.is_file() or b"event: " not in stream.body.read_bytes():
-        if time.monotonic() > end:
-            raise AssertionError("no event came")
+    wait_until(lambda: stream.body.is_file() and b"event: " in stream.body.read_bytes(), "an event of the job")
 
 
 def begin_stream(server, job):
@@ -73,8 +66,15 @@ def begin_stream(server, job):
     client = socket.create_connection(("127.0.0.1", server.port), timeout=PATIENCE)
     client.sendall(f"GET {job}/events HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
     received = b""
-    while b"event: progress" not in received:
-        received += client.recv(65536)
+
+    def has_begun():
+        nonlocal received
+        chunk = client.recv(65536)
+        assert chunk, f"the stream ended before an event: {received}"
+        received += chunk
+        return b"event: progress" in received
+
+    wait_until(has_begun, "the first event of the job")
     return client, received
 
 
@@ -93,7 +93,7 @@ class Jobs(ServerCase):
     flags = ("--workers=2",)
 
     def submit_endless(self):
-        """Submits a job that is cancelled after its test, since others would wait behind it."""
+        """Submits a job that is cancelled after the test, because jobs of other tests would wait behind it."""
         job = submit(self.server, ENDLESS)
         self.addCleanup(ask, self.server, job, "--request", "DELETE")
         return job
@@ -189,6 +189,17 @@ class Jobs(ServerCase):
             for header in ("x-radius", "x-tone"):
                 self.assertEqual(later.headers.get(header), now.headers.get(header), query)
             self.assertEqual("x-radius" in later.headers, "density" not in query)
+
+    def test_results_report_the_time_of_a_plot(self):
+        picture = (PICTURES / "camera.png").read_bytes()
+        for query in ("format=hpgl", "format=svg&style=path"):
+            path = f"/halftone?sites=500&dots=ink&width_mm=90&{query}"
+            job = ask(self.server, path, *LATER, data=picture).headers["location"]
+            wait_for(self.server, job, "succeeded")
+            now, later = ask(self.server, path, data=picture), ask(self.server, job + "/result")
+            self.assertGreater(float(later.headers["x-plot-seconds"]), 0, query)
+            self.assertEqual(later.headers["x-plot-seconds"], now.headers["x-plot-seconds"], query)
+
     def test_documents_keep_their_options_and_warnings(self):
         document = {"type": "Polygon", "coordinates": [[[0, 0], [9, 0], [9, 60], [0, 60]]]}
         path, body = "/sample?sites=9&format=csv", json.dumps(document).encode()
@@ -332,9 +343,7 @@ class Limits(unittest.TestCase):
     def test_jobs_expire(self):
         with Server("--job-ttl=0.5") as server:
             job = submit(server, SMALL)
-            end = time.monotonic() + PATIENCE
-            while (answer := ask(server, job)).status == 200 and time.monotonic() < end:
-                pass
+            answer = wait_until(lambda: (now := ask(server, job)).status != 200 and now)
             self.assertEqual(answer.status, 404)
             self.assertIn("expired", answer.json()["detail"])
 
@@ -396,7 +405,7 @@ class Lasting(unittest.TestCase):
                 self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
                 self.assertEqual(len(ask(server, job + "/result").json()["points"]), sites)
             again = ask(server, waiting + "/result").json()
-            self.assertEqual(again["points"], json.loads(result)["points"], "same question, same points")
+            self.assertEqual(again["points"], json.loads(result)["points"], "points must be reproducible")
 
     def test_jobs_of_a_stopped_server_continue_on_the_next(self):
         with Server(*self.flags) as server:
@@ -406,7 +415,7 @@ class Lasting(unittest.TestCase):
             server.signal()
             received = rest_of(*stream)
             self.assertEqual(set(re.findall(rb"event: (\w+)", received)), {b"progress"})
-            self.assertTrue(received.endswith(b"0\r\n\r\n"), "a stream that is over, not broken off")
+            self.assertTrue(received.endswith(b"0\r\n\r\n"), "the stream must end regularly, with the last chunk")
             self.assertEqual(server.wait(), 0)
         with Server(*self.flags) as server:
             self.assertEqual(wait_for_end(server, job)["status"], "succeeded")
@@ -436,7 +445,7 @@ class Lasting(unittest.TestCase):
 
 
 class Passing(unittest.TestCase):
-    """Jobs without a folder."""
+    """Jobs that are kept in memory."""
 
     def test_event_streams_of_a_stopped_server_end_with_failure(self):
         with Server("--workers=1") as server:

@@ -14,18 +14,18 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json
+from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json, wait_until
 from raw import SANITIZED, Raw
 
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
 JSON = ("--header", "Content-Type: application/json")
 
-# Seconds from the last answer that was received to the end of the process.
+# Maximum number of seconds from the last answer to the end of the process.
 SOON = 5
 
 # Takes longer than any test, and is ended by cancelling it.
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
-# Takes some seconds at most: longer than a question to the server, shorter than its timeout.
+# Takes a few seconds at most: longer than a request to the server, less than its timeout.
 SHORT = json.dumps({"sites": 20_000, "iterations": 50, "domain": RECTANGLE})
 
 
@@ -50,28 +50,25 @@ def descendants(process):
     return found
 
 
-def wait_until(server, status):
-    answer = probe(server)
-    while answer.status != status:
-        answer = probe(server)
-    return answer
+def wait_for_status(server, status):
+    """Probes until the answer has a status, and returns that answer."""
+    return wait_until(lambda: (answer := probe(server)).status == status and answer, f"status {status}")
 
 
 def wait_until_accepted(server, count):
-    """Waits until that many requests compute or are queued."""
+    """Waits until `count` requests are computed or queued."""
     def accepted():
         told = ask(server, "/metrics").body.decode()
         return sum(map(float, re.findall(r"^ccdt_(?:workers_busy|queue_requests) (\S+)$", told, re.MULTILINE)))
 
-    while accepted() != count:
-        pass
+    wait_until(lambda: accepted() == count, f"{count} accepted requests")
 
 
 class Load(unittest.TestCase):
     def test_full_queue_rejects_requests_while_health_answers(self):
         with Server("--workers=2", "--queue=1", "--timeout=300") as server:
             calls = start(server, ENDLESS, 3)
-            answer = wait_until(server, 429)
+            answer = wait_for_status(server, 429)
             self.assertEqual(answer.type, "application/problem+json")
             self.assertGreaterEqual(int(answer.headers["retry-after"]), 1)
             self.assertEqual(answer.headers["connection"], "close")
@@ -95,17 +92,17 @@ class Load(unittest.TestCase):
     def test_disconnecting_client_frees_its_worker(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             (call,) = start(server, ENDLESS, 1)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             call.abandon()
-            wait_until(server, 400)
+            wait_for_status(server, 400)
             server.wait_for_log(" 499 ")
 
     def test_disconnecting_client_frees_its_place_in_the_queue(self):
         with Server("--workers=1", "--queue=1", "--timeout=300") as server:
             calls = start(server, ENDLESS, 2)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             calls.pop().abandon()
-            wait_until(server, 400)
+            wait_for_status(server, 400)
             calls.pop().abandon()
 
 
@@ -116,17 +113,16 @@ class Deadline(unittest.TestCase):
             # A job has a time limit of its own: one that occupies the worker keeps a request waiting until its
             # deadline.
             job = ask(server, "/sample", *JSON, "--header", "Prefer: respond-async", data=ENDLESS).headers["location"]
-            while ask(server, job).json()["status"] != "running":
-                pass
+            wait_until(lambda: ask(server, job).json()["status"] == "running")
             answers = [post_json(server, "/sample", json.loads(ENDLESS)), during]
             self.assertEqual([answer.status for answer in answers], [503, 504])
             for answer in answers:
                 self.assertEqual(answer.type, "application/problem+json")
             self.assertGreaterEqual(int(answers[0].headers["retry-after"]), 1)
             ask(server, job, "--request", "DELETE")
-            answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
-            while answer.status in (503, 504):
-                answer = ask(server, "/halftone?sites=10", data=file_of(flat(9)))
+            picture = file_of(flat(9))
+            answer = wait_until(lambda: (now := ask(server, "/halftone?sites=10", data=picture)).status not in (503, 504)
+                                and now)
             self.assertEqual(answer.status, 200)
 
     def test_partial_result_is_sent_on_request(self):
@@ -156,7 +152,7 @@ class Fairness(unittest.TestCase):
     def test_one_client_does_not_block_another(self):
         with Server("--workers=1", "--queue=6", "--timeout=300") as server:
             calls = start(server, SHORT, 7)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             other = Call(server.url("/sample"), *JSON, "--interface", "127.0.0.2", data=SHORT)
             self.assertEqual(other.answer().status, 200)
             waiting = sum(call.process.poll() is None for call in calls)
@@ -170,7 +166,7 @@ class Stopping(unittest.TestCase):
         for number in (signal.SIGTERM, signal.SIGINT, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=2", "--queue=2", "--timeout=300") as server:
                 calls = start(server, SHORT, 4)
-                wait_until(server, 429)
+                wait_for_status(server, 429)
                 server.signal(number)
                 for call in calls:
                     answer = call.answer()
@@ -199,7 +195,7 @@ class Stopping(unittest.TestCase):
                 answer = connection.getresponse()
                 self.assertEqual((answer.status, answer.read()), (200, b'{"status":"ready"}'))
             (call,) = start(server, ENDLESS, 1)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             server.signal()
             server.wait_for_log("shutting down")
 
@@ -239,7 +235,7 @@ class Stopping(unittest.TestCase):
         for number in (signal.SIGTERM, signal.SIGQUIT):
             with self.subTest(number=number), Server("--workers=1", "--queue=0", "--timeout=300") as server:
                 calls = start(server, ENDLESS, 1)
-                wait_until(server, 429)
+                wait_for_status(server, 429)
                 server.signal(number)
                 server.wait_for_log("shutting down")
                 server.signal(number)
@@ -249,7 +245,7 @@ class Stopping(unittest.TestCase):
     def test_drain_timeout_ends_unfinished_requests(self):
         with Server("--workers=1", "--queue=1", "--timeout=300", "--drain-timeout=3") as server:
             calls = start(server, ENDLESS, 2)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             server.signal()
             for call in calls:
                 answer = call.answer()
@@ -298,7 +294,7 @@ class Signals(unittest.TestCase):
     def test_sighup_without_a_key_file_is_ignored(self):
         with Server("--workers=1", "--queue=0", "--timeout=300") as server:
             (call,) = start(server, SHORT, 1)
-            wait_until(server, 429)
+            wait_for_status(server, 429)
             server.signal(signal.SIGHUP)
             server.wait_for_log("SIGHUP is ignored")
             self.assertEqual(call.answer().status, 200)
@@ -321,7 +317,7 @@ class Signals(unittest.TestCase):
 
 
 class FileSizes(unittest.TestCase):
-    """Where files may not grow beyond a limit (ulimit -f)."""
+    """With a limit of file sizes (ulimit -f)."""
 
     def test_a_log_beyond_the_limit_ends_nothing(self):
         most = 4096
@@ -338,8 +334,12 @@ class FileSizes(unittest.TestCase):
                 try:
                     subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
                     curl.remove("--retry-all-errors")
-                    while log.stat().st_size < most:
+
+                    def is_full():
                         subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
+                        return log.stat().st_size >= most
+
+                    wait_until(is_full, "the log to reach its limit")
                     for _ in range(20):
                         subprocess.run(curl, check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE)
                     process.terminate()
@@ -413,10 +413,8 @@ class Memory(unittest.TestCase):
             before = held(server)
             calls = [Call(server.url("/sample"), "--interface", f"127.0.1.{i + 1}", *JSON, data=large) for i in range(24)]
             self.assertEqual([call.answer().status for call in calls], [400] * 24)
-            end = time.monotonic() + PATIENCE
-            while held(server) - before > 48 and time.monotonic() < end:  # workers free bodies after they answered
-                pass
-            self.assertLess(held(server) - before, 48, "MiB")
+            # Workers free bodies after they have answered.
+            wait_until(lambda: held(server) - before < 48, "less than 48 MiB more than before the burst")
 
 
 if __name__ == "__main__":

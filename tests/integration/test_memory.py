@@ -14,7 +14,7 @@ import unittest
 import numpy
 from PIL import Image
 
-from harness import PATIENCE, Call, Server, ask, file_of, post_json
+from harness import PATIENCE, Call, Server, ask, file_of, post_json, wait_until
 from raw import SANITIZED
 
 MEBIBYTE = 1 << 20
@@ -155,8 +155,7 @@ class Scheduling(unittest.TestCase):
         endless = json.dumps({"sites": 50_000, "iterations": 1000, "passes": 100, "domain": TORUS})
         with Server("--workers=2", "--queue=8", "--timeout=300") as server:
             calls = [Call(server.url("/sample"), *JSON, data=endless) for _ in range(8)]
-            while "\nccdt_workers_busy 2\n" not in ask(server, "/metrics").body.decode():
-                pass
+            wait_until(lambda: "\nccdt_workers_busy 2\n" in ask(server, "/metrics").body.decode())
             for _ in range(20):
                 self.assertEqual(post_json(server, "/sample", {"sites": 500, "domain": TORUS}).status, 200)
             self.assertTrue(all(call.process.poll() is None for call in calls))

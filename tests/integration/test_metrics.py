@@ -8,7 +8,7 @@ import unittest
 
 from prometheus_client.parser import text_string_to_metric_families
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, flat, post_json
+from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, file_of, flat, post_json, wait_until
 
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": {"type": "rectangle", "width": 2, "height": 1}})
 
@@ -26,9 +26,7 @@ def figures(server):
 
 
 def wait_for(server, name, value):
-    found = figures(server)[(name,)]
-    while found != value:
-        found = figures(server)[(name,)]
+    wait_until(lambda: figures(server)[(name,)] == value, f"{name} = {value}")
 
 
 class Metrics(ServerCase):
@@ -83,22 +81,18 @@ class Pressure(unittest.TestCase):
                 call.abandon()
             wait_for(server, "ccdt_workers_busy", 0)
             gone = ("ccdt_cancellations_total", ("cause", "client_gone"))
-            while figures(server)[gone] != 3:
-                pass
+            wait_until(lambda: figures(server)[gone] == 3)
 
     def test_not_ready_if_the_backlog_exceeds_the_timeout(self):
         with Server("--workers=1", "--queue=4", "--timeout=1") as server:
             self.assertEqual(ask(server, "/health/ready").status, 200)
             calls = [Call(server.url("/sample"), data=ENDLESS) for _ in range(5)]
-            answers = [ask(server, "/health/ready")]
-            while answers[-1].status == 200 and any(call.process.poll() is None for call in calls):
-                answers.append(ask(server, "/health/ready"))
-            self.assertEqual((answers[-1].status, answers[-1].type), (503, "application/problem+json"))
+            answer = wait_until(lambda: (now := ask(server, "/health/ready")).status != 200 and now)
+            self.assertEqual((answer.status, answer.type), (503, "application/problem+json"))
             self.assertEqual(ask(server, "/health/live").status, 200)
             for call in calls:
                 call.answer()
-            while ask(server, "/health/ready").status != 200:
-                pass
+            wait_until(lambda: ask(server, "/health/ready").status == 200)
 
 
 if __name__ == "__main__":

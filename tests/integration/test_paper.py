@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""tests/bench/paper/run: the paper's figures and their page, with small numbers."""
+"""Tests tests/bench/paper/run: the paper's figures and their page, with small numbers."""
 
 import json
 import os
@@ -44,7 +44,7 @@ class Quick(unittest.TestCase):
             (cls.output / name).write_text("")
         done = run("--quick", "--output", str(cls.output))
         if done.returncode != 0 or done.stdout or done.stderr:
-            raise AssertionError(f"it ended with {done.returncode}:\n{done.stdout}\n{done.stderr}")
+            raise AssertionError(f"tests/bench/paper/run exited with {done.returncode}:\n{done.stdout}\n{done.stderr}")
         cls.page = (cls.output / "README.md").read_text()
         cls.results = json.loads((cls.output / "results.json").read_text())
 

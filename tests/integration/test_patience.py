@@ -14,7 +14,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat
+from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, wait_until
 from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
@@ -28,7 +28,7 @@ def post(path, body):
 
 
 def shrink(raw):
-    """Leaves little buffer space for answers on their way."""
+    """Shrinks the buffers for answers in transfer."""
     raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
 
 
@@ -90,9 +90,8 @@ class Caps(unittest.TestCase):
                         self.assert_refused(raw)
                     self.assertLess(time.monotonic() - start, AT_ONCE)
                 server.wait_for_log(" 503 ")
-                self.assertEqual([statuses(client.rest()) for client in clients], [[408]] * 8, "they had to make room")
-            while ask(server, "/openapi.json").status != 200:
-                pass
+                self.assertEqual([statuses(client.rest()) for client in clients], [[408]] * 8, "their time-outs must have shrunk")
+            wait_until(lambda: ask(server, "/openapi.json").status == 200)
         self.assertLess(memory.rise, MOST_MEMORY)
 
     def test_a_refused_client_may_send_first(self):
@@ -114,9 +113,8 @@ class Caps(unittest.TestCase):
                 with Raw(server, "127.0.0.9") as other:
                     other.send(HEALTH)
                     self.assertEqual(other.answer()[0], 200)
-            # Its connection is free once the server has noticed that it left.
-            while ask(server, "/health").status != 200:
-                pass
+            # Connections count until the server has noticed that their clients left.
+            wait_until(lambda: ask(server, "/health").status == 200)
 
     def test_bodies_share_their_memory(self):
         # The minimum is 256 MiB: eight clients have sent 40 MiB each and stopped.
@@ -170,12 +168,10 @@ class ConnectionClasses(unittest.TestCase):
         endless = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE}).encode()
         with Server("--max-connections=4", "--workers=1", "--queue=4", "--timeout=300") as server:
             job = self.begin_job(server)
-            # A client that has left, but whose connection is not free yet, would keep one of the four out.
-            while "ccdt_connections_open 1\n" not in ask(server, "/metrics").body.decode():
-                pass
+            # Connections count until the server has noticed that their clients left. All four must be free.
+            wait_until(lambda: "ccdt_connections_open 1\n" in ask(server, "/metrics").body.decode())
             with crowd(server, 4, post(b"/sample", endless)):
-                while ask(server, "/openapi.json").status == 200:
-                    pass
+                wait_until(lambda: ask(server, "/openapi.json").status != 200)
                 for _ in range(20):
                     for path in ("/health", "/health/live", "/metrics"):
                         answer = ask(server, path)
@@ -184,13 +180,12 @@ class ConnectionClasses(unittest.TestCase):
                 with Raw(server) as listener:
                     listener.send(b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % job.encode())
                     self.assertTrue(listener.socket.recv(12).endswith(b" 200"), "streams are not crowded")
-            while ask(server, job).status != 200:
-                pass
+            wait_until(lambda: ask(server, job).status == 200)
             ask(server, job, "--request", "DELETE")
 
 
 class Idle(unittest.TestCase):
-    """Connections without a whole request head keep nobody out."""
+    """Connections without a whole request head do not keep other clients out."""
 
     def test_health_checks_pass_during_a_flood_of_idle_connections(self):
         self.flood(b"")
@@ -199,7 +194,7 @@ class Idle(unittest.TestCase):
         self.flood(HEALTH[:-2])
 
     def flood(self, sent):
-        # Far more than the limit, again and again; the limit by address is off.
+        # Repeatedly opens far more connections than the limit. The limit per address is off.
         over = threading.Event()
 
         def flood(server):
@@ -234,7 +229,7 @@ class Idle(unittest.TestCase):
 
 
 class FewFiles(unittest.TestCase):
-    """If few files may be open, there are as many connections as there are files for."""
+    """With a low limit of open files, the number of connections is limited accordingly."""
 
     def test_idle_connections_delay_nobody(self):
         with Server("--workers=2", "--max-connections-per-address=0", limit="--nofile=90") as server:
@@ -260,7 +255,7 @@ class FewFiles(unittest.TestCase):
 
 
 class LittleAddressSpace(unittest.TestCase):
-    """Address space for the stacks of few threads only."""
+    """With a limit of the address space, there are stacks for few threads only."""
 
     @unittest.skipIf(SANITIZED, "sanitizers need more")
     def test_idle_connections_delay_neither_others_nor_the_shutdown(self):
@@ -278,7 +273,7 @@ class Rest(unittest.TestCase):
     def test_idle_threads_end(self):
         with Server("--idle-timeout=0.5") as server:
             def threads():
-                # A list of threads may miss some while others end.
+                # A listing of /proc/PID/task may miss some threads while others end.
                 status = pathlib.Path(f"/proc/{server.process.pid}/status").read_text()
                 return int(re.search(r"^Threads:\s+(\d+)$", status, re.MULTILINE)[1])
 
@@ -287,10 +282,7 @@ class Rest(unittest.TestCase):
                 for client in clients:
                     self.assertEqual(client.answer()[0], 200)
                 self.assertGreaterEqual(threads(), before + 300)
-            deadline = time.monotonic() + PATIENCE
-            while threads() > before + 1 and time.monotonic() < deadline:
-                pass
-            self.assertLessEqual(threads(), before + 1)
+            wait_until(lambda: threads() <= before + 1, "the end of idle threads")
             self.assertEqual(ask(server, "/health").status, 200)
 
 

@@ -138,7 +138,7 @@ class Formats(ServerCase):
         file = (FIXTURES / "tiles.avif").read_bytes()
         for size in (40, 300, len(file) // 2, len(file) - 1):
             with self.subTest(size=size):
-                self.assert_problem(self.ask("/halftone", data=file[:size]), 422, "broken or cut short")
+                self.assert_problem(self.ask("/halftone", data=file[:size]), 422, "broken or truncated")
 
     def test_first_frame_of_an_animation_is_read(self):
         first, second = patch("L", 200), patch("L", 20)
@@ -177,7 +177,7 @@ class Formats(ServerCase):
         for file, name in ((b"\0\0\0\x18ftypheic\0\0\0\0mif1heic", "HEIC"), (b"%PDF-1.7\n", "PDF")):
             with self.subTest(name=name):
                 self.assert_problem(self.ask("/halftone", data=file), 415, f"this is {name}",
-                                    "supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF")
+                                    "the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF")
 
     def test_oversized_pictures_are_refused_by_their_header(self):
         for name in ("bomb.gif", "bomb.bmp", "bomb.avif"):

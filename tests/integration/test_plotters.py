@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawings for plotters, read as the programs that drive them do."""
+"""Drawings for plotters, read in the way of the programs that drive plotters."""
 
 import re
 import unittest
@@ -16,9 +16,9 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def pens_of_vpype(svg):
-    """The strokes of each layer, by the numbers that vpype's `read` gives: a group at the top is a layer. Its number is
-    the digits of its label or, where there are none, those of its id or, where there are none, its place from 1. 0 counts
-    as 1. What is at the top without a group is in layer 1."""
+    """Returns the number of strokes of each layer, numbered like vpype's `read`: each top-level group is a layer. Its
+    number is made of the digits of its label, otherwise of its id, otherwise it is its position from 1. 0 counts as 1.
+    Top-level paths without a group are in layer 1."""
     root = ElementTree.fromstring(svg)
     pens = {}
     for place, group in enumerate(root.findall(SVG + "g"), 1):
@@ -32,7 +32,7 @@ def pens_of_vpype(svg):
 
 
 def run_hpgl(text):
-    """Strokes of each pen, [[(x, y), ...], ...] in millimetres, as a plotter draws them."""
+    """Interprets HPGL. Returns the strokes of each pen, [[(x, y), ...], ...] in millimetres."""
     pens, pen, down, at = {}, 0, False, (0, 0)
     for command, numbers in re.findall(r"([A-Z]{2})([^;A-Z]*);", text.decode("ascii")):
         values = [int(value) / 40 for value in numbers.split(",")] if numbers else []
@@ -46,15 +46,15 @@ def run_hpgl(text):
                 if down:
                     pens[pen][-1].append(at)
         elif command not in ("IN", "PA"):
-            raise AssertionError(f"{command} is no command of HPGL that is known here")
+            raise AssertionError(f"unknown HPGL command: {command}")
     return pens
 
 
 class Grbl:
-    """What a machine does that reads G-code as GRBL does: one command a line, words of a letter and a number."""
+    """Interprets G-code like GRBL: one command per line, words of a letter and a number."""
 
     def __init__(self, text, speed=100):
-        """@param speed  of G0, in millimetres a second"""
+        """@param speed  speed of G0, in millimetres per second"""
         self.pens, self.pen, self.at, self.seconds = {1: []}, 1, (0.0, 0.0), 0
         self.speed, self.feed = speed, None
         self.down, self.ended, self.millimetres, self.absolute = False, False, False, False
@@ -84,7 +84,7 @@ class Grbl:
                 self.millimetres |= code == "G21"
                 self.absolute |= code == "G90"
             else:
-                raise AssertionError(f"{code} is not known to GRBL here")
+                raise AssertionError(f"unknown G-code: {code}")
 
     def move(self, code, values):
         assert self.millimetres and self.absolute and self.down == (code == "G1")
@@ -96,7 +96,7 @@ class Grbl:
 
 
 def read_dxf(text):
-    """Entities of each layer of DXF R12, [(kind, [(x, y), ...], radius)], and the layers that are declared."""
+    """Reads DXF R12. Returns the declared layers, and the entities of each layer, [(kind, [(x, y), ...], radius)]."""
     lines = text.decode("ascii").splitlines()
     groups = [(int(code), value) for code, value in zip(lines[::2], lines[1::2])]
     assert len(lines) % 2 == 0 and groups[-1] == (0, "EOF")
@@ -128,7 +128,8 @@ def read_dxf(text):
 
 
 class Pdf:
-    """What a page of PDF draws: discs, [(x, y, radius)], other areas, and strokes, in millimetres from the lower left."""
+    """Interprets a PDF page: its discs, [(x, y, radius)], other areas, and strokes, in millimetres from the lower left.
+    """
 
     def __init__(self, file):
         self.file, self.discs, self.areas, self.strokes, self.clips = file, [], 0, [], 0
@@ -145,7 +146,7 @@ class Pdf:
                 self.run(content.decode("latin-1"))
 
     def run(self, content):
-        # Groups have no matrix of their own: the page, which they are drawn on, has turned y over before.
+        # Groups have no matrix of their own, because the page on which they are drawn has already flipped y.
         height = self.size[1] * 72 / 25.4
         turned = numpy.array([[1, 0, 0], [0, -1, 0], [0, height, 1]])
         stack, saved, path, width = [], [], [], 1
@@ -188,7 +189,7 @@ class Pdf:
     def fill(self, points):
         low, high = points.min(0), points.max(0)
         radius = (high - low) / 2
-        # A disc is four cubic curves, and may be closed by a line.
+        # A disc has four cubic curves, and possibly a closing line.
         if len(points) in (13, 14) and abs(radius[0] - radius[1]) < 0.02 * radius.max() + 0.003:
             self.discs.append((*(low + high) / 2, radius.mean()))
         else:
@@ -197,7 +198,7 @@ class Pdf:
 
 class PlotterCase(ServerCase):
     def assert_refused(self, *cases):
-        """@param cases  (query, field, words of the message)"""
+        """Checks that requests are refused. @param cases  (query, field, words of the message)"""
         for query, field, words in cases:
             with self.subTest(query=query):
                 answer = self.ask("/halftone" + query, data=CHELSEA)
@@ -208,7 +209,7 @@ class PlotterCase(ServerCase):
 
 
 class Formats(ServerCase):
-    """Each format holds the dots of JSON, read by an interpreter of its own."""
+    """Each format has the same dots as JSON. It is read by an interpreter in this file."""
 
     @classmethod
     def setUpClass(cls):
@@ -225,7 +226,7 @@ class Formats(ServerCase):
         return self.halftone(CHELSEA, f"?sites=700&{colours}&width_mm=90&{options}")
 
     def assert_dots(self, found, expected, tolerance):
-        """Each dot is there once, in whatever order."""
+        """Checks that each expected dot is found exactly once, in any order."""
         self.assertEqual(len(found), len(expected))
         if len(found) == 0:
             return
@@ -235,7 +236,7 @@ class Formats(ServerCase):
         self.assertEqual(len(set(nearest)), len(expected))
 
     def middles(self, strokes):
-        """Of dots, each drawn by a stroke: the middles of their bounds."""
+        """Returns the centres of the bounding boxes of strokes, each of which draws a dot."""
         return [(numpy.min(stroke, axis=0) + numpy.max(stroke, axis=0)) / 2 for stroke in strokes]
 
     def test_hpgl(self):
@@ -350,20 +351,20 @@ class Formats(ServerCase):
 
 
 class Time(PlotterCase):
-    """A plotter takes as long as it is told to."""
+    """The drawing time that is estimated, or requested by `minutes`."""
 
     def seconds(self, query):
         answer = self.halftone(CHELSEA, query + "&width_mm=90&format=gcode&speed=40&dwell=0.05")
         return float(answer.headers["x-plot-seconds"]), Grbl(answer.body, speed=40)
 
-    def test_is_that_of_the_machine(self):
+    def test_is_estimated_as_measured(self):
         for style in ("stroke", "path", "spiral"):
             told, machine = self.seconds(f"?sites=900&style={style}")
-            # Besides, the machine goes to the first dot and back. Its way to the rim of a filled dot is not counted.
+            # The estimate omits the paths to the first dot and back, and to the edge of each filled dot.
             self.assertAlmostEqual(told, machine.seconds, delta=0.05 * told + 6)
             self.assertEqual(len(machine.pens[1]), 1 if style == "path" else 900)
 
-    def test_is_kept(self):
+    def test_is_not_exceeded_if_requested(self):
         for style, minutes in (("stroke", 4), ("path", 4), ("spiral&pen=0.9", 9), ("circles&pen=0.9", 9)):
             for options in ("", "&dot=0.4mm", "&color=cmyk"):
                 with self.subTest(style=style, options=options):
@@ -373,18 +374,18 @@ class Time(PlotterCase):
             told, _ = self.seconds(f"?minutes=4&style={style}")
             self.assertGreater(told, 0.85 * 240, style)
 
-    def test_needs_a_width_and_no_number(self):
+    def test_requires_a_width_and_no_number_of_dots(self):
         self.assert_refused(("?minutes=4", "minutes", "width_mm"),
                             ("?minutes=4&width_mm=90&sites=5", "minutes", "sites"),
                             ("?minutes=0&width_mm=90", "minutes", "0.1 to 10000"),
                             ("?minutes=1e308&width_mm=90", "minutes", "0.1 to 10000"),
-                            ("?minutes=0.1&dwell=60&width_mm=90", "minutes", "too few"),
+                            ("?minutes=0.1&dwell=60&width_mm=90", "minutes", "minutes is too small to draw this picture"),
                             ("?minutes=1&style=spiral&pen=0.1&width_mm=90", "minutes", "wider pen"),
                             ("?minutes=4&width_mm=90&dots=both", "dots", "minutes"))
 
 
 class Refusals(PlotterCase):
-    """Errors name the option and its limit."""
+    """Refused requests, whose errors name the option and its limit."""
 
     def test_of_drawings_without_a_width(self):
         self.assert_refused(("?format=pdf", "width_mm", "format=pdf"),
@@ -398,14 +399,14 @@ class Refusals(PlotterCase):
         self.assert_refused(("?pen=0", "pen", "0.01"), ("?pen=1e308", "pen", "0.01"),
                             ("?format=dxf&width_mm=9000&sites=1&style=spiral&pen=0.01", "pen", "turns"))
 
-    def test_of_commands_that_would_be_others(self):
+    def test_of_pen_commands_that_inject_others(self):
         for option in ("pen_down", "pen_up"):
             for command in ("", "M3%3BM5", "M5%0AM3", "M5%0DM3", "M5%00", "(M5)", "%24H", "!", "%25", "M5%E2%80%A8M3", "M" * 65):
                 self.assert_refused((f"?format=gcode&width_mm=90&{option}={command}", option, "64 letters"))
 
 
 class Layers(ServerCase):
-    """vpype finds one layer for each pen."""
+    """Layers as vpype reads them: one for each pen."""
 
     def check(self, svg, sites):
         pens = pens_of_vpype(svg)
@@ -421,7 +422,7 @@ class Layers(ServerCase):
                 sites = [ink["sites"] for ink in answer["inks"]] if "inks" in answer else [answer["sites"]]
                 self.check(self.halftone(CHELSEA, query + "svg&style=stroke&width_mm=100").body, sites)
 
-    def test_have_ids_of_their_own(self):
+    def test_have_unique_ids(self):
         for colours in ("color=gray", "color=cmyk"):
             root = ElementTree.fromstring(self.halftone(CHELSEA, f"?sites=700&{colours}&dots=both&format=svg").body)
             ids = [part.get("id") for part in root.iter() if part.get("id")]

@@ -6,7 +6,7 @@ import pathlib
 import tempfile
 import unittest
 
-from harness import Call, Server, ask
+from harness import Call, Server, ask, wait_until
 from raw import Raw, statuses
 from test_lifecycle import ENDLESS, JSON
 
@@ -153,9 +153,8 @@ class Counted(unittest.TestCase):
                 self.assertIn("max-connections-per-address", json.loads(third.answer()[2])["detail"])
             first.send(b"x" * 9)
             self.assertEqual(first.answer()[0], 415)
-            # Its connection is free once the server has sent the answer.
-            while statuses_of(server, asked("203.0.113.7")) != [200]:
-                pass
+            # The connection counts until the server has noticed the end of the answer.
+            wait_until(lambda: statuses_of(server, asked("203.0.113.7")) == [200])
 
     def test_connections_are_limited_per_client(self):
         with Server(TRUSTED, "--max-connections-per-address=1") as server, Raw(server) as first:
@@ -178,10 +177,9 @@ class Counted(unittest.TestCase):
         with Server(TRUSTED, "--workers=1", "--queue=6", "--timeout=300") as server:
             calls = [Call(server.url("/sample"), *JSON, "--header", "X-Forwarded-For: 203.0.113.7", data=ENDLESS)
                      for _ in range(7)]
-            while probe("203.0.113.7").status != 429:
-                pass
-            self.assertEqual(probe("203.0.113.8").status, 400, "another client finds a place")
-            self.assertEqual(probe("1.2.3.4, 203.0.113.7").status, 429, "an invented one does not")
+            wait_until(lambda: probe("203.0.113.7").status == 429)
+            self.assertEqual(probe("203.0.113.8").status, 400, "another client must be admitted")
+            self.assertEqual(probe("1.2.3.4, 203.0.113.7").status, 429, "a forged address must not be used")
             for call in calls:
                 call.abandon()
 

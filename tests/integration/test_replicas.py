@@ -13,7 +13,7 @@ import unittest
 
 import test_jobs
 from engine import Redis, SlowWay
-from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, wait_until
+from harness import PATIENCE, Call, Server, ask, figures_at_rest, wait_until
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -83,12 +83,12 @@ class Replicas(unittest.TestCase):
             told = events(stream.answer().body)
             self.assertEqual(told[-1][0], "cancelled")
             self.assertEqual(told[-1][1], status(first, job))
-            self.assertGreater(len(told), 2, "progress was told on the way")
+            self.assertGreater(len(told), 2, "the stream must have reported progress")
             fractions = [document["progress"] for _, document in told]
             self.assertEqual(fractions, sorted(fractions))
         others = [submit(first, SMALL) for _ in range(6)]
         for other in others:
-            self.assertEqual(wait_for_end(second, other)["status"], "succeeded", "no worker is kept")
+            self.assertEqual(wait_for_end(second, other)["status"], "succeeded", "the worker must be free again")
 
     def test_trace_context_travels_with_its_job(self):
         first = self.start()
@@ -127,7 +127,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual(self.redis.cli("ZCARD", "ccdt:1:leases"), "0")
         self.assertEqual((second.stop(), third.stop()), (0, 0))
         told = ends_told(first.log() + second.log() + third.log())
-        self.assertEqual(set(told.values()), {1}, "nothing is done twice")
+        self.assertEqual(set(told.values()), {1}, "each job must have ended once")
 
     def test_shutdown_returns_running_jobs_to_the_queue(self):
         first = self.start()
@@ -137,7 +137,7 @@ class Replicas(unittest.TestCase):
         self.assertEqual(first.stop(), 0)
         found = wait_for_end(second, job)
         self.assertEqual(found["status"], "succeeded")
-        self.assertEqual(figure(second, "ccdt_job_runs_repeated_total"), 0, "the start did not count")
+        self.assertEqual(figure(second, "ccdt_job_runs_repeated_total"), 0, "the returned start must not count")
 
     def test_replica_whose_lease_expired_changes_nothing(self):
         first = self.start()
@@ -213,7 +213,7 @@ class Replicas(unittest.TestCase):
             self.assertEqual(without_time(ask(server, job + "/result")), without_time(now))
             for use, fails in (("jobs", False), ("answers", True), ("rates", True)):
                 failures = figure(server, f'ccdt_redis_failures_total{{use="{use}"}}')
-                self.assertEqual(failures > 0, fails, "what can be done without is waited for 0.2 s")
+                self.assertEqual(failures > 0, fails, "optional calls must time out after 0.2 s")
 
     def test_jobs_lost_by_redis_are_not_found(self):
         server = self.start()
@@ -263,7 +263,7 @@ class Replicas(unittest.TestCase):
 
 
 class Damage(unittest.TestCase):
-    """No key overwritten by others causes a 500 without its reason, or lets a job wait for ever."""
+    """Keys that were overwritten by others. None may cause a 500 without a reason, or a job that waits forever."""
 
     JUNK = (("SET", "junk"), ("ZADD", "1", "junk"), ("HSET", "turn", "junk"))
 
@@ -312,7 +312,7 @@ class Damage(unittest.TestCase):
 
 
 class Shared(unittest.TestCase):
-    """Tests what servers share besides jobs, each by an option of its own."""
+    """Data that servers share besides jobs, each by a separate option."""
 
     def test_answers_are_computed_once_by_a_shared_cache(self):
         with Redis() as redis, Server(f"--cache-redis={redis.url}") as first, \
@@ -341,7 +341,7 @@ class Shared(unittest.TestCase):
                 self.assertEqual(statuses, [200, 200, 200, 429, 429])
                 redis.kill()
                 statuses = [ask(first, "/metrics").status for _ in range(4)]
-                self.assertEqual(statuses, [200, 200, 200, 429], "each counts by itself")
+                self.assertEqual(statuses, [200, 200, 200, 429], "each server must count by itself")
 
 
 class Settings(unittest.TestCase):

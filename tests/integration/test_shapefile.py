@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""POST /sample with zipped shapefiles, which are the same maps as GeoJSON."""
+"""POST /sample with zipped shapefiles, compared with the same maps as GeoJSON."""
 
 import io
 import json
@@ -24,7 +24,7 @@ def record_of(rings):
 
 
 def shp_of(shapes):
-    """A .shp file: a record for each list of rings."""
+    """Returns a .shp file with a record for each list of rings."""
     records = [record_of(rings) for rings in shapes]
     body = b"".join(struct.pack(">ii", number, len(record) // 2) + record
                     for number, record in enumerate(records, start=1))
@@ -32,7 +32,7 @@ def shp_of(shapes):
 
 
 def dbf_of(name, values):
-    """A .dbf file with one field of numbers."""
+    """Returns a .dbf file with one field of numbers."""
     header = struct.pack("<4BIHH20x", 3, 120, 1, 1, len(values), 32 + 32 + 1, 1 + 12)
     field = name.encode().ljust(11, b"\0") + b"N" + struct.pack("<4xBB14x", 12, 3)
     return header + field + b"\r" + b"".join(b" " + f"{value:12.3f}".encode() for value in values)
@@ -55,7 +55,7 @@ def oriented(ring, clockwise):
 
 
 def parts_of(name):
-    """Polygons of a file, with rings as shapefiles have them: outer ones clockwise."""
+    """Returns the polygons of a file, with rings oriented as in shapefiles: outer ones clockwise."""
     given = polygon(f"{name}.geojson")
     given = given.get("geometry", given)
     parts = [given["coordinates"]] if given["type"] == "Polygon" else given["coordinates"]
@@ -75,7 +75,7 @@ class Shapefiles(ServerCase):
     def post(self, query, body, kind="application/zip"):
         return self.ask(f"/sample?{query}", "-H", f"Content-Type: {kind}", data=body)
 
-    def test_points_are_those_of_the_same_map_as_geojson(self):
+    def test_points_equal_those_of_the_same_map_as_geojson(self):
         for query in ("sites=300&format=csv", "sites=200&coordinates=lonlat&format=npy",
                       "sites=people&per=0.5&coordinates=lonlat&properties=people&format=geojson"):
             with self.subTest(query):
@@ -124,7 +124,7 @@ class Shapefiles(ServerCase):
         self.assert_problem(self.post("sites=9", b"{}"), 422, "zip")
         self.assert_problem(self.ask("/analyze", "-H", "Content-Type: application/zip", data=SHAPEFILE), 415)
 
-    def test_wrong_options_are_told_as_beside_geojson(self):
+    def test_invalid_options_are_reported_like_those_with_geojson(self):
         self.assert_problem(self.post("sites=9&colour=red", SHAPEFILE), 400, "colour")
         self.assert_problem(self.post("", SHAPEFILE), 400, "sites")
 

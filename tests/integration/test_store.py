@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 import unittest
 
-from harness import PATIENCE, Server, ask
+from harness import PATIENCE, Server, ask, wait_until
 from raw import SANITIZED
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -42,10 +42,13 @@ def submit(server, **body):
 
 
 def wait_for_end(server, job):
-    while (document := json.loads(exchange(server, "GET", job)[2]))["status"] in ("queued", "running"):
-        pass
+    def find():
+        document = json.loads(exchange(server, "GET", job)[2])
+        return None if document["status"] in ("queued", "running") else document
+
+    document = wait_until(find, f"the end of {job}")
     if not isinstance(document["status"], str):
-        raise AssertionError(f"a problem in place of {job}: {document}")
+        raise AssertionError(f"{job} was answered with a problem: {document}")
     return document["status"]
 
 
@@ -54,7 +57,7 @@ def figure(server, name):
 
 
 class Bits(unittest.TestCase):
-    """Some bits are flipped. No answer is wrong because of it."""
+    """Flipped bits, which must not cause wrong answers."""
 
     @classmethod
     def setUpClass(cls):
@@ -146,7 +149,7 @@ class Bits(unittest.TestCase):
 
 
 class FullDisk(unittest.TestCase):
-    """A small disk of its own, which jobs and other files fill to the last byte."""
+    """A small separate disk, which jobs and other files fill to the last byte."""
 
     SIZE = 64 << 20
     LARGE = {"sites": 200_000, "iterations": 0, "domain": TORUS}  # about 8 MB
@@ -202,8 +205,9 @@ class FullDisk(unittest.TestCase):
             self.server.signal(signal.SIGKILL)
             self.server.wait()
         with Server(*self.flags, "--job-ttl=0.001") as self.server:
-            while self.room() < self.SIZE / 4:
-                self.assertIsNone(self.server.process.poll())
+            wait_until(lambda: self.room() >= self.SIZE / 4 or self.server.process.poll() is not None,
+                       "free space on the disk")
+            self.assertIsNone(self.server.process.poll())
             self.assertEqual(self.server.stop(), 0)
 
 

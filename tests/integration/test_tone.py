@@ -29,6 +29,13 @@ def enlarged(plane, shape):
     return numpy.asarray(Image.fromarray(plane.astype(numpy.float32)).resize(shape[::-1], Image.Resampling.BOX))
 
 
+def luminance_enlarged(file):
+    """Returns the luminance of each pixel after a browser has enlarged a picture twice, in encoded values."""
+    image = Image.fromarray(pixels(file, "RGB"))
+    image = image.resize((2 * image.width, 2 * image.height), Image.Resampling.BILINEAR)
+    return LIGHT[numpy.asarray(image)] @ CHANNELS
+
+
 def errors(wanted, seen, dots):
     """Returns the mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches.
     """
@@ -128,11 +135,22 @@ class Wedge(ServerCase):
     def test_flat_greys(self):
         for share in (0.005, 0.02, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.995):
             level = int(numpy.argmin(abs(1 - LIGHT - share)))
-            for query in ("", "antialias=true", "scale=1", "scale=0.5", "scale=0.1", "scale=0.1&antialias=true",
-                          "dots=ink", "dots=ink&scale=1", "dots=ink&scale=0.1&antialias=true"):
+            for query in ("antialias=true", "scale=1", "scale=0.5", "scale=0.1", "scale=0.1&antialias=true",
+                          "dots=ink&antialias=true", "dots=ink&scale=1", "dots=ink&scale=0.1&antialias=true"):
                 with self.subTest(share=share, query=query):
                     seen = luminance(self.halftone(file_of(flat(level, 300, 300)), "?" + query).body)
                     self.assertAlmostEqual(seen.mean(), LIGHT[level], delta=0.005)
+
+    def test_flat_greys_at_their_own_size_and_enlarged(self):
+        for share in (0.005, 0.02, 0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 0.98, 0.995):
+            level = int(numpy.argmin(abs(1 - LIGHT - share)))
+            for query, most in (("", 0.75), ("?dots=ink", 1.5)):
+                with self.subTest(share=share, query=query):
+                    drawing = self.halftone(file_of(flat(level, 300, 300)), query).body
+                    own, twice = luminance(drawing).mean(), luminance_enlarged(drawing).mean()
+                    self.assertAlmostEqual((own + twice) / 2, LIGHT[level], delta=0.005)
+                    for light in (own, twice):
+                        self.assertAlmostEqual(lightness(light), lightness(LIGHT[level]), delta=most)
 
 
 def lettering(width=480, height=320):

@@ -60,7 +60,7 @@ TEST(AvifProperties, AreMissingIfTheFileIsInconsistent) {
     EXPECT_EQ(names_of(file_of(number(0, 4) + most, box("aaaa", "1"))), "");
     EXPECT_EQ(names_of(""), "");
     EXPECT_EQ(names_of(box("meta", "")), "");
-    EXPECT_EQ(names_of(number(7, 4) + "meta"), "") << "smaller than its head";
+    EXPECT_EQ(names_of(number(7, 4) + "meta"), "") << "the box is smaller than its header";
 }
 
 TEST(AvifProperties, StayWithinDamagedFiles) {
@@ -83,9 +83,9 @@ TEST(AvifBrand, IsFoundInAnyPosition) {
     EXPECT_TRUE(is_avif(box("ftyp", "avif"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "avis"s + number(0, 4))));
     EXPECT_TRUE(is_avif(box("ftyp", "mif1"s + number(0, 4) + "miafavif")));
-    EXPECT_FALSE(is_avif(box("ftyp", "mif1avif"))) << "that is a version";
+    EXPECT_FALSE(is_avif(box("ftyp", "mif1avif"))) << "the name is at the position of the version";
     EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4) + "mif1heic")));
-    EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4)) + "avif")) << "that is not in the box";
+    EXPECT_FALSE(is_avif(box("ftyp", "heic"s + number(0, 4)) + "avif")) << "the name is outside the box";
     EXPECT_FALSE(is_avif(fixture("grey.gif")));
 }
 

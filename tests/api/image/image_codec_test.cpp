@@ -14,7 +14,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kMaxPixels = 1'000'000;
-constexpr float kTolerance = 0.003F;  // JPEG's
+constexpr float kTolerance = 0.003F;  // error of JPEG
 
 float srgb_to_linear(float value) {
     return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
@@ -125,7 +125,7 @@ TEST(ImageCodec, ComputesLuminanceAndKeepsAlpha) {
             EXPECT_NEAR(luminance_at(*picture, x, 0), 0.2126, 1e-4) << name;
             EXPECT_NEAR(luminance_at(*picture, x, 1), 0.7152, 1e-4) << name;
             EXPECT_NEAR(luminance_at(*picture, x, 2), 0.0722, 1e-4) << name;
-            // Colours multiplied by alpha keep only as many shades as alpha leaves.
+            // Premultiplied colours have fewer distinct values where alpha is low.
             EXPECT_NEAR(luminance_at(*picture, x, 3), srgb_to_linear(128.0F / 255), 0.01) << name;
         }
         EXPECT_EQ(picture->alpha[0], 0) << name;
@@ -179,7 +179,7 @@ TEST(ImageCodec, ReadsGreyWithAlphaAndTransparentPalettes) {
 }
 
 TEST(ImageCodec, AppliesProfilesInEveryFormat) {
-    // White, two colours, and a red outside sRGB, which fits once it is mixed with grey of its luminance.
+    // White, two colours, and a red outside sRGB, which is mixed with grey of its luminance until it fits.
     const std::vector<std::vector<float>> expected = {
         {1, 1, 1}, {0.67884F, 0.10851F, 0.01367F}, {0, 0.34667F, 0.11374F}, {1, 0.01914F, 0.03650F}};
     for (const auto* name : {"p3.png", "p3.webp", "p3.tif", "p3.jpg", "p3-chromaticities.png", "p3-code-points.png",
@@ -198,7 +198,7 @@ TEST(ImageCodec, AppliesProfilesInEveryFormat) {
                 0.2126F * picture->red[at] + 0.7152F * picture->green[at] + 0.0722F * picture->blue[at];
             EXPECT_NEAR(grey->luminance[at], weighed, 1e-6F) << name << ' ' << i;
         }
-        EXPECT_EQ(grey->luminance[0], 1) << name << ": white must get no dots";
+        EXPECT_EQ(grey->luminance[0], 1) << name << ": white must be exactly 1, so that it gets no dots";
     }
 }
 
@@ -369,7 +369,7 @@ TEST(ImageCodec, RefusesTruncatedFiles) {
             const auto picture = decode_image(file.substr(0, size), kMaxPixels);
             ASSERT_FALSE(picture) << file.substr(0, 4) << ' ' << share;
             EXPECT_NE(picture.error().code, ErrorCode::Internal);
-            EXPECT_EQ(picture.error().message.find('/'), std::string::npos) << "may name a file of the server";
+            EXPECT_EQ(picture.error().message.find('/'), std::string::npos) << "the message may contain a path";
         }
     }
 }

@@ -25,7 +25,7 @@ TEST(ImageHeader, ReadsTheSizeOfEveryFormat) {
         EXPECT_EQ(header->width, 24U) << name;
         EXPECT_EQ(header->height, 16U) << name;
     }
-    const auto animated = read_image_header(fixture("orientation-6.webp"), kMaxPixels);  // an extended file
+    const auto animated = read_image_header(fixture("orientation-6.webp"), kMaxPixels);  // in the extended format
     ASSERT_TRUE(animated);
     EXPECT_EQ(animated->pixels(), 24U * 16U);
 }
@@ -42,7 +42,7 @@ TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
     EXPECT_GE(decoder_bytes("grey.gif"), by_rows + 24U * 16U);
     EXPECT_GE(decoder_bytes("runs-8.bmp"), by_rows + 24U * 16U);
     EXPECT_GE(decoder_bytes("lossless.avif"), by_rows + 24U * 16U * 15U);
-    EXPECT_GE(decoder_bytes("ramp.avif"), by_rows + 256U * 256U * 30U) << "of more than 8 bits";
+    EXPECT_GE(decoder_bytes("ramp.avif"), by_rows + 256U * 256U * 30U) << "more than 8 bits need more memory";
     EXPECT_GE(decoder_bytes("p3.jpg"), by_rows + fixture("p3.jpg").size() + (32U << 20));
 }
 
@@ -98,7 +98,7 @@ TEST(ImageHeader, RefusesOtherFormatsByName) {
         ASSERT_FALSE(header) << name;
         EXPECT_EQ(header.error().code, ErrorCode::Unsupported) << name;
         EXPECT_NE(header.error().message.find("this is "s + name), std::string::npos) << header.error().message;
-        EXPECT_NE(header.error().message.find("supported are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF"),
+        EXPECT_NE(header.error().message.find("the supported formats are PNG, JPEG, WebP, TIFF, GIF, BMP and AVIF"),
                   std::string::npos);
     }
     EXPECT_EQ(read_image_header("", kMaxPixels).error().code, ErrorCode::Malformed);

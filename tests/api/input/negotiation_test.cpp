@@ -64,7 +64,7 @@ TEST(Format, IsChosenByName) {
     ASSERT_FALSE(svg);
     EXPECT_EQ(svg.error().code, ErrorCode::Malformed);
     EXPECT_EQ(svg.error().field, "format");
-    EXPECT_EQ(svg.error().message, "format 'svg' is not available here; available are png, json");
+    EXPECT_EQ(svg.error().message, "format 'svg' is not available here; the formats are png, json");
 }
 
 }  // namespace

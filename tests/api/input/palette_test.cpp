@@ -71,7 +71,7 @@ TEST(Palette, IsReadFromJson) {
     EXPECT_EQ(names_of(*read_palette(input(1))), (std::vector<std::string>{"#ff0000", "#0000ff"}));
     expect_refused(input(2), "must have 1 to 6 colours", "/palette");
     expect_refused(input(3), "/palette/1 must be a colour", "/palette/1");
-    expect_refused(input(4), "repeats an earlier one: #ff0000", "/palette/1");
+    expect_refused(input(4), "repeats an earlier colour: #ff0000", "/palette/1");
     expect_refused(input(5), "/palette/0 must be a string", "/palette/0");
     expect_refused(input(6), "must be a string or an array", "/palette");
     expect_refused(input(7), "must have 1 to 6 colours", "/palette");
@@ -82,7 +82,7 @@ TEST(Palette, IsRefusedWithTheFieldOfTheError) {
     expect_refused(text("#000,#111,#222,#333,#444,#555,#666"), "must have 1 to 6 colours", "palette");
     expect_refused(text("#000,"), "colour 2 must be a colour as #rgb or #rrggbb", "palette");
     expect_refused(text("#000,transparent"), "colour 2 must be a colour", "palette");
-    expect_refused(text("#abc,#000,#aabbcc"), "colour 3 repeats an earlier one: #aabbcc", "palette");
+    expect_refused(text("#abc,#000,#aabbcc"), "colour 3 repeats an earlier colour: #aabbcc", "palette");
 }
 
 }  // namespace

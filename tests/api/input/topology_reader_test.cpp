@@ -8,7 +8,8 @@
 namespace ccdt::api {
 namespace {
 
-/// Two squares that share an edge; the second one has a hole, and is also an island.
+/// Two rectangles that share an edge. The second one has a hole, and belongs to a MultiPolygon with a separate
+/// triangle.
 const std::string kArcs = R"([[[1,0],[1,1]],[[1,1],[0,1],[0,0],[1,0]],[[1,0],[4,0],[4,1],[1,1]],)"
                           R"([[2,0.25],[2,0.75],[3,0.5],[2,0.25]],[[9,9],[10,9],[9,10],[9,9]]])";
 const std::string kTwo = R"({"type":"GeometryCollection","geometries":[)"
@@ -56,7 +57,8 @@ TEST(Topology, ReadsTheNamedObject) {
     EXPECT_EQ(read(topology(objects), "a/b")->parts.size(), 1U);
     const Error several = error_of(topology(objects));
     EXPECT_EQ(several.field, "/geometry/objects");
-    EXPECT_EQ(several.message, "/geometry/objects has several members: choose one of two, a/b by the option object");
+    EXPECT_EQ(several.message,
+              "/geometry/objects has several members: choose one of them with the option object (two, a/b)");
     EXPECT_EQ(error_of(topology(objects), "three").field, "/geometry/objects");
     EXPECT_EQ(error_of(topology("")).field, "/geometry/objects");
 }

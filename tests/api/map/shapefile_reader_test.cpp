@@ -19,7 +19,7 @@ using Files = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::size_t kMost = std::size_t{1} << 20;
 
-/// A square of this side around a point, clockwise, closed.
+/// Returns a closed clockwise square with this side around a point.
 Ring square(double side, Point at = {}) {
     const double a = side / 2;
     return {
@@ -60,14 +60,14 @@ std::string message_of(const Files& files) {
 
 const std::string kOne = shp_of({{square(2)}});
 
-/// Properties of the only record of a table with one field.
+/// Returns the property of the only record of a table with one field.
 Json property(TableField field, std::string text, int language = 0, const std::string& cpg = "") {
     Files files = {{"a.shp", kOne}, {"a.dbf", dbf_of({std::move(field)}, {{std::move(text)}}, language)}};
     if (!cpg.empty()) files.emplace_back("a.cpg", cpg);
     return features_of(zip_of(files))[0]["properties"].front();
 }
 
-TEST(Shapefile, ReadsWhatGdalWrote) {
+TEST(Shapefile, ReadsFilesWrittenByGdal) {
     const Json features = features_of(polygon_file("two-countries.zip"));
     ASSERT_EQ(features.size(), 3U);
     EXPECT_EQ(features[0]["properties"].dump(), R"({"name":"Italia","people":59.07,"since":"1861-03-17","dense":1})");
@@ -81,7 +81,7 @@ TEST(Shapefile, ReadsWhatGdalWrote) {
         const Json& given = original.contains("geometry") ? original["geometry"] : original;
         const Json& shape = features[static_cast<std::size_t>(feature)]["geometry"];
         ASSERT_EQ(shape["coordinates"].size(), given["coordinates"].size()) << name;
-        // The same corners, from which the rings begin being GDAL's choice.
+        // GDAL may begin a ring at any of its corners.
         for (std::size_t part = 0; part < given["coordinates"].size(); ++part) {
             ASSERT_EQ(shape["coordinates"][part].size(), given["coordinates"][part].size());
             for (std::size_t ring = 0; ring < given["coordinates"][part].size(); ++ring) {
@@ -94,7 +94,7 @@ TEST(Shapefile, ReadsWhatGdalWrote) {
 }
 
 TEST(Shapefile, GroupsHolesByTheRingsAroundThem) {
-    // A lake with an island that has a pond, and another land.
+    // A square with a hole, in which there is a square with a hole; and another square with a hole.
     const Json one = features_of(zip_of(
         {{"a.shp", shp_of({{hole(4), square(10), square(1, {20, 0}), square(2), hole(1), hole(0.5, {20, 0})}})}}));
     EXPECT_TRUE(one[0]["properties"].is_null());
@@ -178,7 +178,7 @@ TEST(Shapefile, ReadsTextsByTheirCodePage) {
     EXPECT_EQ(property({"c", 'C', 9}, "\x80 5", 3), "\xE2\x82\xAC 5");
     EXPECT_EQ(property({"c", 'C', 9}, utf8, 87, "UTF-8"), utf8);  // the .cpg file counts
     EXPECT_EQ(property({"c", 'C', 9}, "plain", 0, "Big5"), "plain");
-    // Cut within a character.
+    // Text truncated within a character.
     EXPECT_EQ(property({"c", 'C', 5}, "stra\xC3", 0, "UTF-8"), "stra\xEF\xBF\xBD");
     const auto message = [&](int language, const std::string& cpg) {
         Files files = {{"a.shp", kOne}, {"a.dbf", dbf_of({{"c", 'C', 9}}, {{sharp}}, language)}};
@@ -186,8 +186,8 @@ TEST(Shapefile, ReadsTextsByTheirCodePage) {
         return message_of(files);
     };
     EXPECT_NE(message(0, "").find("names no encoding"), std::string::npos);
-    EXPECT_NE(message(0, "Big5").find("Big5, is not read"), std::string::npos);
-    EXPECT_NE(message(2, "").find("LDID/2, is not read"), std::string::npos);
+    EXPECT_NE(message(0, "Big5").find("Big5, is not supported"), std::string::npos);
+    EXPECT_NE(message(2, "").find("LDID/2, is not supported"), std::string::npos);
 }
 
 TEST(Shapefile, LeavesOutDeletedRecords) {
@@ -215,7 +215,7 @@ TEST(Shapefile, ChoosesTheOneThatIsAskedFor) {
     EXPECT_NE(other.message.find("x/a, x/b"), std::string::npos) << other.message;
 }
 
-TEST(Shapefile, RefusesWhatIsNoArchive) {
+TEST(Shapefile, RefusesInvalidArchives) {
     EXPECT_EQ(error_of("").code, ErrorCode::Unusable);
     EXPECT_EQ(error_of("{}").code, ErrorCode::Unusable);
     EXPECT_NE(message_of({{"readme.txt", "text"}}).find("no shapefile"), std::string::npos);
@@ -248,7 +248,7 @@ TEST(Shapefile, LimitsSizes) {
     EXPECT_NE(text.message.find("GeoJSON"), std::string::npos);
     EXPECT_EQ(error_of(zip_of(Files(1001, {"a", ""}))).code, ErrorCode::LimitExceeded);
 
-    // A record that says that it has more corners than may be.
+    // A record that claims more corners than its size allows.
     std::string shp = kOne;
     shp[100 + 8 + 40 + 2] = 0x10;
     EXPECT_EQ(error_of(zip_of({{"a.shp", shp}})).code, ErrorCode::LimitExceeded);

@@ -12,7 +12,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Takes so many pieces.
+/// Takes at most `most` pieces.
 class Taker : public BodyTaker {
 public:
     explicit Taker(std::size_t most = 1'000'000) : most_(most) {}
@@ -47,7 +47,7 @@ Answer head() {
     return answer;
 }
 
-/// Text that tells where each of its parts belongs.
+/// Returns a text of successive numbers, so that missing or reordered parts are detected.
 std::string numbers(std::size_t size) {
     std::string text;
     for (int i = 0; text.size() < size; ++i) text += std::to_string(i) + ' ';
@@ -55,8 +55,8 @@ std::string numbers(std::size_t size) {
     return text;
 }
 
-/// Writes in small parts.
-/// @returns  what was written before nobody took any more
+/// Writes a text in small parts, until it is complete or the taker refuses a piece.
+/// @returns  number of bytes written
 std::size_t write(Body& body, std::string_view text) {
     constexpr std::size_t kPart = 1'000;
     std::size_t written = 0;
@@ -120,11 +120,11 @@ TEST(Body, StopsOnceReceiverStops) {
 }
 
 TEST(Body, ReportsIfNotReproducibleBecauseHurried) {
-    std::stop_source hurry;
+    std::stop_source path_stop;
     const Answer before = head();
     Taker taker;
-    Body large(before, &taker, hurry.get_token()), small(before, &taker, hurry.get_token());
-    hurry.request_stop();
+    Body large(before, &taker, path_stop.get_token()), small(before, &taker, path_stop.get_token());
+    path_stop.request_stop();
     write(large, numbers(Body::kWhole + 10'000));
     ASSERT_EQ(taker.heads.size(), 1U);
     EXPECT_FALSE(taker.heads.front().repeats);

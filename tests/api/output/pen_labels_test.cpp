@@ -17,7 +17,7 @@ TEST(PenLabels, AreTheNamesOfInks) {
     EXPECT_EQ(labels_of({{"", kBlack}}), Labels{"dots"});
 }
 
-TEST(PenLabels, AreWordsForColoursThatAreNamedByThemselves) {
+TEST(PenLabels, AreColourWordsForUnnamedInks) {
     EXPECT_EQ(
         labels_of({{"#ff0000", {255, 0, 0}}, {"#00ff00", {0, 255, 0}}, {"#0000ff", {0, 0, 255}}, {"#000000", kBlack}}),
         (Labels{"red", "lime", "blue", "black"}));
@@ -28,7 +28,7 @@ TEST(PenLabels, HaveNoDigits) {
     EXPECT_EQ(labels_of({{"people of 2020", kBlack}, {"7", kBlack}}), (Labels{"people of", "black"}));
 }
 
-TEST(PenLabels, AreToldApart) {
+TEST(PenLabels, AreDistinct) {
     EXPECT_EQ(labels_of({{"#ff0000", {255, 0, 0}}, {"#fe0000", {254, 0, 0}}, {"#000000", kBlack}}),
               (Labels{"red A", "red B", "black"}));
     EXPECT_EQ(labels_of({{"pop2010", kBlack}, {"pop2020", kWhite}}), (Labels{"pop A", "pop B"}));

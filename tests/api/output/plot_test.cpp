@@ -44,7 +44,7 @@ TEST_P(Filling, CoversTheDotAndNothingElse) {
     }
 }
 
-TEST_P(Filling, IsATouchForPensAsWideAsTheDot) {
+TEST_P(Filling, IsASinglePointForPensAsWideAsTheDot) {
     for (const double radius : {1e-308, 0.1, 0.15}) EXPECT_EQ(dot_stroke(GetParam(), radius, 0.3).size(), 1U);
 }
 
@@ -71,8 +71,8 @@ double seconds_of(const std::vector<Point>& points, double radius, const Drawing
     return plot_of({&inks, 1}, page, drawing, {}).seconds();
 }
 
-TEST(PlotTime, CountsTheWayAndTheLifts) {
-    // Ten times as large on paper: 30 mm from dot to dot.
+TEST(PlotTime, CountsPathsAndPenLifts) {
+    // The drawing is ten times as large on paper, so dots are 30 mm apart.
     const std::vector<Point> row = {{1, 1}, {4, 1}, {7, 1}};
     DrawingOptions drawing{.width_mm = 100, .style = DotStyle::Stroke, .plotter = {.speed = 20, .dwell = 0.5}};
     EXPECT_DOUBLE_EQ(seconds_of(row, 0.1, drawing), 60 / 20.0 + 3 * 2 * 0.5);
@@ -83,19 +83,20 @@ TEST(PlotTime, CountsTheWayAndTheLifts) {
     EXPECT_NEAR(seconds_of(row, 0.1, drawing), 60 / 20.0 + 3 * 2 * 0.5 + 3 * 2 * std::numbers::pi * 0.25 / 20, 0.01);
 }
 
-TEST(PlotTime, IsKeptByTheDotsThatFitIntoIt) {
+TEST(PlotTime, IsMetByTheEstimatedNumberOfDots) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> uniform(0, 1);
     for (const DotStyle style : {DotStyle::Stroke, DotStyle::Path, DotStyle::Circles, DotStyle::Spiral}) {
         const DrawingOptions drawing{.width_mm = 200, .style = style};
-        // A quarter of the page's ink, twice as dense on one half; hexagons would be a little shorter than this.
+        // Dots cover a quarter of the page; they are twice as dense on one half. The path through a hexagonal grid
+        // would be slightly shorter.
         const PlotInk ink{0.25 * 200 * 100, (std::sqrt(1 / 3.0) + std::sqrt(1 / 6.0)) / 2 * 200 * 100};
         const double dots = dots_in(300, ink, std::nullopt, drawing);
         ASSERT_GT(dots, 100) << name_of(style);
         const double radius = std::sqrt(1.2 * ink.area / dots / std::numbers::pi) / 20;
         std::vector<Point> points;
         while (points.size() < static_cast<std::size_t>(dots)) {
-            // A jittered grid has a path of about the length that blue noise has.
+            // The path through a jittered grid is about as long as through blue noise.
             const auto rows = static_cast<std::size_t>(std::sqrt(dots / 2));
             const auto columns = static_cast<std::size_t>(dots) / rows + 1;
             const std::size_t i = points.size();
@@ -109,7 +110,7 @@ TEST(PlotTime, IsKeptByTheDotsThatFitIntoIt) {
     }
 }
 
-TEST(PlotTime, LeavesNoDotWhereThereIsNone) {
+TEST(PlotTime, AllowsNoDotsIfTooShort) {
     const DrawingOptions drawing{.width_mm = 200, .style = DotStyle::Stroke};
     EXPECT_EQ(dots_in(0.1, {100, 100}, std::nullopt, drawing), 0);
     EXPECT_EQ(dots_in(60, {1e5, 1e5}, std::nullopt, {.width_mm = 200, .style = DotStyle::Spiral}), 0);

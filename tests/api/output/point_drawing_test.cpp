@@ -27,13 +27,14 @@ Distribution dots_at(std::vector<Point> points) {
     return dots;
 }
 
-/// Dots of one ink without a name.
+/// Draws dots of one ink without a name.
 std::string svg_of(const std::vector<Point>& points, const Page& page, double radius, DotStyle style,
-                   const Palette& palette = {}, const std::stop_token& hurry = {}, const std::stop_token& stop = {}) {
+                   const Palette& palette = {}, const std::stop_token& path_stop = {},
+                   const std::stop_token& stop = {}) {
     const Distribution dots = dots_at(points);
     const InkDots ink{palette.inks.front(), dots, radius};
     return test::whole_body([&](Body& body) {
-        write_svg({&ink, 1}, palette, page, {.style = style}, body, hurry, stop);
+        write_svg({&ink, 1}, palette, page, {.style = style}, body, path_stop, stop);
     });
 }
 
@@ -160,7 +161,7 @@ TEST(Points, AreFlippedIfYPointsUp) {
     ASSERT_EQ(raster.width, 40);
     ASSERT_EQ(raster.height, 20);
     EXPECT_EQ(raster.coverage[16 * 40 + 4], 255);
-    // A soft rim adds a twelfth to the squared radius.
+    // The antialiased edge adds a twelfth to the squared radius.
     EXPECT_NEAR(mean(raster), 3.14159 * (4 + 1.0 / 12) / 800, 1e-4);
 }
 

@@ -41,7 +41,7 @@ TEST(SvgRenderer, DrawsDotsInsideClipOnly) {
     EXPECT_EQ(png.at(4, 10), kPaper);
     EXPECT_EQ(png.at(5, 5), kPaper) << "dots are round";
     EXPECT_EQ(png.at(27, 10), kInk);
-    EXPECT_EQ(png.at(32, 10), kPaper) << "beyond the clip";
+    EXPECT_EQ(png.at(32, 10), kPaper) << "outside the clip";
 }
 
 TEST(SvgRenderer, FindsItsFont) {
@@ -60,7 +60,7 @@ TEST(SvgRenderer, IsReproducible) {
     EXPECT_EQ(render_svg(text, 1.5).value(), render_svg(text, 1.5).value());
 }
 
-TEST(SvgRenderer, RejectsWhatIsNotSvg) {
+TEST(SvgRenderer, RejectsInvalidSvg) {
     for (const std::string text : {"", "dots", "<svg", "<html/>"}) {
         const auto file = render_svg(text, 1);
         ASSERT_FALSE(file) << text;
