@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The address holds the settings, which can be shared, survive a reload, and follow back and forward.
+// The address of the page: it holds the settings, survives a reload, and follows the history of the browser.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -44,7 +44,7 @@ test("leaves out settings that have their defaults", async () => {
   assert.equal(await hash(), "#halftone");
 });
 
-test("shares the settings of a halftone, of every kind of field", async () => {
+test("shares the settings of every kind of field of a halftone", async () => {
   await open();
   const { page } = world;
   await page.click("#halftone [data-sample='cat.jpg']");
@@ -107,7 +107,7 @@ test("ignores texts that are not valid settings", async () => {
   assert.match(await world.page.textContent("#sample .status"), /^1,000 points/);
 });
 
-test("goes back and forward through panels, pictures and shapes, but not through each number", async () => {
+test("goes back and forward through panels, pictures and shapes, but not through numbers", async () => {
   await open();
   const { page } = world;
   await type("halftone", "sites", "900");

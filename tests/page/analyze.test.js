@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Analyses of points and dots, beside the points of each method.
+// Analyses of points and dots, compared with the points of each method.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
@@ -39,7 +39,7 @@ test("analyzes the largest square inside a polygon", async () => {
   assert.match(await world.page.textContent("#analyze .note"), /largest square/);
 });
 
-test("analyzes more points than it shows in the spectrum", async () => {
+test("analyzes too many points for a spectrum", async () => {
   await world.page.goto(`${world.url}/#sample?shape=torus&sites=140000&quality=draft&iteration=1`);
   await settled(world.page, "sample");
   assert.match(await world.page.textContent("#sample .status"), /^140,000 points/);

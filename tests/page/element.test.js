@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// <ccdt-halftone> in a page of another origin than the server's; firefox.test.js has the essentials, too.
+// Tests <ccdt-halftone> in a page of another origin than the server. firefox.test.js tests its main functions, too.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -144,7 +144,7 @@ test("draws up to all borders", async () => {
   for (const one of light) assert.ok(Math.abs(one - 0.5) < 0.12, String(light));
 });
 
-test("has one pixel for each pixel of the device, also after a change of size", async () => {
+test("maps image pixels to device pixels, also after a change of size", async () => {
   const context = await world.newContext({ deviceScaleFactor: 2 });
   const page = await context.newPage();
   await page.goto(origin.url);
@@ -176,7 +176,7 @@ test("has one pixel for each pixel of the device, also after a change of size", 
   await context.close();
 });
 
-test("shows nothing stale, and a picture that it cannot read as it is", async () => {
+test("removes outdated dots, and shows an unreadable picture unchanged", async () => {
   await world.page.goto(origin.url);
   await show({ src: "/cat.png", sites: "500" });
   const end = await world.page.evaluate(() => new Promise((resolve) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures become dots.
+// Panel that turns a picture into dots.
 
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
@@ -201,7 +201,7 @@ test("shows which frame of an animation is used", async () => {
   await rm(folder, { recursive: true });
 });
 
-test("requests what its fields say", async () => {
+test("requests the values of its fields", async () => {
   await open();
   const seen = watchRequests();
   await world.page.click("#halftone .more summary");
@@ -246,7 +246,7 @@ test("emphasizes edges, and sets levels like an image editor", async () => {
   assert.match(await world.page.textContent("#halftone [data-name=levels] .error"), /black point below the white point/);
 });
 
-test("leaves the number of dots to the picture, or to a pen", async () => {
+test("derives the number of dots from the picture, or from a pen", async () => {
   await open();
   const seen = watchRequests();
   await world.page.check("#halftone [data-name=sites] input[type=checkbox]");

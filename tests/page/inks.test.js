@@ -27,7 +27,7 @@ async function asked() {
   return others;
 }
 
-/** Returns those of the given colours that pixels of the halftone have. */
+/** Returns the given colours that occur in the halftone. */
 const seen = (colours) => world.page.locator("#halftone canvas").evaluate((canvas, wanted) => {
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const values = new Set();
@@ -98,7 +98,7 @@ test("reports an ink that occurs twice", async () => {
   assert.match(await world.page.textContent("#halftone .general"), /colour 2/);
 });
 
-test("gets the same from the command that is shown, and is accessible", async () => {
+test("shows a command that returns the same picture, and is accessible", async () => {
   const context = await world.newContext({ viewport: { width: 390, height: 844 }, bypassCSP: true });
   const page = await context.newPage();
   await page.goto(world.url);

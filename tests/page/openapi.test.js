@@ -15,10 +15,10 @@ const ts = require("typescript");
 
 const api = path.resolve(import.meta.dirname, "../../api/openapi.json");
 
-// The address of a server is given by whoever runs it.
+// Operators choose the address of their server, so the document may name an example.
 const unwanted = { "no-server-example.com": "off" };
 
-test("the document is valid, and has nothing that is unused", async () => {
+test("the document is valid, and has no unused components", async () => {
   const config = await createConfig({ extends: ["recommended"], rules: unwanted });
   const problems = await lint({ ref: api, config });
   assert.deepEqual(problems.map(({ ruleId, message, location }) => [ruleId, message, location[0]?.pointer]), []);
@@ -34,7 +34,7 @@ async function generatedTypes() {
   return astToString(await generate(await readFile(api, "utf8"), { transform, defaultNonNullable: false }));
 }
 
-// Uses that must compile, and one that must not.
+// TypeScript whose statements must all compile except the last one.
 const uses = `
 type Halftone = paths["/halftone"]["post"];
 type Sent = Halftone["requestBody"]["content"];

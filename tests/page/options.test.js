@@ -20,7 +20,10 @@ async function open(address) {
   await settled(world.page, address.match(/\w+/)[0]);
 }
 
-/** Options that are no fields of their names: an older name, shapes, downloads, boxes and sliders beside the picture, the properties that a map counts, and the pen, which has two fields. */
+/**
+ * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
+ * properties that a map counts, and the pen, which has two fields.
+ */
 const elsewhere = {
   halftone: ["dwell", "format", "invert", "pen"],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
@@ -81,7 +84,7 @@ test("gives points the properties of their features", async () => {
   assert.ok(await page.locator("#sample [data-name=properties]").isHidden());
 });
 
-test("takes pictures for density and mask, and areas and points as text", async () => {
+test("accepts pictures for density and mask, and areas and points as text", async () => {
   await open("#sample?shape=polygon");
   const { page } = world;
   await page.click("#sample .more summary");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Output for plotters: strokes as wide as the pen, on its paper, and their time.
+// Drawings for plotters: strokes as wide as the pen, on its paper, and the time that they take.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -96,15 +96,17 @@ test("fills dots, or joins them by one line", async () => {
   assert.match(spirals, /stroke-width="0.5"/);
   const [, dots] = spirals.match(/<desc>(\d+) dots/).map(Number);
   assert.equal(spirals.match(/M/g).length, dots);
+  assert.match(await page.textContent("#halftone .status"), /^spirals of radius \d/);
   assert.ok((await figures()).includes(`${dots.toLocaleString("en")} dots in 1 layer`));
   await looksAsKept(world, page.locator("#halftone .stage"), "halftone-spirals");
   await page.selectOption("#halftone .plot [data-name=style] select", "path");
   await settled(page, "halftone");
   assert.ok(await page.isHidden("#halftone .plot [data-name=dot_mm]"));
   assert.equal((await saved()).match(/M/g).length, 1);
+  assert.match(await page.textContent("#halftone .status"), /^one line through the dots, \d/);
 });
 
-test("downloads what machines read, with their commands", async () => {
+test("downloads formats for machines, with the given pen commands", async () => {
   await open("#halftone?sites=200");
   const { page } = world;
   const titles = () => page.locator("#halftone .download option").allTextContents();

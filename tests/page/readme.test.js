@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pages in the READMEs, unchanged, opened from another origin than the server's.
+// Pages in the READMEs, opened unchanged from another origin than the server.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -24,7 +24,7 @@ before(async () => {
 
 after(() => origin.close());
 
-test("the READMEs' lines put dots into a page of another origin", async () => {
+test("the lines in the READMEs put dots into a page of another origin", async () => {
   for (const name of ["README.md", "api/README.md"]) {
     lines = (await examplesOf(name)).find((example) => example.includes("<ccdt-halftone"));
     await world.page.goto(origin.url);
@@ -40,7 +40,7 @@ test("the READMEs' lines put dots into a page of another origin", async () => {
   }
 });
 
-test("the API's page draws dots and ground on a canvas, with the picture's tone", async () => {
+test("the page in the API's README draws dots and ground with the tone of the picture", async () => {
   lines = (await examplesOf("api/README.md")).find((example) => example.includes("evenodd"));
   await world.page.goto(origin.url);
   const inkOf = () => world.page.evaluate(() => {

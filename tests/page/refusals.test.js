@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// After a refusal the page shows nothing that disagrees with its fields and its picture.
+// After a request is rejected, the page shows nothing that disagrees with its fields and its picture.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -37,7 +37,7 @@ test("a refused shape shows no points of the previous one", async () => {
   assert.ok(y >= 0 && y + height <= page.viewportSize().height);
 });
 
-test("a file that is not a picture leaves the shown one", async () => {
+test("a file that is not a picture leaves the shown picture", async () => {
   const { page } = world;
   await page.goto(world.url);
   await settled(page, "halftone");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shapes become points.
+// Panel that places points in a shape.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -103,7 +103,7 @@ const choose = async (file) => {
 const document = (json) => ({ name: "shape.geojson", mimeType: "application/geo+json", buffer: Buffer.from(JSON.stringify(json)) });
 const query = async () => new URLSearchParams((await world.page.textContent("#sample pre")).match(/sample\?([^']*)'/)[1]);
 
-test("accepts GeoJSON, even on the ground or in degrees", async () => {
+test("spreads points in GeoJSON evenly on the ground or in degrees", async () => {
   await open();
   await choose(path.join(data, "polygons/South-Africa-50m.geojson"));
   assert.equal((await query()).get("coordinates"), "lonlat");
@@ -206,7 +206,7 @@ test("offers the numeric properties of a file's features", async () => {
   assert.match(await world.page.textContent("#sample .status"), /^25 points/);
 });
 
-test("offers codes after counts", async () => {
+test("offers identifiers after counts", async () => {
   await open();
   const feature = (x, properties) => ({ type: "Feature", properties, geometry: { type: "Polygon", coordinates: [[[x, 0], [x + 2, 0], [x + 2, 2], [x, 2], [x, 0]]] } });
   const features = [[48001, "0107", 3], [48113, "0220", 8], [48005, "0319", 4], [48007, "0400", 7]].map(([fips, district, people], row) =>
@@ -245,6 +245,18 @@ test("offers only a plane for coordinates that cannot be degrees", async () => {
   await choose(document({ type: "Polygon", coordinates: [[[0, 0], [3000, 0], [3000, 2000], [0, 2000], [0, 0]]] }));
   assert.ok(await world.page.isHidden("#sample [data-name=coordinates]"));
   assert.equal((await query()).get("coordinates"), null);
+});
+
+test("draws the outline of a zipped shapefile", async () => {
+  await open();
+  await choose(path.join(data, "polygons/two-countries.zip"));
+  assert.match(await world.page.textContent("#sample .status"), /^1,000 points, \d+ km apart/);
+  assert.match(await world.page.textContent("#sample pre"), /--data-binary '@two-countries\.zip'/);
+  assert.equal((await query()).get("coordinates"), "lonlat");
+  await looksAsKept(world, frame(), "sample-shapefile");
+  await world.page.setInputFiles("#sample .file", { name: "photos.zip", mimeType: "application/zip", buffer: Buffer.from("PK\u0003\u0004 no files") });
+  await settled(world.page, "sample", "failed");
+  assert.match(await world.page.textContent("#shape-error"), /^photos\.zip holds no GeoJSON polygons and no shapefile: /);
 });
 
 test("shows where a document is wrong", async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A picture becomes dots.
+// Panel that turns a picture into dots.
 
 import { capabilities } from "./api.js";
 import { acceptDrops, count, make, seconds } from "./dom.js";
@@ -15,30 +15,28 @@ import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
-const draftScale = 2;  // of a draft of a reduced picture, at most
-const thumbWidth = 32;  // of the divider
-const thumbSide = 128;  // pixels of a picture's thumbnail
+const draftScale = 2;  // largest scale of a draft of a reduced picture
+const thumbWidth = 32;  // CSS pixels; width of the handle of the divider
+const thumbSide = 128;  // pixels; side of a thumbnail
 const toneTolerance = 0.05;
 const firstSample = "astronaut.jpg";
-const ownPicture = "own";  // in the address, which cannot hold it
+const ownPicture = "own";  // name in the address for a picture of the user, which the address cannot hold
 
 const samplePath = (name) => `/assets/samples/${name}`;
 
 /**
- * A picture that comes with the page: {name, path, blob}; one's own has no path. Once it is chosen it has `original`: what
- * the browser reads of it, or null.
+ * Loads a picture that comes with the page: {name, path, blob}. A picture of the user has no path. Once a picture is
+ * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
  */
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await fetch(samplePath(name))).blob() });
 const ownOf = (file) => ({ name: file.name, blob: file });
 
-/** A canvas that holds a picture, whose pixels are to be read. */
 function canvasOf(bitmap) {
   const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
   canvas.getContext("2d", { willReadFrequently: true }).drawImage(bitmap, 0, 0);
   return canvas;
 }
 
-/** Draws what a pen draws, on the paper. */
 async function drawingOf(svg, width, height, paper = "#ffffff") {
   const image = new Image();
   image.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
@@ -52,17 +50,16 @@ async function drawingOf(svg, width, height, paper = "#ffffff") {
   return canvas;
 }
 
-/** Cuts a picture to the aspect of a drawing that shows its middle alone. */
 async function shownPart(original, dots) {
   if (!original) return null;
   const scale = Math.max(dots.width / original.width, dots.height / original.height);
   const [width, height] = [dots.width / scale, dots.height / scale].map(Math.round);
-  // Whole drawings have the picture's aspect, up to a pixel of theirs.
+  // Dots of the whole picture have its aspect ratio, up to a rounding of one pixel.
   if (Math.max(original.width - width, original.height - height) * scale < 2) return original;
   return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
 }
 
-/** The middle of a picture, as a square; of one that the browser cannot read its name. */
+/** Returns the middle square of a picture, or its name if the browser cannot decode it. */
 function thumbnailOf({ name, original }) {
   if (!original) return make("span", { textContent: name });
   const canvas = make("canvas", { width: thumbSide, height: thumbSide });
@@ -73,35 +70,48 @@ function thumbnailOf({ name, original }) {
   return canvas;
 }
 
-/** Tells whether pictures with such options have dots of ink and of paper. */
 const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
   !palette && !dots && tone !== "density" && style === "fill" && minutes === undefined && background !== "transparent";
 
-/** Tells whether a pen draws more than a touch for each dot, so that the drawing differs from that of dots. */
+/** Whether a pen draws more than a short stroke for each dot, so that the drawing differs from plain dots. */
 const isOfStrokes = ({ style = "fill" }) => !["fill", "stroke"].includes(style);
 
-/** Tells whether the server draws crisp pixels, unless it is told otherwise. */
+/** Whether a drawing is for print. Drawings for print are not antialiased by default. */
 const isForPrint = ({ scale, width_mm: print }) => scale !== undefined || print !== undefined;
 
-/** How many dots there are or, if the server has chosen that, how large: in pixels of the picture. */
-function describe({ sites }, response) {
-  if (sites !== undefined) return `${count(Number(sites))} dots`;
-  return `dots of radius ${Number(response.headers.get("X-Radius")).toPrecision(3)}`;
+/**
+ * Returns the options of the request whose answer the panel shows. The panel scales in linear light, so the server need
+ * not prepare edges for scaling. An explicit `antialias` turns this preparation off.
+ */
+const shownOptions = (options) => {
+  const isSized = isForPrint(options) || options.width !== undefined || options.height !== undefined;
+  return isSized ? options : { antialias: true, ...options };
+};
+
+const marks = { fill: "dots", stroke: "pen strokes", spiral: "spirals", circles: "dots of nested circles", path: "dots on one line" };
+
+/**
+ * Describes the marks by their number or, if the server has chosen it, by their radius in pixels of the picture. A line
+ * has the width of its pen, whatever the radius.
+ */
+function describe({ sites, style = "fill", color, palette }, response) {
+  if (sites !== undefined) return `${count(Number(sites))} ${marks[style]}`;
+  if (style === "path") return `one line through the dots${color || palette ? " of each ink" : ""}`;
+  return `${marks[style]} of radius ${Number(response.headers.get("X-Radius")).toPrecision(3)}`;
 }
 
 /**
- * What a draft is asked for, of a picture that is `factor` times less wide than the whole one: what is seen stays as
- * large as it is.
+ * Returns the options of a draft. The draft shows a picture whose width was divided by `factor`. Scale and radius are
+ * adapted, so that dots keep their size on the screen.
  */
 function draftOf(options, factor) {
-  const draft = { ...options, ...draftOptions };
+  const draft = { ...shownOptions(options), ...draftOptions };
   if (factor === 1 || options.scale === undefined) return draft;
   draft.scale = Math.min(options.scale * factor, draftScale);
   if (typeof options.dot === "number") draft.dot = (options.dot * draft.scale) / (options.scale * factor);
   return draft;
 }
 
-/** What the server has to say of the picture, though it took it. */
 function warningsOf(response, isTimed) {
   const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
   const tone = Number(response.headers.get("X-Tone") ?? 1);
@@ -113,10 +123,12 @@ function warningsOf(response, isTimed) {
 export class Halftone extends Panel {
   #picture = null;
   #own = null;
-  #shown = { original: null, dots: null };  // and once dots were made whole `scale`, output pixels to one of the picture, `status` and `warnings`
-  #before = null;  // {picture, shown} until the server has read the picture that is chosen
-  #scaled = {};  // the dots as they were drawn last
-  #planned = null;  // the inks that a picture takes, about
+  // Includes `scale` (output pixels per pixel of the picture), `status` and `warnings` after a request that is no
+  // draft.
+  #shown = { original: null, dots: null };
+  #before = null;  // {picture, shown} from before the choice of a picture that the server has not read yet
+  #scaled = {};  // scaled dots that were drawn last
+  #planned = null;  // estimate of the dots in each ink
   #isStale = true;
 
   constructor(element) {
@@ -166,7 +178,6 @@ export class Halftone extends Panel {
     this.#offerFields();
   }
 
-  /** Buttons for settings that go well together. */
   #offerPresets() {
     this.presets = presets.map(({ title, settings }) => {
       const button = make("button", { type: "button", textContent: title });
@@ -227,7 +238,6 @@ export class Halftone extends Panel {
     await this.#choose(await sample(name));
   }
 
-  /** A picture of one's own, or a sample: a step that one may go back from. */
   async #choose(picture) {
     this.#before ??= { picture: this.#picture, shown: this.#shown };
     await this.#take(picture);
@@ -236,7 +246,7 @@ export class Halftone extends Panel {
     this.refresh();
   }
 
-  /** A picture that the browser cannot draw, such as a TIFF, still has its dots drawn by the server. */
+  /** Loads a picture. If the browser cannot decode it, such as a TIFF, the server still draws its dots. */
   async #take(picture) {
     this.element.dataset.state = "busy";
     this.newest.abandon();
@@ -248,7 +258,6 @@ export class Halftone extends Panel {
     if (picture.original) this.#show({ original: picture.original, dots: null });
   }
 
-  /** Keeps a picture of one's own among those that can be chosen. */
   #keepOwn() {
     if (this.#picture.path || this.#picture === this.#own) return;
     this.#own = this.#picture;
@@ -262,7 +271,6 @@ export class Halftone extends Panel {
     this.ownThumb.setAttribute("aria-pressed", String(this.#picture === this.#own));
   }
 
-  /** What makes no sense with the inks, the unit or the pen that are chosen is not there to be asked for. */
   #offerFields() {
     const isPlotted = this.plotter.isOn;
     this.fields.offer("dot", !isPlotted);
@@ -285,20 +293,23 @@ export class Halftone extends Panel {
     this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
   }
 
-  /** A pen that is taken up makes as many dots as the tone wants; one may still say how many. */
+  /** Sets the number of dots to auto when the pen is turned on. The user can still choose a number. */
   #penTurned(isOn) {
     if (isOn) this.fields.put("sites", "auto");
     this.refresh();
   }
 
-  /** A radius in pixels is one of the output, whose width then must stay what it was when the radius was seen: that. */
+  /**
+   * Option `width` to send with a radius in pixels; {} otherwise. Such a radius counts pixels of the output, so the
+   * output must keep the width that it had when the radius was chosen.
+   */
   get #heldWidth() {
     const { width, height, scale, width_mm: print } = this.moreFields.values();
     const isHeld = typeof this.fields.values().dot === "number" && [width, height, scale, print].every((one) => one === undefined);
     return isHeld ? this.#shownWidth : {};
   }
 
-  /** The width in pixels of what is shown, once it was made whole. */
+  /** Option `width` that gives the width of the last full output; {} if there was none. */
   get #shownWidth() {
     const { original, scale } = this.#shown;
     return scale ? { width: Math.round(scale * original.width) } : {};
@@ -307,13 +318,12 @@ export class Halftone extends Panel {
   #options(format) {
     const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) };
     if (options.palette) delete options.color;
-    // Paper alone is of grey, and pens have a layer for each ink.
+    // Dots of paper need grey, and pens draw a layer of ink for each colour.
     if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
     if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
     return options;
   }
 
-  /** What the panel shows, in a format. */
   async ask(format, signal, told = this.tell) {
     if (!this.#picture) await this.#take(await sample(firstSample));
     const options = this.#options(format);
@@ -322,7 +332,9 @@ export class Halftone extends Panel {
     return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, told);
   }
 
-  /** What makes a format as large as what is shown: lists of dots have no width, and TIFFs are for print by default. */
+  /**
+   * Returns options that give a file the shown size. Lists of dots have no width, and TIFFs are for print by default.
+   */
   #sizeOf(options, format, drawn) {
     const isSized = options.width !== undefined || options.height !== undefined;
     if (!drawn) return { width: undefined, height: undefined, fit: undefined, ...(isSized && { scale: this.#shown.scale?.toFixed(2) }) };
@@ -335,7 +347,6 @@ export class Halftone extends Panel {
       { signal, told, type: "application/octet-stream" });
   }
 
-  /** Large pictures are reduced for drafts, once. */
   async #postDraft(options, signal) {
     const picture = this.#picture;
     if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.tell);
@@ -355,7 +366,7 @@ export class Halftone extends Panel {
     if (!draft) this.note();
     this.wish(async (signal) => {
       const start = performance.now();
-      const response = await (draft ? this.#postDraft(options, signal) : this.#post(options, signal, this.tell));
+      const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.tell));
       const dots = canvasOf(await createImageBitmap(await response.blob()));
       if (signal.aborted) return;
       const original = await shownPart(this.#picture.original, dots);
@@ -369,11 +380,10 @@ export class Halftone extends Panel {
         warnings: warningsOf(response, this.plotter.minutes !== undefined),
       });
       await this.#plot(options, signal);
-      this.status.textContent = this.#shown.status;  // which a job for the plot may have taken away
+      this.status.textContent = this.#shown.status;  // the job of the plot may have cleared it
     }, draft);
   }
 
-  /** Tells how a plotter would draw what is shown. */
   async #plot(options, signal) {
     if (!this.plotter.isOn) return;
     const response = await this.#post({ ...options, format: "svg" }, signal, this.tell);
@@ -384,7 +394,7 @@ export class Halftone extends Panel {
     this.#show({ ...this.#shown, dots: await drawingOf(svg, width, height, options.background) });
   }
 
-  /** Place and zoom stay while the picture does, though the scale of its output may change. */
+  /** Shows a result. Position and zoom stay as long as the picture does, even if the output has another scale. */
   #show(shown) {
     const { original, dots, scale, status = "", warnings = "" } = shown;
     const { width, height } = original ?? dots;
@@ -395,7 +405,7 @@ export class Halftone extends Panel {
     this.viewport.content = { width, height };
   }
 
-  /** Whether a problem is that the server cannot read the picture; browsers show parts of some that are broken. */
+  /** Whether the server cannot read the picture. Browsers show parts of some broken pictures. */
   #isUnreadable({ status, message }) {
     return status === 415 || (status === 422 && /^the image is (broken|of a kind)/.test(message));
   }
@@ -411,7 +421,6 @@ export class Halftone extends Panel {
     else if (problem) this.#before = null;
   }
 
-  /** Shows what was shown before a picture was chosen. */
   #goBack() {
     const { picture, shown } = this.#before;
     this.#picture = picture;
@@ -428,7 +437,6 @@ export class Halftone extends Panel {
     this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
   }
 
-  /** The picture is left. */
   forget() {
     this.#shown = { original: this.#picture?.original ?? null, dots: null };
     this.find(".warnings").textContent = "";
@@ -447,7 +455,7 @@ export class Halftone extends Panel {
     if (original) this.#drawOriginal(context, view, place);
   }
 
-  /** Of the same dots in the same place the pixels are the same, as while the divider moves. */
+  /** Draws the dots. Their scaled pixels are kept, because they stay the same while the divider moves. */
   #drawDots(context, place) {
     const { dots } = this.#shown;
     const { width, height } = context.canvas;
@@ -459,7 +467,7 @@ export class Halftone extends Panel {
     if (pixels) context.putImageData(pixels.image, pixels.x, pixels.y);
   }
 
-  /** All of it as long as there are no dots. */
+  /** Draws the picture left of the divider, or all of it if there are no dots. */
   #drawOriginal(context, view, { x, y, width, height }) {
     const { original, dots } = this.#shown;
     const share = Number(this.divider.value) / 100;
@@ -474,7 +482,6 @@ export class Halftone extends Panel {
     context.restore();
   }
 
-  /** What a plot will take, about, as far as the browser can read the picture: {sites, inks}. */
   #plan() {
     const { original } = this.#picture ?? {};
     if (!original) return null;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A shape becomes points.
+// Panel that places points in a shape.
 
+import { post, Problem } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
@@ -11,40 +12,46 @@ import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
 import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, mostPoints, shapeFields } from "./sample_options.js";
-import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, rectangle, unitTorus } from "./shape.js";
+import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, polygonsOfMesh, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const mostFrames = 64;
-const leastRadius = 0.9;  // of a dot, CSS pixels
-const dotShare = 0.3;  // a dot's radius over the mean spacing,
-const mapShare = 0.15;  // and on a map of dots, which are much denser in places
-const wishedOfMap = Math.min(5000, Math.floor(mostPoints / 2.5));  // dots at least, and up to 2.5 times as many, as long as nobody has said how many each stands for
-const mostCounts = 24;  // properties that one may choose among
+const leastRadius = 0.9;  // CSS pixels; least radius of a dot
+const dotShare = 0.3;  // radius of a dot over the mean spacing
+const mapShare = 0.15;  // the same on a dot map, parts of which are much denser
+/** Least initial number of dots of a map. Rounding of the units per dot allows up to 2.5 times as many. */
+const wishedOfMap = Math.min(5000, Math.floor(mostPoints / 2.5));
+const mostCounts = 24;  // properties offered
 const listsProperties = ["geojson", "ndjson", "geojsonseq", "csv"];
-const mostRepairs = 20;  // that are shown
-const mostParts = 30;  // that one may choose among
-const mostPast = 100;  // polygons
+const mostRepairs = 20;  // repairs shown
+const mostParts = 30;  // parts offered
+const mostPast = 100;  // polygons kept for undo
 const mostInAddress = 2000;  // characters of corners
-const leastScale = 4;  // from which on pixels of a mask have edges: they would differ in size below
+const leastScale = 4;  // CSS pixels per threshold; thresholds below this size are smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
-const ownShape = "own";  // in the address, which cannot hold it
+const ownShape = "own";  // name in the address for a file of the user, which the address cannot hold
 
 let filesTaken = 0;
 
-const bodyMembers = ["density", "mask", "avoid", "fixed"];  // which cannot be parameters
+const bodyMembers = ["density", "mask", "avoid", "fixed"];  // options that cannot be query parameters
 
-/** A GeoJSON file is the body itself, unless something is asked for that cannot stand beside it. */
+/** Whether the body of a request is the file itself. Options in `bodyMembers` need a JSON body instead. */
 const isDocument = ({ file }, options) => Boolean(file) && !bodyMembers.some((name) => name in options);
 
-/** A document is the body itself, beside which options are parameters; another shape is a member beside them. */
+/**
+ * Returns the request for a shape. If a file is the body, options are query parameters; otherwise shape and options are
+ * members of a JSON body.
+ */
 function requestOf({ file, json, ...shape }, options) {
-  if (isDocument({ file }, options)) return { path: `/sample?${new URLSearchParams(options)}`, body: file.text, type: "application/geo+json", file };
+  if (isDocument({ file }, options)) return { path: `/sample?${new URLSearchParams(options)}`, body: file.archive ?? file.text, type: file.archive ? "application/zip" : "application/geo+json", file };
   const members = file ? { ...options, geometry: json } : { ...options, ...shape };
   return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
 }
 
-/** 1, 2 or 5 times a power of ten, of which about `number` make up a sum. */
+const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
+
+/** Returns the largest number of the form 1, 2 or 5 times a power of ten that fits `number` times into a sum. */
 function roundShare(sum, number) {
   const power = 10 ** Math.floor(Math.log10(sum / number));
   return power * ([5, 2].find((factor) => sum / number >= factor * power) ?? 1);
@@ -60,7 +67,7 @@ function countFields(counts, checked) {
   ];
 }
 
-/** @returns  the polygon that a text tells of; null if it is none */
+/** Reads a polygon from JSON; null if it contains none. */
 function readCorners(text) {
   try {
     return polygonOf(JSON.parse(text));
@@ -79,7 +86,7 @@ export class Sample extends Panel {
   #own = null;
   #mask = null;
   #isStale = true;
-  #isBegun = false;  // until then the map is what is shown first
+  #isBegun = false;  // false until a shape is restored or requested; the first shape is the map
 
   constructor(element) {
     super(element);
@@ -134,7 +141,6 @@ export class Sample extends Panel {
     return isFirst ? {} : { shape: this.shapeName, ...others };
   }
 
-  /** The shape, as the address has it. */
   get shapeName() {
     const kind = this.shapeChoice.value;
     if (kind !== "file") return kind;
@@ -155,7 +161,9 @@ export class Sample extends Panel {
     this.#refit();
   }
 
-  /** Without any settings there is the map, and with settings that name no shape the polygon. */
+  /**
+   * Restores the shape. The default is the map without any settings, and the polygon with settings that name no shape.
+   */
   async #restoreShape({ corners = "", ...state }) {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
@@ -178,7 +186,6 @@ export class Sample extends Panel {
     return this.#shapes[this.shapeChoice.value] ?? null;
   }
 
-  /** What is made is a mask of thresholds, and no points. */
   get isMask() {
     return this.shapeChoice.value === "mask";
   }
@@ -187,20 +194,19 @@ export class Sample extends Panel {
     return this.shapeChoice.value === "file" && this.shapeFields.values().coordinates === "lonlat";
   }
 
-  /** What is shown of the shape. */
   get #outline() {
     const [shape, onGlobe] = [this.shape, this.#onGlobe];
     if (this.#kept?.shape !== shape || this.#kept.onGlobe !== onGlobe) this.#kept = { shape, onGlobe, ...outlineOf(shape, onGlobe) };
     return this.#kept;
   }
 
-  /** Width and height of the shape in units of its own, which drawings have. */
+  /** Width and height of the shape in its own units, which drawings also use. */
   get #given() {
     const bounds = boundsOf(outlineOf(this.shape, false).rings);
     return { width: bounds.maxX - bounds.minX, height: bounds.maxY - bounds.minY };
   }
 
-  /** What was made last: what the server answered, its shape, that one's outline and the points' places there. */
+  /** Last result: the answer of the server, the shape, its outline, and the projected points as `places`. */
   get result() {
     return this.#result;
   }
@@ -235,14 +241,24 @@ export class Sample extends Panel {
 
   async #takeFile(file) {
     this.element.dataset.state = "busy";
-    const text = await file.text();
     try {
-      this.#takeDocument({ name: file.name, text });
+      if (await isArchive(file)) await this.#takeArchive(file);
+      else this.#takeDocument({ name: file.name, text: await file.text() });
       this.#chosen();
-    } catch {
+    } catch (error) {
       this.element.dataset.state = "failed";
-      this.#tellOfShape(`${file.name} holds no GeoJSON polygons`);
+      this.#tellOfShape(`${file.name} holds no GeoJSON polygons${error instanceof Problem ? ` and no shapefile: ${error.message}` : ""}`);
     }
+  }
+
+  /**
+   * Loads a zipped shapefile. Only the server can read it, so the outline comes from the boundary of a triangulation
+   * that the server makes.
+   */
+  async #takeArchive(file) {
+    const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
+    const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
+    this.#takeDocument({ name: file.name, text: JSON.stringify(json), archive: file });
   }
 
   async #chooseMap() {
@@ -251,14 +267,16 @@ export class Sample extends Panel {
     this.#chosen();
   }
 
-  /** The map that comes with the page: people at work and without, a dot for each two thousand. */
+  /** Loads the map of the page: employed and unemployed people. */
   async #takeMap() {
     const path = `/assets/samples/${map.name}`;
     this.#takeDocument({ name: map.name, text: await (await fetch(path)).text(), path }, map.counted);
   }
 
   /**
-   * @param file     {name, text}, and its path if the server has it. Throws unless it is GeoJSON with polygons.
+   * Loads a GeoJSON document. Throws if it contains no polygons.
+   *
+   * @param file     {name, text}; also path if the server has it, and archive if the text was made from one
    * @param counted  properties that points stand for
    */
   #takeDocument(file, counted = []) {
@@ -278,7 +296,6 @@ export class Sample extends Panel {
     this.#shapeChosen();
   }
 
-  /** Features with numbers may have points for these. */
   #offerCounts(counts, counted) {
     this.#counts = counts;
     const form = this.find(".counts");
@@ -286,7 +303,10 @@ export class Sample extends Panel {
     this.countFields = counts.length > 0 ? new Fields(form, countFields(counts, counted), (draft) => this.refresh(draft)) : null;
   }
 
-  /** What points stand for: {counted, per}, names of properties and how many of their units; none are counted in other shapes. */
+  /**
+   * Returns {counted, per}: properties that points stand for, and the units of these per point. `counted` is empty for
+   * shapes that are not files.
+   */
   #counting() {
     return (this.shapeChoice.value === "file" && this.countFields?.values()) || { counted: [] };
   }
@@ -308,14 +328,13 @@ export class Sample extends Panel {
     this.#chosen();
   }
 
-  /** Another shape is a step that one may go back from. */
   #chosen() {
     this.#shapeChosen();
     this.note(true);
     this.refresh();
   }
 
-  /** A rectangle, a torus and a mask are as large as is said; other than positive sides are the server's to refuse. */
+  /** Sets the sides of rectangle, torus and mask. The server rejects sides that are not positive. */
   #takeSides() {
     const { rectangle: sides = "1.5,1", torus = "1,1", tile = "64,64" } = this.shapeFields.state();
     for (const [kind, text] of Object.entries({ rectangle: sides, torus, mask: tile })) {
@@ -330,14 +349,13 @@ export class Sample extends Panel {
     this.refresh();
   }
 
-  /** Notes what the polygon is before it changes. */
   #remember() {
     this.#past.push(structuredClone(this.#shapes.polygon));
     if (this.#past.length > mostPast) this.#past.shift();
     this.#offerTools();
   }
 
-  /** Takes back a corner that was drawn, or else what the polygon has last become. */
+  /** Removes the last corner of the ring being drawn, or else reverts the last change of the polygon. */
   #undo() {
     if (this.drawing.ring?.length > 0) {
       this.drawing.undo();
@@ -369,12 +387,12 @@ export class Sample extends Panel {
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
     this.#stopDrawing();
-    this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file");
+    this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file or a zipped shapefile");
     if (this.shape) this.#refit();
     this.viewport.redraw();
   }
 
-  /** What is shown: the shape, with the sheet's rest when one is drawn. */
+  /** Fits the view to the shape, together with its neighbouring copies if tiles are shown. */
   #refit() {
     if (this.isMask) return;
     const bounds = boundsOf(this.#outline.rings);
@@ -385,7 +403,7 @@ export class Sample extends Panel {
     this.#offerParts();
   }
 
-  /** Islands far off would leave the rest small: each part can be looked at alone, the largest first. */
+  /** Offers single parts to show, the largest first. Distant islands would make all other parts small. */
   #offerParts() {
     const { parts } = this.#outline;
     this.partsBySize = parts.map((part) => ({ part, area: areaOf([part]) })).sort((a, b) => b.area - a.area);
@@ -408,7 +426,10 @@ export class Sample extends Panel {
     return { x: left + (x - this.view.minX) * scale, y: top + (this.view.maxY - y) * scale };
   }
 
-  /** Rounded to a tenth of a pixel or so, for requests that are short to read. */
+  /**
+   * Returns the position in the shape at a point of the canvas. Rounding moves it by less than a pixel and keeps
+   * requests short.
+   */
   #toShape(at) {
     const { x, y } = this.viewport.toContent(at);
     const digits = Math.max(0, Math.ceil(Math.log10(this.viewport.scale)));
@@ -470,7 +491,9 @@ export class Sample extends Panel {
     return Number(this.iteration.max);
   }
 
-  /** The options of what is shown. Only the last frame is polished: the others are steps on the way there. */
+  /**
+   * Returns the options of what is shown. Only the last iteration is polished; earlier ones are intermediate results.
+   */
   options(iteration = Number(this.iteration.value)) {
     const { coordinates, format } = this.shapeFields.values();
     if (this.isMask) return { format, ...this.fields.values() };
@@ -486,7 +509,6 @@ export class Sample extends Panel {
     return counted.length === 1 ? { sites: counted[0], per, ...others } : { classes: counted.join(","), per, ...others };
   }
 
-  /** Options of a format: those of drawings if it is one, and what GIS programs want of others. */
   #fileOptions(format) {
     if (this.isMask) return {};
     if (formats.find(({ name }) => name === format).drawn)
@@ -498,14 +520,12 @@ export class Sample extends Panel {
     };
   }
 
-  /** Tells how a plotter would draw what is shown. */
   async #plot(signal) {
     if (!this.plotter.isOn) return;
     const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
     this.plotter.tell(await response.text());
   }
 
-  /** How many points there will be, about. */
   #sites(options) {
     const { counted, per } = this.#counting();
     if (this.isMask) return this.shape.domain.width * this.shape.domain.height;
@@ -518,7 +538,6 @@ export class Sample extends Panel {
     return postPatiently(path, body, { ...options, sites: this.#sites(options) }, { type, signal, told });
   }
 
-  /** What makes no sense with what is chosen is not there to be asked for. */
   #offerFields() {
     const isMap = this.#counting().counted.length > 0;
     for (const name of ["sites", "method"]) this.fields.offer(name, !isMap && !this.isMask);
@@ -550,7 +569,7 @@ export class Sample extends Panel {
     return `${path} ${file?.number ?? body}`;
   }
 
-  /** Answers are the same each time, so one is enough. */
+  /** Returns the answer to a request. Answers are cached, because equal requests have equal answers. */
   async #frame(options, signal, told) {
     const key = this.#keyOf(options);
     if (!this.#frames.has(key)) {
@@ -561,7 +580,10 @@ export class Sample extends Panel {
     return this.#frames.get(key);
   }
 
-  /** What is to be made now: as `result`. A draft is not polished, unless it has been already. */
+  /**
+   * Returns the result for the current settings, in the form of `result`. A draft is not polished, unless the polished
+   * answer is cached.
+   */
   async fetch(signal, { draft = false, told } = {}) {
     this.#isBegun = true;
     const shape = this.shape.file ? this.shape : structuredClone(this.shape);
@@ -593,12 +615,11 @@ export class Sample extends Panel {
       const told = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
       if (!draft) this.status.textContent = told;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
-      if (!draft) this.status.textContent = told;  // which a job for the trace may have taken away
+      if (!draft) this.status.textContent = told;  // the job of the trace may have cleared it
       if (!draft) await this.#plot(signal);
     }, draft);
   }
 
-  /** Makes the mask that is asked for, and shows it at work. */
   #refreshMask(draft) {
     this.wish(async (signal) => {
       const start = performance.now();
@@ -611,7 +632,6 @@ export class Sample extends Panel {
     }, draft);
   }
 
-  /** How many points are shown of those in progressive order. */
   get #shownFirst() {
     return Math.round(this.#result.places.length ** (this.first.value / this.first.max));
   }
@@ -625,7 +645,6 @@ export class Sample extends Panel {
     this.viewport.redraw();
   }
 
-  /** Shows what the server thought of the shape: warnings, and what it repaired. */
   #tellOfAnswer({ warnings = [], repaired = [], classes = [] }) {
     this.#showFirst();
     this.find(".legend").replaceChildren(...classes.map(({ name, color, sites }) =>
@@ -658,7 +677,9 @@ export class Sample extends Panel {
     }));
   }
 
-  /** Of a document pointers are its own; options, which came beside it, have none. */
+  /**
+   * Shows errors. If the body is a document, their pointers refer to it, and names without a slash refer to options.
+   */
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
     const isAboutShape = ({ pointer }) => (isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
@@ -667,7 +688,6 @@ export class Sample extends Panel {
     for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
   }
 
-  /** The outline is left. */
   forget() {
     this.#result = this.#mask = null;
     this.#tellOfAnswer({});
@@ -738,7 +758,7 @@ export class Sample extends Panel {
     const all = result.places.length, shown = result.rank ? this.#shownFirst : all;
     const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet"), sites: all }];
     for (const [number, { color, sites }] of classes.entries()) {
-      const most = Math.round((shown / all) * sites);  // each class is in an order of its own
+      const most = Math.round((shown / all) * sites);  // each class has its own progressive order
       context.fillStyle = color;
       context.beginPath();
       result.places.forEach(([px, py], i) => {
@@ -752,7 +772,7 @@ export class Sample extends Panel {
     }
   }
 
-  /** On a torus an edge goes to the nearest copy of its other end. */
+  /** Draws the triangulation. On a torus, an edge leads to the nearest copy of its other end. */
   #drawMesh(context, { vertices, triangles, shape, outline }, [dx, dy]) {
     const period = shape.domain?.type === "torus" ? shape.domain : null;
     const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);

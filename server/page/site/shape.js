@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shapes to sample: their outlines, their extent.
+// Outlines, extents and areas of shapes.
 
 import { polygonsOf } from "./geojson.js";
 import { onMap } from "./globe.js";
@@ -18,8 +18,8 @@ const isRing = (ring) => Array.isArray(ring) && ring.length > 0 &&
   ring.every((corner) => Array.isArray(corner) && corner.length >= 2 && corner.every(Number.isFinite));
 
 /**
- * What corners as text say: {polygon, holes}, or a ring alone.
- * @returns  null if they are neither
+ * Reads a polygon from JSON: {polygon, holes}, or a ring alone.
+ * @returns  null if it is neither
  */
 export function polygonOf(json) {
   const { polygon, holes = [] } = Array.isArray(json) ? { polygon: json } : json ?? {};
@@ -27,7 +27,7 @@ export function polygonOf(json) {
   return { polygon, ...(holes.length > 0 && { holes }) };
 }
 
-/** The parts of a shape, each a list of rings of which the first is the outer one. */
+/** Returns the parts of a shape, each a list of rings with the outer ring first. */
 function partsOf(shape) {
   if (shape.domain) return [[boxRing(shape.domain)]];
   if (shape.polygon) return [[shape.polygon, ...(shape.holes ?? [])]];
@@ -35,9 +35,11 @@ function partsOf(shape) {
 }
 
 /**
- * What is shown of a shape.
- * @param onGlobe  its positions are longitude and latitude
- * @returns  {parts, rings, project}: where its corners lie on a plane whose y goes up, and any other position
+ * Returns the outline of a shape as it is shown.
+ *
+ * @param onGlobe  whether positions are longitude and latitude
+ * @returns        {parts, rings, project}: the corners on a plane whose y axis points up, and the projection for other
+ *                 positions
  */
 export function outlineOf(shape, onGlobe) {
   const given = partsOf(shape);
@@ -76,7 +78,10 @@ export function isInside([x, y], rings) {
   return odd;
 }
 
-/** About: parts that overlap count twice, and of a part the largest ring is taken for the outer one. */
+/**
+ * Estimates the area of parts. Overlapping parts count twice, and the largest ring of a part is assumed to be the outer
+ * one.
+ */
 export function areaOf(parts) {
   const area = (part) => {
     const areas = part.map((ring) => Math.abs(signedArea(ring)));
@@ -86,8 +91,24 @@ export function areaOf(parts) {
 }
 
 /**
- * About the largest square inside: the largest of a grid's cells' squares whose nodes are all inside.
- * @returns  {x, y, side}, side 0 if there is none
+ * Returns the polygons that a triangulation covers, each with its holes.
+ *
+ * @param mesh  {vertices, boundary}: outer rings run counter-clockwise, holes clockwise
+ */
+export function polygonsOfMesh({ vertices, boundary }) {
+  const rings = boundary.map((ring) => ring.map((index) => vertices[index]));
+  const polygons = rings.filter((ring) => signedArea(ring) > 0).map((ring) => [ring]);
+  for (const hole of rings.filter((ring) => signedArea(ring) <= 0)) {
+    const around = polygons.filter(([outer]) => isInside(hole[0], [outer]));
+    around.sort(([a], [b]) => signedArea(a) - signedArea(b));
+    around[0]?.push(hole);
+  }
+  return polygons;
+}
+
+/**
+ * Estimates the largest square inside rings: the largest one on a grid whose nodes are all inside.
+ * @returns  {x, y, side}; `side` is 0 if there is none
  */
 export function largestSquare(rings, cells = 96) {
   const { minX, minY, maxX, maxY } = boundsOf(rings);
