@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws the benchmark Scaling: time a site over the number of sites, by one thread and by all.
+"""Draws the results of the benchmark Scaling: time per site over the number of sites, with one thread and with all.
 
 Usage: ccdt_bench --benchmark_filter=Scaling --benchmark_out=scaling.json --benchmark_out_format=json
        scaling_plot.py scaling.json scaling.svg
@@ -15,7 +15,7 @@ QUALITIES = {"0": "draft", "1": "standard"}
 
 
 def read(path):
-    """Points (sites, microseconds a site) of each line, by its name; and the number of threads."""
+    """Returns the points (sites, microseconds per site) of each line, by quality and threads; and the thread count."""
     lines, threads = {}, 0
     for run in json.load(open(path, encoding="utf-8"))["benchmarks"]:
         _, sites, quality = run["name"].split("/")[:3]
@@ -45,7 +45,7 @@ def main(source, target):
         x, y = place(10 ** power, 0)
         svg.append(f'<text x="{x:.1f}" y="{y + 18:.1f}" text-anchor="middle">10<tspan dy="-5" font-size="10">{power}'
                    '</tspan></text>')
-    ends = {}  # of the lines, where their names stand: below each other, and none over another
+    ends = {}  # heights of the labels at the ends of the lines, apart from each other
     for key, line in sorted(lines.items(), key=lambda item: place(*max(item[1]))[1]):
         ends[key] = max(place(*max(line))[1], max(ends.values(), default=0) + 16)
     for (quality, by), line in sorted(lines.items()):
@@ -56,7 +56,7 @@ def main(source, target):
         name = f"{quality}, {threads} threads" if by > 1 else f"{quality}, 1 thread"
         svg.append(f'<text x="{x + 8:.1f}" y="{y + 4:.1f}" fill="{COLOURS[quality]}">{name}</text>')
     svg.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 8}" text-anchor="middle">sites</text>'
-               f'<text x="{LEFT - 50}" y="{TOP - 14}">microseconds a site</text></svg>')
+               f'<text x="{LEFT - 50}" y="{TOP - 14}">microseconds per site</text></svg>')
     with open(target, "w", encoding="utf-8") as file:
         file.write("\n".join(svg) + "\n")
 

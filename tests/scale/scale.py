@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three real servers that share jobs by a Redis, behind haproxy: servers and Redis are killed, paused and drained while
-clients submit jobs and ask at once, and it is said whether anything was lost, done twice or changed.
+"""Kills, pauses and drains servers that share jobs by Redis, and reports whether any job was lost, repeated or changed.
 
-A job counts once its 202 has come. In the end each has to be answered as the same request was by a quiet server. A
-request that is waited for may fail where its server is killed, but never be answered wrong, and never fail for a drain.
+Three servers run behind haproxy, and Redis is killed, too. Meanwhile, clients submit jobs and send synchronous
+requests. A job counts once its 202 has arrived. In the end, each job must have the result that an idle server returned
+for the same request. A synchronous request may fail if its server is killed, but not because of a drain, and no answer
+may be wrong.
 """
 
 import argparse
@@ -28,8 +29,8 @@ from harness import Server  # pylint: disable=wrong-import-position
 from test_deploy import HAPROXY, Balancer  # pylint: disable=wrong-import-position
 
 LATER = {"Prefer": "respond-async"}
-PATIENCE = 300  # seconds for what is left in the end
-LEASE = 3       # seconds
+PATIENCE = 300  # time limit of waits, for example until all jobs have ended, in seconds
+LEASE = 3       # in seconds
 
 
 def ask(port, method, path, body=None, headers=None):
@@ -41,13 +42,14 @@ def ask(port, method, path, body=None, headers=None):
 
 
 def questions():
-    """None takes so long that three kills, after which a job is given up, are likely to come in its runs."""
+    """Returns cases that are short enough that hardly any job is interrupted three times, after which it would fail."""
     medium = [case for case in cases.medium() if case.name.endswith("-4096")]
     return [case for case in [*cases.small(), *cases.swift(), *medium] if case.status == 200]
 
 
 def learn(*programs):
-    """What quiet servers answer at once, by the name of the case: those of another release may do so otherwise."""
+    """Returns the essences of the synchronous answers of idle servers, by the name of the case. Servers of another
+    release may answer differently."""
     known = {case.name: [] for case in questions()}
     for program in programs:
         with Server("--workers=1", program=program) as server:
@@ -58,7 +60,7 @@ def learn(*programs):
 
 
 class Replica:
-    """A server on a port of its own, which is started again whenever it has ended. Its logs are kept."""
+    """A server on a fixed port, which can be restarted. The logs of all its runs are kept."""
 
     def __init__(self, redis, program=None):
         self.port = free_port()
@@ -68,7 +70,7 @@ class Replica:
         self.server = Server(*self.flags, program=program)
 
     def end(self, number):
-        """Ends it by a signal; returns the exit code."""
+        """Ends the server by a signal; returns the exit code."""
         self.server.signal(number)
         code = self.server.wait()
         self.logs.append(self.server.log())
@@ -84,7 +86,7 @@ class Replica:
 
 
 class Clients:
-    """Threads that submit jobs, as many as wanted, and threads that ask at once until they are told to stop."""
+    """Threads that submit a given number of jobs, and threads that send synchronous requests until they are stopped."""
 
     def __init__(self, port, known, wanted):
         self.port = port
@@ -102,14 +104,18 @@ class Clients:
             thread.start()
 
     def _submit(self):
-        """What was not accepted is submitted again: a job that was lost before its 202 is nobody's."""
+        """Submits jobs. A request that was not accepted is repeated; a job whose 202 was lost does not count."""
         while True:
             with self.lock:
                 case = next(self.turn, None)
             if case is None:
                 return
+            end = time.monotonic() + PATIENCE
             while (status := self._try(case, LATER)[0]) != 202:
                 self.refused[status] += 1
+                if time.monotonic() > end:
+                    self.wrong.append(f"waited {PATIENCE} s for {case.name} to be accepted; last status: {status}")
+                    return
                 time.sleep(0.05)
 
     def _try(self, case, headers):
@@ -129,10 +135,10 @@ class Clients:
             status, body = self._try(case, {})
             self.asked[status] += 1
             if status == 200 and cases.essence(body) not in self.known[case.name]:
-                self.wrong.append(f"{case.name} is answered otherwise at once: {body[:200]}")
+                self.wrong.append(f"{case.name} has a different synchronous answer: {body[:200]}")
 
     def failed(self):
-        """How many requests that were waited for were not answered."""
+        """Returns the number of synchronous requests that failed."""
         return sum(count for status, count in self.asked.items() if status != 200)
 
     def is_submitting(self):
@@ -147,7 +153,7 @@ class Clients:
 
 
 def trouble(replicas, redis, clients, seconds):
-    """Does a server harm every second, and Redis three times. Returns how often what was done."""
+    """Kills or pauses a server every second, and kills Redis three times. Returns the counts."""
     done = collections.Counter()
     end = time.monotonic() + seconds
     for number in itertools.count():
@@ -172,7 +178,7 @@ def trouble(replicas, redis, clients, seconds):
 
 
 def drain(replica, clients):
-    """Drains a server under load. Returns what is wrong, in words."""
+    """Drains a server under load. Returns all faults, as texts."""
     time.sleep(3)  # haproxy knows that all are there
     before, asked = clients.failed(), sum(clients.asked.values())
     code = replica.end(signal.SIGTERM)
@@ -190,7 +196,7 @@ def status_of(port, job):
 
 
 def check(port, clients):
-    """What is wrong with the jobs in the end, in words."""
+    """Waits for the end of all jobs, and returns all faults, as texts."""
     end = time.monotonic() + PATIENCE
     left = list(clients.jobs)
     while left and time.monotonic() < end:
@@ -205,7 +211,7 @@ def check(port, clients):
 
 
 def twice(replicas):
-    """Jobs that servers say to have ended more than once."""
+    """Returns the jobs whose end was logged more than once, as texts."""
     told = collections.Counter(job for replica in replicas for log in replica.logs
                                for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log))
     return [f"/jobs/{job} ended {count} times" for job, count in told.items() if count > 1]
@@ -214,9 +220,9 @@ def twice(replicas):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--jobs", type=int, default=1000)
-    parser.add_argument("--seconds", type=float, default=60, help="of trouble, at least")
-    parser.add_argument("--before", metavar="PROGRAM", help="a server of another release, which all are at first, and "
-                                                            "are exchanged for one after another under load")
+    parser.add_argument("--seconds", type=float, default=60, help="minimum time in which servers are killed and paused")
+    parser.add_argument("--before", metavar="PROGRAM", help="a server of another release, with which all start; "
+                                                            "they are upgraded in turn under load")
     arguments = parser.parse_args()
     if not HAPROXY.exists():
         print("skipped: docker/install --unpack tools has not run")
@@ -224,7 +230,7 @@ def main():
     start = time.monotonic()
     known = learn(None, *([arguments.before] if arguments.before else []))
     with contextlib.ExitStack() as stack:
-        # By the second Redis tells what it has done before it is in the file, where the disk is slow.
+        # With the default, once per second, Redis replies before the data is on the disk.
         redis = stack.enter_context(Redis("--appendfsync", "always"))
         replicas = [Replica(redis, arguments.before) for _ in range(3)]
         for replica in replicas:
@@ -242,7 +248,7 @@ def main():
         wrong += clients.wrong + check(balancer.port, clients)
     wrong += twice(replicas)
     if not done["servers killed"] or not done["Redis killed"] or not done["servers paused"]:
-        wrong.append("there was too little trouble")
+        wrong.append("the time was too short to kill a server, to kill Redis and to pause a server")
     print(f"{time.monotonic() - start:.0f} s")
     print("\n".join(["FAILED:", *wrong[:20]]) if wrong else "passed")
     return 1 if wrong else 0

@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
--- Sends requests from files in turn and compares each answer with the known one. One connection a thread, so that
--- answers come in the order of requests. Arguments: the folder of N.request, N.answer and N.status.
+-- Sends requests from files in turn and compares each answer with the known one. Each thread has one connection, so
+-- that answers arrive in the order of requests. Argument: the folder of N.request, N.answer and N.status.
 
 local threads = {}
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clients that mean ill, or are broken: each with what has to become of it."""
+"""Hostile and broken clients, each with its expected outcome."""
 
 import collections
 import contextlib
@@ -18,9 +18,10 @@ from cases import ENDLESS, JSON, LARGE, LARGER, LETTER, RECTANGLE, TORUS, essenc
 from load import LONGEST, ServerGone, Tally, pause, repeat, run_threads
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
+from harness import wait_until  # pylint: disable=wrong-import-position
 from raw import Raw, statuses  # pylint: disable=wrong-import-position
 
-# With these the server under load is started: slow clients take these seconds each.
+# Flags of the server under load. Each slow client takes this many seconds.
 HEADER_TIMEOUT = 3
 BODY_TIMEOUT = 3
 FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}", "--max-body=8MiB", "--timeout=300")
@@ -28,21 +29,21 @@ FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}",
 PATIENCE = LONGEST / 2
 LISTENERS = 100
 HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
-BUSY = {429, 503}  # the queue may be full
+BUSY = {429, 503}  # statuses if the queue is full
 
 
 class Address(typing.NamedTuple):
-    """A server, as far as Raw needs to know it."""
+    """The part of a server's interface that Raw needs."""
     port: int
     path: str | None = None
 
 
 class Unexpected(Exception):
-    """What became of the client is not what should have."""
+    """The outcome of a client is not the expected one."""
 
 
 class Abuser:
-    """Connects from an address of its own."""
+    """A client with an address of its own."""
 
     def __init__(self, port, number, known):
         self.server = Address(port)
@@ -63,12 +64,12 @@ class Abuser:
             yield raw
 
     def tell(self, data, *wanted):
-        """What is sent at once has to be answered with these statuses, one after another, and then with the end."""
+        """Sends data in one piece. The answers must have these statuses, in order, and then the connection must end."""
         with self.connect(data) as raw:
             expect(raw, [wanted])
 
     def ask(self, path, body, *wanted):
-        """An ordinary request, which has to get one of these statuses."""
+        """Sends an ordinary request, whose answer must have one of these statuses."""
         with self.connect(post(path, body)) as raw:
             status, _, received = raw.answer()
         if status not in {*wanted, *BUSY}:
@@ -92,15 +93,20 @@ def wait_for_news(raw, seconds=PATIENCE):
 
 
 def drip(raw, piece, seconds):
-    """Sends it again and again, with a pause in between, until the server says something."""
+    """Sends a piece repeatedly, with pauses, until the server answers."""
     end = time.monotonic() + PATIENCE
     while not wait_for_news(raw, seconds) and time.monotonic() < end:
         if not raw.try_send(piece):
             return
 
 
+def send_until_answered(raw, piece):
+    """Sends a piece repeatedly until the server answers or accepts no more data."""
+    wait_until(lambda: raw.has_news() or not raw.try_send(piece), "the server to refuse an endless request")
+
+
 def leave(raw, abruptly):
-    if abruptly:  # a reset, with whatever was on its way
+    if abruptly:  # resets the connection, which discards data in transfer
         raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
     raw.socket.close()
 
@@ -153,7 +159,7 @@ def leave_while_sending(me):
 
 
 def read_slowly(me):
-    """Slow, but not too slow: all of it has to come, and be right."""
+    """Receives slowly, but above the minimum rate: the whole answer must arrive and be right."""
     with me.connect() as raw:
         raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
         raw.send(post("/sample", LARGE.body, "Connection: close"))
@@ -204,15 +210,13 @@ def send_too_much(me):
         me.tell(head + b"Content-Length: %d\r\n\r\n" % length, 413)
     me.tell(head + b"Transfer-Encoding: chunked\r\n\r\nffffffff\r\n", 413)
     with me.connect(head + b"Transfer-Encoding: chunked\r\n\r\n") as raw:
-        while not raw.has_news() and raw.try_send(b"40000\r\n" + bytes(0x40000) + b"\r\n"):
-            pass
+        send_until_answered(raw, b"40000\r\n" + bytes(0x40000) + b"\r\n")
         expect(raw, [(413,), (429,), (503,)])
 
 
 def send_chunks_of_framing(me):
     with me.connect(b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n1;") as raw:
-        while not raw.has_news() and raw.try_send(b"x" * 1000 + b"\r\nx\r\n1;"):
-            pass
+        send_until_answered(raw, b"x" * 1000 + b"\r\nx\r\n1;")
         expect(raw, [(400,), (429,), (503,)])
 
 
@@ -255,7 +259,7 @@ def pipeline(me):
 
 
 def crowd(me):
-    """More connections than one address may have: the last ones are refused, and all is well again."""
+    """Opens more connections than one address may have: the last ones must be refused, the others answered."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(me.connect()) for _ in range(80)]
         answered = collections.Counter()
@@ -287,7 +291,7 @@ def name_strange_targets(me):
 
 
 def flood_preflights(me):
-    """A rate limit may count them."""
+    """Sends many preflights, which must be answered unless a rate limit refuses them."""
     count = 200
     asked = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
              b"Access-Control-Request-Method: POST\r\n")
@@ -298,7 +302,7 @@ def flood_preflights(me):
 
 
 def send_dashes(me):
-    """As a boundary, and as the body that is searched for it."""
+    """Sends a boundary of dashes, and a body of dashes that is searched for it."""
     for length, wanted in ((30_000, (400,)), (71, (400,)), (70, (400, 422))):
         boundary = b"-" * (length - 1) + b"x"
         head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nContent-Type: multipart/form-data; boundary=" + boundary
@@ -311,7 +315,7 @@ def send_dashes(me):
 
 
 def send_tiny_chunks(me):
-    """A short request is answered all the same; a long one may be refused for its framing."""
+    """Sends chunks of one byte: a short request must be answered, a long one may be refused for its framing."""
     case = small()[0]
     for body, wanted in ((case.body, (200,)), (bytes(500_000), (400, 415))):
         with me.connect(b"POST %s HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n" %
@@ -323,7 +327,7 @@ def send_tiny_chunks(me):
 
 
 def ask_for_tiny_densities(me):
-    """Only ratios of densities count."""
+    """Sends extremely small densities, which must be valid because only their ratios matter."""
     domains = ({"domain": TORUS}, {"domain": RECTANGLE}, {"polygon": LETTER})
     for values in ([1e-300, 1e-300], [0, 5e-324], [1e-200, 3e-200]):
         body = {"sites": 64, "density": {"width": 2, "height": 1, "values": values}, **me.random.choice(domains)}
@@ -334,7 +338,7 @@ def ask_for_tiny_densities(me):
 
 
 def listen_in_crowds(me):
-    """Each of many listeners to a job is let in, or told to come back; nobody else is turned away for them."""
+    """Opens many event streams of a job: each must be admitted or told to retry, and no other client refused."""
     with me.connect(post("/sample", ENDLESS.body, "Prefer: respond-async", "Connection: close")) as raw:
         status, headers, received = raw.answer()
     if status in BUSY:
@@ -363,13 +367,13 @@ NONSENSE = (speak_garbage, smuggle, send_huge_heads, send_too_much, send_chunks_
 UNUSABLE = (send_broken_pictures, send_bombs, send_bad_polygons, send_deep_json, ask_for_tiny_densities)
 FRAMING = (bare_line_feeds, name_strange_targets, flood_preflights, send_dashes, send_tiny_chunks)
 LISTENING = (listen_in_crowds,)
-# How many do it at a time, what, and the pause in between in seconds.
+# Number of simultaneous clients, their acts, and the pause between acts in seconds.
 GROUPS = ((8, SLOW, 0), (2, READERS, 0), (2, VANISHING, 0.2), (1, NONSENSE, 0.1), (4, UNUSABLE, 0.1), (1, FRAMING, 0.1),
           (1, LISTENING, 1))
 
 
 def abuse(me, acts, rest, until, tally):
-    turn = iter(range(me.number, 1 << 60))  # so that of several each begins with another one
+    turn = iter(range(me.number, 1 << 60))  # so that the clients of a group begin with different acts
 
     def step():
         act = acts[next(turn) % len(acts)]
@@ -393,7 +397,8 @@ def hostile(port, known, until):
 
 
 def everyone_at_once(port, count):
-    """As many connections at once as never after: the server makes a thread for each, and keeps it a while."""
+    """Opens the largest number of simultaneous connections of the test. The server creates a thread for each and keeps
+    it for a while, so this must precede the warm-up."""
     with contextlib.ExitStack() as stack:
         clients = [stack.enter_context(Raw(Address(port), f"127.0.5.{i % 250 + 1}")) for i in range(count)]
         for client in clients:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kills the real server at random moments while it accepts and runs jobs, and says whether any was lost or changed.
+"""Kills a server at random moments while it accepts and runs jobs, and reports whether any job was lost or changed.
 
-A job counts once its 202 has come. In the end, after as many kills as asked for, a server is left alone until all of
-them have ended: each has to be answered as the same request was before the first kill, at once and by a server at rest.
+A job counts once its 202 has arrived. After the last kill, a server runs until all jobs have ended. Each must have the
+result that an idle server returned for the same request before the first kill.
 """
 
 import argparse
@@ -25,9 +25,9 @@ from load import LONGEST
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from harness import Server  # pylint: disable=wrong-import-position
 
-LONGEST_LIFE = 0.5  # seconds in which a server takes jobs until its kill, at most
-MOST_STARTS = 3     # of a job that never ends: then it has failed
-PATIENCE = 600      # seconds for a server to do what is left
+LONGEST_LIFE = 0.5  # maximum number of seconds from the first job of a server until it is killed
+MOST_STARTS = 3     # number of starts after which a job that does not end fails
+PATIENCE = 600      # time limit for a server to finish all remaining jobs, in seconds
 LATER = {"Prefer": "respond-async"}
 LAST = cases.sample("longer than a life", sites=60_000, iterations=300, domain=cases.RECTANGLE)
 
@@ -41,13 +41,13 @@ def ask(server, method, path, body=None, headers=None):
 
 
 def questions():
-    """Of all kinds; none that is refused before it is a job."""
+    """Returns cases of all kinds, without those that are refused before they become jobs."""
     return [case for case in [*cases.small(), *cases.swift(), *cases.medium(), *cases.pictures(), *cases.analyses(),
                               cases.LARGE] if case.status != 400]
 
 
 def learn(flags):
-    """What a quiet server answers at once, by the name of the case."""
+    """Returns the essence of an idle server's synchronous answer to each case, by name."""
     with Server(*flags) as server:
         known = {}
         for case in [*questions(), LAST]:
@@ -59,7 +59,7 @@ def learn(flags):
 
 
 class Accepted:
-    """Jobs that the servers have taken on, with the case of each."""
+    """The jobs that servers have accepted, with the case of each."""
 
     def __init__(self, wanted):
         self.turn = itertools.islice(itertools.cycle(questions()), wanted - 1)
@@ -67,12 +67,12 @@ class Accepted:
         self.jobs = {}
 
     def prefer(self, case):
-        """Has a case submitted before all that are left."""
+        """Makes a case the next one to be submitted."""
         self.turn = itertools.chain([case], [self.case] if self.case else [], self.turn)
         self.case = None
 
     def submit_next(self, server):
-        """False if there are enough. What was not answered is asked again."""
+        """Submits the next case, or again the one that was not answered. Returns False if none is left."""
         if self.case is None:
             self.case = next(self.turn, None)
         if self.case is None:
@@ -85,8 +85,8 @@ class Accepted:
         return True
 
 
-def live_and_die(server, seconds, accepted):
-    """Submits jobs until the server is killed, at a moment that does not wait for them."""
+def submit_until_killed(server, seconds, accepted):
+    """Submits jobs until the server is killed, after the given time."""
     killer = threading.Timer(seconds, server.signal, [signal.SIGKILL])
     killer.start()
     with contextlib.suppress(OSError, http.client.HTTPException):
@@ -102,7 +102,7 @@ def status_of(server, job):
 
 
 def wait_for_all(server, jobs):
-    """How jobs ended that have not come to their end, or to another one than a job can have."""
+    """Waits until all jobs have ended. Returns the status of those that have not, or that have an invalid one."""
     end = time.monotonic() + PATIENCE
     left = dict.fromkeys(jobs, "queued")
     while left and time.monotonic() < end:
@@ -115,14 +115,14 @@ def wait_for_all(server, jobs):
 
 
 def on_their_last_start(folder):
-    """Jobs that can be started once more only, by what the server that was killed has left."""
+    """Returns the jobs in the store of the killed server that may be started only once more."""
     with contextlib.closing(sqlite3.connect(f"{folder}/jobs/jobs.sqlite")) as store:
         rows = store.execute("SELECT id FROM jobs WHERE finished IS NULL AND starts >= ?", (MOST_STARTS - 1,))
         return ["/jobs/" + job for job, in rows]
 
 
 def check(server, accepted, known):
-    """What is wrong, in words."""
+    """Returns all faults, as texts."""
     wrong = [f"{job} ({accepted.jobs[job].name}) is {status}"
              for job, status in wait_for_all(server, accepted.jobs).items()]
     for job, case in accepted.jobs.items():
@@ -151,7 +151,7 @@ def main():
                 accepted.prefer(LAST)
             with Server(*flags) as server:
                 wait_for_all(server, last_chances)
-                live_and_die(server, chance.uniform(0, LONGEST_LIFE), accepted)
+                submit_until_killed(server, chance.uniform(0, LONGEST_LIFE), accepted)
             last_chances = on_their_last_start(folder)
         with Server(*flags) as server:
             unfinished = sum(status_of(server, job) in ("queued", "running") for job in accepted.jobs)
@@ -162,7 +162,7 @@ def main():
     print(f"{time.monotonic() - start:.0f} s, {arguments.kills} kills, {len(accepted.jobs)} jobs accepted, of which "
           f"{unfinished} had not ended at the last kill")
     if unfinished == 0:
-        wrong.append("all jobs had ended before the last kill: they were too few")
+        wrong.append("there were too few jobs: all had ended before the last kill")
     if ended != 0:
         wrong.append(f"the last server ended with {ended}")
     print("\n".join(["FAILED:", *wrong]) if wrong else "passed")

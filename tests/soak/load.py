@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clients in processes of their own, until a given time: honest ones, and those that measure how long they wait.
+"""Honest clients, and clients that measure latencies. They run in separate processes until a given time.
 
-Times are those of time.monotonic(), which all processes of a machine share.
+Times are values of time.monotonic(), which is the same in all processes of a machine.
 """
 
 import collections
@@ -18,14 +18,14 @@ import typing
 
 from cases import analyses, essence, medium, picture, pictures, small, swift
 
-LONGEST = 120     # seconds that an answer may take, and that clients may need to come to their end
-MOST_TOLD = 5     # failures of a kind that are told in words
+LONGEST = 120     # time limit of an answer, and of the end of clients, in seconds
+MOST_TOLD = 5     # number of failures of one kind that are described
 
 
 class Wait(typing.NamedTuple):
-    """Milliseconds that a measured request took, from when it was due, and parts of them."""
+    """The time from when a measured request was due to its answer, and parts of it, in milliseconds."""
     taken: float
-    late: float       # not sent yet, as the one before was not answered
+    late: float       # until it was sent, because the previous one was not answered yet
     queue: float      # waiting for a worker
     computing: float
 
@@ -35,7 +35,7 @@ class Wait(typing.NamedTuple):
 
 
 class Tally:
-    """What became of requests. May be used from any thread."""
+    """Counts of the outcomes of requests, descriptions of failures, and measured waits. Thread-safe."""
 
     def __init__(self):
         self.lock = threading.Lock()
@@ -80,18 +80,18 @@ class Answer(typing.NamedTuple):
 
 
 class ServerGone(Exception):
-    """Nobody listens any more."""
+    """The server refuses connections."""
 
 
 class Client:
-    """Keeps its connection. From an address of its own, so that it has its own turns in the queue."""
+    """A client with a persistent connection from a given address, because queueing is fair between addresses."""
 
     def __init__(self, port, source):
         self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=LONGEST, source_address=(source, 0))
         self.fresh = True
 
     def ask(self, case):
-        """A connection that the server closed while it was idle is opened again, as browsers do."""
+        """Sends a request. If the server has closed the idle connection, a new one is opened, as browsers do."""
         try:
             return self._ask(case)
         except (http.client.RemoteDisconnected, ConnectionResetError, BrokenPipeError):
@@ -117,8 +117,8 @@ class Client:
 
 
 def judge(answer, case, known, tally):
-    """Counts what became of it.
-    @returns  seconds that the server asks the client to stay away"""
+    """Counts the outcome of a request.
+    @returns  number of seconds after which the server asks the client to retry; 0 if it does not"""
     if answer.status in (429, 503) and re.fullmatch(r"[1-9]\d*", answer.headers.get("retry-after", "")):
         tally.count("put off")
         return int(answer.headers["retry-after"])
@@ -132,12 +132,12 @@ def judge(answer, case, known, tally):
 
 
 def repeat(until, tally, step):
-    """Does it again and again, until it is time or the server is gone."""
+    """Repeats a step until the given time, or until the server refuses connections."""
     while time.monotonic() < until:
         try:
             step()
         except ServerGone:
-            tally.fail("connect", "the server is gone")
+            tally.fail("connect", "the server refuses connections")
             return
         except (OSError, http.client.HTTPException) as error:
             tally.fail("exchange", repr(error))
@@ -164,7 +164,7 @@ def ask_in_turn(port, source, cases, known, until, tally):
 
 
 def curl_in_turn(port, source, known, until, tally):
-    """A new connection each, a form each."""
+    """Sends forms by curl, each over a new connection."""
     camera = next(case for case in pictures() if case.name == "camera")
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
@@ -188,14 +188,14 @@ def curl_in_turn(port, source, known, until, tally):
 
 
 def stages(answer):
-    """Milliseconds by the stages of Server-Timing."""
+    """Returns the milliseconds of each stage in Server-Timing."""
     return {name: float(value) for name, value in
             re.findall(r"(\w+);dur=([\d.]+)", answer.headers.get("server-timing", ""))}
 
 
 def measure(port, source, first, period, known, until, tally):
-    """A small request once in each period, on time: what the server delays does not thin out the measurements, except
-    where a whole period is missed, which is counted."""
+    """Sends a small request in each period. Delays by the server do not reduce the number of measurements, except when
+    a whole period is missed, which is counted."""
     client = Client(port, source)
     cases = small()
     turn = iter(range(1 << 60))
@@ -237,7 +237,7 @@ def run_threads(tally, *calls):
 
 
 def honest(port, known, until):
-    """Five clients with work for a worker each, at all times."""
+    """Runs five clients, each of which always has one request for a worker."""
     tally = Tally()
     return run_threads(
         tally, (ask_in_turn, port, "127.0.2.1", medium(), known, until, tally),
@@ -248,7 +248,7 @@ def honest(port, known, until):
 
 
 def probe(port, known, until):
-    """Ten small requests a second, of eight clients with an address each."""
+    """Runs eight clients with separate addresses, which together send ten small requests per second."""
     clients, period = 8, 0.8
     tally = Tally()
     return run_threads(tally, *((measure, port, f"127.0.3.{i + 1}", 0.2 + period * i / clients, period, known, until,
@@ -256,7 +256,7 @@ def probe(port, known, until):
 
 
 class Process:
-    """Runs one of these in another process, which is there until `end`."""
+    """Runs one of the functions above in another process."""
 
     _context = multiprocessing.get_context("spawn")
 
@@ -267,14 +267,14 @@ class Process:
         theirs.close()
 
     def end(self, patience):
-        """Its tally, for which it is waited so many seconds."""
+        """Waits for the end of the process, for at most `patience` seconds, and returns its tally."""
         try:
             tally = self.pipe.recv() if self.pipe.poll(patience) else None
         except EOFError:
             tally = None
         if tally is None:
             tally = Tally()
-            tally.fail("client", "a process of clients did not come to its end")
+            tally.fail("client", f"waited {patience} s for the end of a process of clients")
             self.process.kill()
         self.process.join()
         return tally
@@ -285,7 +285,7 @@ def _send(pipe, target, *arguments):
 
 
 class Hammer:
-    """wrk with swift requests on kept connections; see hammer.lua."""
+    """A process of wrk that sends short requests over persistent connections; see hammer.lua."""
 
     def __init__(self, port, known, connections, seconds):
         self.folder = tempfile.TemporaryDirectory()

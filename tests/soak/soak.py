@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loads the real server with honest, slow, vanishing and hostile clients at once, and says whether it stood it.
+"""Loads a server with honest, slow, disconnecting and hostile clients at the same time, and reports whether it failed.
 
-It passes if every answer to an honest client was right, or a refusal of a full queue that says when to come back; if
-every hostile client got what it had to get; and if the server holds no more memory, descriptors, threads and processes
-at rest than after the warm-up. With --latency-bound also only if small requests took at most twice as long beside
-honest and hostile clients as beside the same honest ones alone, in the 99th percentile.
+The test passes if these conditions hold. Every honest client got the right answer, or was told by a full queue when to
+retry. Every hostile client got the expected answer. The idle server holds no more memory, descriptors, threads and
+processes than after the warm-up. With --latency-bound, the 99th percentile of the time of small requests beside honest
+and hostile clients is at most twice that beside the same honest clients alone.
 """
 
 import argparse
@@ -28,31 +28,31 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integra
 from harness import PATIENCE, Server  # pylint: disable=wrong-import-position
 from raw import SANITIZED  # pylint: disable=wrong-import-position
 
-CROWD = 300          # connections at once, before the warm-up
-MOST_TIMES = 2       # longer that small requests may take beside hostile clients than without them
-HONEST_SHARE = 0.3   # of a round, in which there are no hostile clients, to compare with
-SWIFT_SHARE = 0.25   # of a round, in which there are only swift requests, so that many go through
+CROWD = 300          # simultaneous connections before the warm-up
+MOST_TIMES = 2       # limit of the ratio of latencies with hostile clients to those without
+HONEST_SHARE = 0.3   # share of a round without hostile clients, for comparison
+SWIFT_SHARE = 0.25   # share of a round with short requests only, so that there are many of them
 
 
 class Watched(Server):
-    """Its log holds a line a request, which are let go."""
+    """A server that stores no log lines of requests, because there are too many."""
 
     def keeps(self, line):
         return " total=" not in line
 
 
 def is_expected(line):
-    """Children that were killed are replaced. Sanitizers need system calls that the decoder's filter would not let
-    through, so there is none with them."""
+    """Returns whether an error in the log is expected: killed children are restarted, and sanitizers make system calls
+    that the decoder's filter would deny, so they have no filter."""
     return "started again" in line or (SANITIZED and "not in force: " in line)
 
 
 class Fatal(Exception):
-    """There is no point in going on."""
+    """An error after which the test cannot continue."""
 
 
 def figures(server):
-    """The server's own, summed over labels, but with those of ccdt_cancellations_total apart."""
+    """Returns the server's metrics, summed over labels. Those of ccdt_cancellations_total are separate, by cause."""
     with urllib.request.urlopen(server.url("/metrics"), timeout=PATIENCE) as answer:
         text = answer.read().decode()
     found = collections.Counter()
@@ -62,8 +62,8 @@ def figures(server):
     return found
 
 
-# The server, what makes processes that compute, the decoder's keeper and helper, and the child that waits for a picture.
-# Besides these there is a process for each worker, and one for short requests, once they are needed.
+# Processes of an idle server: the server, the fork server, the decoder's keeper and helper, and the child that waits
+# for a picture. In addition, there is a process for each worker and one for short requests, once they are needed.
 KEPT = 5
 
 
@@ -81,7 +81,7 @@ class Soak:
             raise Fatal(f"the server ended with {self.server.process.returncode}:\n{self.server.log()[-3000:]}")
 
     def run(self, loads, until):
-        """Watches the server until the loads have ended; returns their tallies."""
+        """Watches the server until `until`, then waits for the loads to end; returns their tallies."""
         try:
             while time.monotonic() < until:
                 self.check()
@@ -102,7 +102,7 @@ class Soak:
         return waits
 
     def load(self, seconds, *groups):
-        """These clients, and those that measure. Returns how long small requests took."""
+        """Runs groups of clients, and clients that measure. Returns the measured waits of small requests."""
         port, until = self.server.port, time.monotonic() + seconds
         tallies = self.run([*(Process(group, port, self.known, until) for group in (load.probe, *groups)),
                             Hammer(port, self.known, 1, seconds)], until)
@@ -112,8 +112,8 @@ class Soak:
         return waits
 
     def round(self, seconds):
-        """The honest clients alone, then everyone at once, then only swift ones. Returns how long small requests took
-        in the first part and in the second."""
+        """Runs the honest clients alone, then all clients, then short requests only. Returns the measured waits of
+        small requests in the first and in the second part."""
         calm, swift = (max(2, round(share * seconds)) for share in (HONEST_SHARE, SWIFT_SHARE))
         waits = (self.load(calm, load.honest), self.load(max(2, int(seconds) - calm - swift), load.honest,
                                                          hostile.hostile))
@@ -122,8 +122,8 @@ class Soak:
         return waits
 
     def kill_children(self):
-        """As the system does when memory is short. A second later pictures are decoded again, or the server says that
-        it is not ready."""
+        """Kills all child processes, as the kernel does when memory runs out. After a second, pictures must be decoded
+        again, or be refused because the server is not ready."""
         for pid in watch.family(self.server.process.pid)[1:]:
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
@@ -135,7 +135,7 @@ class Soak:
         self.tally.count("children killed")
 
     def rest(self):
-        """Waits until nothing is left to do, and notes what the server then holds."""
+        """Waits until the server is idle, and records the resources that it then holds."""
         end = time.monotonic() + 30
         while True:
             self.check()
@@ -156,7 +156,7 @@ class Soak:
 
 
 def learn(server):
-    """What the quiet server answers to everything that will be asked."""
+    """Returns the essence of the idle server's answer to each case, by name."""
     known = {}
     client = Client(server.port, "127.0.2.1")
     for case in cases.everything():
@@ -185,7 +185,7 @@ def show_waits(name, waits):
 
 
 def report_clients(counts, told):
-    """Returns what failed."""
+    """Prints the counts. Returns failures, as texts."""
     failed = []
     print("\n| clients | |\n|---|---|")
     print(f"| honest, right answers | {counts['right']} |\n| put off by a full queue | {counts['put off']} |")
@@ -202,7 +202,7 @@ def report_clients(counts, told):
 
 
 def report_held(levels, most):
-    """Returns what grows."""
+    """Prints the resources held. Returns those that grow, as texts."""
     failed = []
     print("\n| held at rest, children included | after warm-up | at the end | under load, most | slope, a request | "
           "allowed | would be seen, a request |\n|---|---|---|---|---|---|---|")
@@ -216,12 +216,12 @@ def report_held(levels, most):
     print("\nMiB at rest after so many requests:",
           ", ".join(f"{level.held.memory / (1 << 20):.1f} after {level.requests}" for level in levels))
     if SANITIZED:
-        print("Memory is not judged: sanitizers keep what is freed.")
+        print("Memory is not judged, because sanitizers keep freed memory.")
     return failed
 
 
 def report_latency(quiet, honest, loaded, missed, bound):
-    """Returns what took too long, if that is asked for."""
+    """Prints the latencies. Returns failures, as texts, if there is a bound."""
     print("\n| small requests, ms | n | p50 | p90 | p99 |\n|---|---|---|---|---|")
     for name, waits in (("quiet, before", quiet[0]), ("quiet, after", quiet[1]),
                         ("beside honest clients", honest), ("beside hostile ones, too", loaded)):
@@ -236,8 +236,8 @@ def report_latency(quiet, honest, loaded, missed, bound):
 
 
 def plan(seconds):
-    """Seconds of a quiet measurement, of the warm-up and of a round, and how many rounds: together about so long, with
-    what clients need to come to their end."""
+    """Returns the seconds of a quiet measurement, of the warm-up and of a round, and the number of rounds. With the
+    time that clients need to end, they add up to about `seconds`."""
     quiet, ending = seconds / 15, 8
     rounds = 7 if seconds >= 300 else 3
     each = (seconds - 2 * quiet - ending * (rounds + 1)) / (rounds + 1.3)
@@ -246,9 +246,9 @@ def plan(seconds):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=600, help="about so long, 60 at least")
-    parser.add_argument("--latency-bound", action="store_true", help="small requests have to keep to their bound")
-    parser.add_argument("--flag", action="append", default=[], help="one more for the server")
+    parser.add_argument("--seconds", type=float, default=600, help="approximate duration, at least 60")
+    parser.add_argument("--latency-bound", action="store_true", help="fail if small requests take too long")
+    parser.add_argument("--flag", action="append", default=[], help="additional flag for the server")
     arguments = parser.parse_args()
     quiet_seconds, warm_up, each, rounds = plan(max(arguments.seconds, 60))
     start = time.monotonic()
@@ -272,14 +272,14 @@ def main():
             print(f"FAILED: {failure}")
             return 1
         print(f"\n{time.monotonic() - start:.0f} s, {soak.levels[-1].requests} requests, {given_up:.0f} computations "
-              "given up as their clients had left")
+              "cancelled because their clients had disconnected")
         counts = soak.tally.counts
         failed = (report_clients(counts, soak.tally.told) + report_held(soak.levels, soak.most) +
                   report_latency(quiet, honest, loaded, counts["missed"], arguments.latency_bound))
         if given_up == 0:
-            failed.append("no computation was given up for a client that had left")
+            failed.append("no computation was cancelled because its client had disconnected")
         if server.stop() != 0:
-            failed.append("the server did not end well")
+            failed.append("the server did not exit with 0")
         if errors := [line for line in server.log().splitlines() if " error " in line and not is_expected(line)]:
             failed.append("errors in the log: " + "\n".join(errors[:5]))
     print("\nFAILED: " + "; ".join(failed) if failed else "\npassed")

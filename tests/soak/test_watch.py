@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The judge of leaks, on series in which leaks were planted, and on sound ones."""
+"""Tests the detection of leaks, on series with and without leaks."""
 
 import random
 import subprocess
@@ -11,7 +11,8 @@ MIB = 1 << 20
 
 
 def series(requests_a_round, rounds=6, memory=0.0, files=0.0, threads=0.0, processes=0.0, step=0, seed=1):
-    """Levels of a server that loses so much a request, in noise of up to 3 MiB, with a step after two rounds."""
+    """Returns levels of a server that leaks these amounts per request, with noise of up to 3 MiB and a step of memory
+    after two rounds."""
     noise = random.Random(seed)
     levels = []
     for i in range(rounds + 1):
@@ -27,22 +28,22 @@ def leaking(levels):
 
 
 class Judge(unittest.TestCase):
-    def test_finds_a_kilobyte_a_request(self):
+    def test_finds_a_kilobyte_per_request(self):
         for requests_a_round in (5000, 20_000, 100_000):
             for seed in range(20):
                 self.assertEqual(leaking(series(requests_a_round, memory=1024, seed=seed)), {"memory"})
 
-    def test_finds_it_in_few_rounds(self):
+    def test_finds_a_leak_in_few_rounds(self):
         for seed in range(20):
             self.assertEqual(leaking(series(15_000, rounds=2, memory=1024, seed=seed)), {"memory"})
 
-    def test_takes_noise_and_a_single_step_for_sound(self):
+    def test_ignores_noise_and_a_single_step(self):
         for seed in range(50):
             self.assertEqual(leaking(series(5000, seed=seed)), set())
             self.assertEqual(leaking(series(5000, step=5 * MIB, seed=seed)), set())
             self.assertEqual(leaking(series(5000, step=-40 * MIB, seed=seed)), set())
 
-    def test_says_which_leak_it_would_have_seen(self):
+    def test_reports_the_smallest_detectable_leak(self):
         self.assertEqual(judge(series(100_000))["memory"].least, 512)
         few = judge(series(100))["memory"]
         self.assertGreater(few.least, 10_000)
@@ -68,7 +69,7 @@ class Proc(unittest.TestCase):
         self.assertGreaterEqual(found.files, 4)
         self.assertGreater(found.memory, 0)
 
-    def test_what_has_ended_holds_nothing(self):
+    def test_ended_processes_hold_nothing(self):
         with subprocess.Popen(["true"]) as process:
             process.wait()
         self.assertEqual(held(process.pid), NOTHING)

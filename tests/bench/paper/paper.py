@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs all figures against a server and writes their page. Started by `run`, which see."""
+"""Makes all figures by a server, and writes their page. It is started by `run`."""
 
 import argparse
 import json
@@ -17,13 +17,13 @@ from lab import QUICK, Effort, Lab
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent.parent.parent
 
-# Above this, others want the machine too, and times mean little.
+# Load average above which other programs are running, so that times are not reliable.
 BUSY = 0.5
 
 
 def arguments():
     parser = argparse.ArgumentParser(prog="tests/bench/paper/run", description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="small numbers: shows that all works, and no more")
+    parser.add_argument("--quick", action="store_true", help="use small numbers, only to check that everything works")
     parser.add_argument("--output", type=Path, help="folder to write to")
     chosen = parser.parse_args()
     chosen.output = chosen.output or (ROOT / "build" / "paper" if chosen.quick else HERE)
@@ -36,7 +36,7 @@ def measure(lab):
 
 
 def replace(output, made):
-    """Takes the old figures away first, so that none is left that nothing writes any more."""
+    """Copies the new files, after removing all old figures, so that no obsolete one remains."""
     for old in (output / "figures").glob("figure-*"):
         old.unlink()
     shutil.copytree(made, output, dirs_exist_ok=True)
@@ -46,7 +46,7 @@ def main():
     chosen = arguments()
     load = os.getloadavg()[0]
     if load > BUSY and not chosen.quick:
-        print(f"the machine is busy (load {load:.1f}): do not keep the times", file=sys.stderr)
+        print(f"the machine is busy (load {load:.1f}), so the times are not reliable", file=sys.stderr)
     with tempfile.TemporaryDirectory() as name, Server("--workers=1", "--timeout=110") as server:
         made = Path(name) / "paper"
         (made / "figures").mkdir(parents=True)

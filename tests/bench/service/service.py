@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the service adds to the bare computation, and how much it gets done on a core.
+"""Measures the overhead of the service over the bare computation, and its throughput on one core.
 
-The server, with one worker, has a core of its own, and so has the bare computation; clients use the others. Bare and
-served runs take turns, and each comes to the table as the median over the turns, so that an hour's weather of the
-machine meets both alike; the spread of the bare ones tells how much of it there was.
+The server, with one worker, and the bare computation run on the same core; clients use the others. Bare and served runs
+alternate, so that other load of the machine affects both alike, and the tables have medians over the turns. The spread
+of the bare runs shows how much other load there was.
 """
 
 import http.client
@@ -24,8 +24,8 @@ from harness import PATIENCE, Server  # pylint: disable=wrong-import-position
 CORES = sorted(os.sched_getaffinity(0))
 SITES = (1024, 4096, 16_384, 131_072)
 TURNS = 3
-SERVED_SECONDS = 4    # a turn
-LEAST_REQUESTS = 4    # a turn
+SERVED_SECONDS = 4    # minimum per turn
+LEAST_REQUESTS = 4    # minimum per turn
 WRK_SECONDS = 5
 SQUARE = {"type": "rectangle", "width": 1, "height": 1}
 
@@ -47,26 +47,26 @@ end
 
 
 def busy_seconds():
-    """Of all processors since the machine started, in all programs."""
+    """Returns the busy time of all processors since the machine was started, in seconds."""
     user, nice, system, _, _, irq, soft, steal = map(
         int, pathlib.Path("/proc/stat").read_text().splitlines()[0].split()[1:9])
     return (user + nice + system + irq + soft + steal) / os.sysconf("SC_CLK_TCK")
 
 
-class Weather:
-    """How busy the machine is with what is none of ours, looked at while we rest."""
+class OtherLoad:
+    """Measures the load by other programs, while the benchmark is idle."""
 
     def __init__(self):
         self.shares = []
 
-    def look(self, seconds=0.5):
+    def measure(self, seconds=0.5):
         before, start = busy_seconds(), time.monotonic()
         time.sleep(seconds)
         self.shares.append((busy_seconds() - before) / (time.monotonic() - start) / os.cpu_count())
 
 
 def move_to(cores):
-    """All our threads; what was started before stays where it is."""
+    """Moves all threads of this process to these cores. Child processes stay where they are."""
     for task in pathlib.Path("/proc/self/task").iterdir():
         os.sched_setaffinity(int(task.name), cores)
 
@@ -76,7 +76,7 @@ def on_core(core):
 
 
 def bare(sites):
-    """Milliseconds of the computation alone, by ccdt_bench: a median."""
+    """Returns the median time of the bare computation by ccdt_bench, in milliseconds."""
     done = subprocess.run(
         [os.environ["CCDT_BENCH"], f"--benchmark_filter=^Square/{sites}/1/", "--benchmark_format=json"],
         preexec_fn=on_core(CORES[0]), capture_output=True, text=True, check=True)
@@ -85,7 +85,7 @@ def bare(sites):
 
 
 class Served:
-    """A request again and again, on a kept connection."""
+    """Repeats a request over a persistent connection."""
 
     def __init__(self, port, sites):
         self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
@@ -122,12 +122,12 @@ def spread(values):
     return (max(values) - min(values)) / statistics.median(values)
 
 
-def overheads(port, weather):
+def overheads(port, other_load):
     bares = {sites: [] for sites in SITES}
     served = {sites: Served(port, sites) for sites in SITES}
     for _ in range(TURNS):
         for sites in SITES:
-            weather.look()
+            other_load.measure()
             bares[sites].append(bare(sites))
             served[sites].run()
     print("| uniform, square, standard | bare, ms | computing in the service | answer p50 | p90 | p99 | n | "
@@ -156,7 +156,7 @@ def wrk(port, path, body, kind, connections):
     return [float(values[name]) for name in ("rate", "p50", "p90", "p99")]
 
 
-def throughput(port, weather):
+def throughput(port, other_load):
     camera = (ROOT / "tests" / "data" / "images" / "camera.png").read_bytes()
     rows = [(f"/sample, {sites} sites", "/sample", json.dumps({"sites": sites, "domain": SQUARE}).encode(),
              "application/json") for sites in (64, 256, 1024)]
@@ -165,7 +165,7 @@ def throughput(port, weather):
     print("\n| one core, kept connections | requests a second | 1 client: p50 ms | p90 | p99 | 4 clients: requests a "
           "second |\n|---|---|---|---|---|---|")
     for name, path, body, kind in rows:
-        weather.look()
+        other_load.measure()
         alone = wrk(port, path, body, kind, 1)
         crowded = wrk(port, path, body, kind, 4)
         print(f"| {name} | {alone[0]:.1f} | " + " | ".join(f"{value:.2f}" for value in alone[1:]) +
@@ -174,15 +174,15 @@ def throughput(port, weather):
 
 def main():
     start = time.monotonic()
-    weather = Weather()
+    other_load = OtherLoad()
     os.sched_setaffinity(0, {CORES[0]})
     with Server("--workers=1") as server:
         move_to(CORES[1:] or CORES)
-        overheads(server.port, weather)
-        throughput(server.port, weather)
+        overheads(server.port, other_load)
+        throughput(server.port, other_load)
         server.stop()
-    print(f"\nOther programs took {100 * statistics.median(weather.shares):.0f} % of the machine, "
-          f"{100 * max(weather.shares):.0f} % at most; load average {os.getloadavg()[0]:.1f}; {len(CORES)} cores; "
+    print(f"\nOther programs took {100 * statistics.median(other_load.shares):.0f} % of the machine, "
+          f"{100 * max(other_load.shares):.0f} % at most; load average {os.getloadavg()[0]:.1f}; {len(CORES)} cores; "
           f"{time.monotonic() - start:.0f} s.")
 
 
