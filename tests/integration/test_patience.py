@@ -277,6 +277,8 @@ class Rest(unittest.TestCase):
                 status = pathlib.Path(f"/proc/{server.process.pid}/status").read_text()
                 return int(re.search(r"^Threads:\s+(\d+)$", status, re.MULTILINE)[1])
 
+            # The thread that accepts connections is created last, after the server has logged its address.
+            self.assertEqual(ask(server, "/health").status, 200)
             before = threads()
             with crowd(server, 300, HEALTH) as clients:
                 for client in clients:
