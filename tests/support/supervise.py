@@ -5,13 +5,14 @@
 
 At the limit, the program receives SIGABRT: Python then prints the stacks of its threads, and tests/page/harness.js the
 name of the running test. Processes that outlive the program are killed, however it ends. If the parent of this process
-ends, all of them are killed.
+ends, all of them are killed. At the end, prints the processor time of the program and of all its descendants.
 """
 
 import contextlib
 import ctypes
 import os
 import pathlib
+import resource
 import signal
 import subprocess
 import sys
@@ -65,6 +66,11 @@ def run(limit, command):
         kill_all()
 
 
+def report_processor_time():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"\nprocessor time {used.ru_utime + used.ru_stime:.1f} s", flush=True)
+
+
 def leave(number, _):
     for handled in HANDLED:
         signal.signal(handled, signal.SIG_IGN)
@@ -74,4 +80,6 @@ def leave(number, _):
 if __name__ == "__main__":
     for handled in HANDLED:
         signal.signal(handled, leave)
-    sys.exit(run(float(sys.argv[1]), sys.argv[2:]))
+    result = run(float(sys.argv[1]), sys.argv[2:])
+    report_processor_time()
+    sys.exit(result)
