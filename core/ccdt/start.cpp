@@ -12,12 +12,13 @@ namespace ccdt {
 
 namespace {
 
-/// With one site per cell, the cells are visible: in benchmark TorusPattern, the peak of a draft's spectrum is nearly
-/// twice as high. With 64 sites per cell, long waves arise: StartSites.FollowTheDensity.
+/// Number of sites drawn in each cell. With one site per cell, the cells are visible: in benchmark TorusPattern, the
+/// peak of a draft's spectrum is nearly twice as high. With 64 sites per cell, long waves arise:
+/// StartSites.FollowTheDensity.
 constexpr std::size_t kSitesPerCell = 4;
 
-/// If a cell that the border cuts held more sites, too many sites would lie on the wrong side of fjords and straits,
-/// which sites cannot cross.
+/// Number of sites in a cell that the border cuts. With more sites, too many would lie on the wrong side of fjords and
+/// straits, which sites cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
 /// Solves for the place in [x0, x1] at which an increasing function has completed a given share of its rise. The
