@@ -186,7 +186,8 @@ private:
     /// Returns the radius of the disc around a point that contains another disc.
     static double needed(Point p, const Disc& disc) { return disc.radius + length(disc.centre - p); }
 
-    /// Returns the angle between corners of an arc for which the polygon deviates by no more than `indifference_`.
+    /// Returns the angle between corners of the polygon around an arc. The polygon deviates from the arc by no more
+    /// than `indifference_`.
     double slice(double distance) const {
         constexpr double kMostSlice = std::numbers::pi / 3;
         return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMostSlice);
