@@ -232,7 +232,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the potential of the wanted density, as if the density were spread like sites.
+/// Computes the potential of the wanted density, which is spread on the grid like sites.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();

@@ -68,7 +68,7 @@ double distance(Point a, Point b) {
     return std::sqrt(dot(a - b, a - b));
 }
 
-/// For each point, the nearest of its neighbours in the Delaunay triangulation, sorted by distance.
+/// The nearest neighbours of each point in the Delaunay triangulation, sorted by distance.
 class Neighbours {
 public:
     Neighbours(std::span<const Point> points, const std::stop_token& stop) : begins_(points.size() + 1) {
