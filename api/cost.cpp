@@ -80,12 +80,13 @@ double kinds_of_dots(const HalftoneRequest& request) {
 
 /// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
 double planned_cells(const HalftoneRequest& request, double sites) {
-    // As in rough_radius(), for dots that draw a quarter of the picture.
+    // Assumes that dots draw a quarter of the picture, like rough_radius().
     constexpr double kShare = 0.25;
     const ImageHeader& header = request.image.header;
     const auto pixels = static_cast<double>(header.pixels());
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
-        // There are 50 cells per dot. Cells that would be less than two pixels wide are pixels instead.
+        // Upper bound. There are about 50 cells per dot; but where cells would be less than two pixels wide, pixels are
+        // used instead, which makes up to four times as many.
         constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
         return std::min(pixels, kCellsPerDot * sites + kFewest);
     }
@@ -314,8 +315,8 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
     return shorter_side(request) < 2 * hexagonal_spacing(density);
 }
 
-/// Returns the maximum number of dots. If the number follows from the radius, the maximum is that of a solid picture.
-/// Because of overlaps, the dots then have twice the area of the picture.
+/// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a solid
+/// picture: the total area of these dots, which overlap, is twice the area of the picture.
 double most_sites(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
@@ -373,8 +374,8 @@ Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, do
     return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
 }
 
-/// Returns the maximum radius of dots in millimetres, which is that in a solid picture. Because of overlaps, the dots
-/// then have twice the area of the picture.
+/// Returns the maximum radius of dots in millimetres. It is the radius for a solid picture: the total area of the dots,
+/// which overlap, is then twice the area of the picture.
 double largest_radius(const HalftoneRequest& request, double sites) {
     if (request.dot && request.dot->millimetres) return request.dot->length;
     const double width = request.drawing.width_mm.value_or(1);

@@ -488,7 +488,8 @@ Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop
     return domain;
 }
 
-/// Returns warnings about the request: coordinates that look like degrees, but are used as coordinates in a plane.
+/// Returns warnings about the request. There is one if coordinates look like degrees but are used as coordinates in a
+/// plane.
 std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
     const auto* polygon = std::get_if<PolygonInput>(&request.domain);
     if (polygon == nullptr || !polygon->is_geojson() || request.coordinates != Coordinates::Plane) return {};

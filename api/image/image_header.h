@@ -36,7 +36,7 @@ struct ImageFile {
     std::shared_ptr<const std::string> decoded = {};  ///< owns the file if it was decoded from base64; otherwise null
 };
 
-/// Maximum number of pixels that the tiles of a TIFF may have beyond its picture, all tiles together.
+/// Maximum number of pixels that all tiles of a TIFF together may have outside its picture.
 inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
 
 /// Longest side of an AVIF that its codec allows.

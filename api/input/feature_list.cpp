@@ -97,7 +97,7 @@ private:
                        own);
     }
 
-    /// If answers use a name for their own purposes, appends underscores to the name until no other property has it.
+    /// Appends underscores to a name that answers use for their own purposes, until no other property has the name.
     void make_distinct(std::string& name) const {
         if (std::ranges::find(kOwnNames, name) == kOwnNames.end()) return;
         do name += '_';

@@ -14,7 +14,7 @@
 namespace ccdt::api {
 
 /// Reads a list of at most `most` names of properties. Errors: Malformed, also for a repeated name.
-/// @param one  what messages call one name, such as "a property"
+/// @param one  phrase for a single name in messages, such as "a property"
 Result<std::vector<std::string>> read_names(const Input& input, std::size_t most, std::string_view one);
 
 /// The feature properties that a request wants its points to carry.

@@ -14,8 +14,8 @@
 
 namespace ccdt::api {
 
-/// Receives an answer whose body is too large for memory, in pieces. After one of its functions has returned an error,
-/// none is called again.
+/// Receives, in pieces, an answer whose body is too large for memory. After one of the functions has returned an error,
+/// no function is called again.
 class BodyTaker {
 public:
     virtual ~BodyTaker() = default;
