@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Connections in addition to those whose requests are computed or queued: for health checks, refusals and slow
-/// clients.
+/// Number of connections for health checks, refusals and slow clients, in addition to the connections whose requests
+/// are computed or queued.
 constexpr std::size_t kSpareConnections = 512;
 
 /// Additional connections for health checks and metrics when all others are taken.

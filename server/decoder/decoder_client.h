@@ -40,7 +40,7 @@ public:
     using Hand = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
     /// Time that an order may wait for a helper, and then for a child to begin. If the order is lost because its helper
-    /// has ended, repetitions may begin within the same time from that loss.
+    /// has ended, it may be repeated until the same time has passed since the loss.
     static constexpr std::chrono::milliseconds kLongestWait{5000};
 
     explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits,

@@ -28,7 +28,7 @@ struct Confinement {
     static constexpr std::size_t kLayers = 10;
 
     std::uint32_t user = 0;                      ///< user id of the processes
-    std::array<std::int32_t, kLayers> errors{};  ///< by layer: 0 if it is in force, otherwise the errno of the failure
+    std::array<std::int32_t, kLayers> errors{};  ///< [layers] 0 if in force, else the errno of the failure
 
     std::int32_t& error(Layer layer) { return errors[static_cast<std::size_t>(layer)]; }
     bool has(Layer layer) const { return errors[static_cast<std::size_t>(layer)] == 0; }

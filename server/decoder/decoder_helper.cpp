@@ -235,8 +235,9 @@ private:
     std::vector<pollfd> polled_;
 };
 
-/// Waits for all children, and ends as the helper did. The helper is the first child to end except the starter. Without
-/// a PID namespace, the children of the helper become children of this process, and are waited for as well.
+/// Waits for all children, and ends with the exit status of the helper. The helper is the first child to end except the
+/// starter. Without a PID namespace, the children of the helper become children of this process, and are waited for as
+/// well.
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
     std::optional<int> end;
@@ -284,7 +285,7 @@ void pause_shortly() {
     nanosleep(&pause, nullptr);
 }
 
-/// Does in advance what decoding does only once per process. Libraries start threads for this and detach them. If this
+/// Does the one-time work of decoding in advance. Libraries start threads for this work and detach them. If this
 /// process forked while one of these threads holds a lock, the lock would stay held in all children. So the function
 /// waits for the threads to end.
 void warm_up(const Decoder& decoder) {

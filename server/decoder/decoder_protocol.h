@@ -23,7 +23,7 @@ namespace ccdt::server {
 
 /// First message from the helper, sent once it is ready.
 struct Hello {
-    Confinement confinement;  ///< of the helper and its children
+    Confinement confinement;  ///< confinement of the helper and its children
 };
 
 /// Message from the server to the helper: a file to decode.

@@ -78,7 +78,7 @@ public:
     /// memory.
     void close_gently();
 
-    /// Has the connection reset when it is closed, so that the client does not mistake a partial answer for a whole
+    /// Arranges that closing resets the connection, so that the client does not mistake a partial answer for a whole
     /// one.
     void reset() { resets_ = true; }
 
@@ -91,7 +91,7 @@ public:
     /// The client or proxy that connected.
     const Peer& peer() const { return peer_; }
 
-    /// The sender of the current request: the peer or, if that is a trusted proxy, the client that it names.
+    /// The sender of the current request: the peer or, if the peer is a trusted proxy, the client that the proxy names.
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
@@ -105,7 +105,7 @@ public:
     /// Name of the API key of the current request; empty: none.
     const std::string& key() const { return key_; }
 
-    std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
+    std::uint64_t bytes_in() const { return bytes_in_; }  ///< bytes received for the current request
     std::uint64_t bytes_out() const { return bytes_out_; }
 
 private:
@@ -160,7 +160,7 @@ private:
     std::string client_name_;
     std::string key_;
     Unread unread_;
-    Transfer body_;            ///< of the current request
+    Transfer body_;            ///< progress of the current request's body
     std::uint64_t heads_ = 0;  ///< number of heads that were read or attempted
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client received an answer too slowly

@@ -16,8 +16,8 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";  ///< separates scheme and authority
 constexpr std::size_t kLongestTarget = 8'192;
 
-/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy might use
-/// a different one than the server. Content-Length and Transfer-Encoding are checked where they are read.
+/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy and the
+/// server might use different ones. Content-Length and Transfer-Encoding are checked where they are read.
 constexpr std::array<std::string_view, 6> kSingleFields{
     "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
 

@@ -38,7 +38,7 @@ constexpr milliseconds kTimeToRead{500};
 /// Pause after accepting failed because of missing descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Time that a new connection waits until the end of an idle connection frees a thread.
+/// Time that a new connection waits for the thread of an idle connection that was closed.
 constexpr milliseconds kTimeToMakeRoom{500};
 
 /// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
@@ -59,7 +59,7 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task and contains its failure, most likely for lack of memory, so that only one client is affected.
+/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So only one client is affected.
 template <class Task>
 void contain(const Task& task) {
     try {

@@ -98,7 +98,7 @@ public:
 
     /// Appends a piece to the result of a claimed job, and frees space as `add` does (LimitExceeded). May be repeated
     /// after an error. If the claim ends in any other way than by `finish` with a result, the pieces are deleted.
-    /// @param before  what this claim has stored already
+    /// @param before  the part of the result that this claim has stored already
     /// @param piece   1 to kPiece bytes
     /// @returns       false if the job was lost or cancelled
     virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;

@@ -233,7 +233,7 @@ void Jobs::hand_out(const std::stop_token& closing) {
     }
 }
 
-/// Claims a job if one of the pool's workers is available for it.
+/// Claims a job if the pool has a worker for it.
 /// @returns  whether there may be another job
 bool Jobs::hand_one() {
     {

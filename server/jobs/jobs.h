@@ -104,10 +104,10 @@ public:
     public:
         /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last
         /// one the end. If another server runs the job, some iterations may be skipped.
-        /// @returns  none if there is no new state by then
+        /// @returns  none if there is no new state by `until`
         std::optional<Job> next(Clock::time_point until);
 
-        /// Makes the next call of next() ask the store, from which the job may have disappeared without a notification.
+        /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
         void look_again();
 
         /// Whether there will be no further states: the job has ended or no longer exists.

@@ -18,9 +18,9 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size, in bytes, of a body that is sent within the call that uses it, which saves one round trip and one wait
-/// for the disk. Larger bodies are sent by earlier calls, because within that call Redis would copy them several more
-/// times and serve nobody else meanwhile.
+/// Maximum size, in bytes, of a body that is sent within the call that uses it. That saves one round trip and one wait
+/// for the disk. Larger bodies are sent by separate calls before, because a call that uses a body copies it several
+/// more times, and Redis serves nobody else meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
 /// Seconds after which unused pieces expire.

@@ -199,7 +199,7 @@ Result<void> make_file(const std::string& folder, const std::string& path) {
 
 }  // namespace
 
-/// A job with its row and the bytes that it takes.
+/// A stored job, its row, and the bytes that it takes.
 struct SqliteJobStore::Kept {
     Job job;
     std::int64_t row = 0;

@@ -55,7 +55,7 @@ public:
 
     /// Returns the socket to the program, and waits while the program is restarted. The deadline does not limit the
     /// wait for the first start.
-    /// @param lost  socket whose program is known to have ended, and which is not returned again; null: none
+    /// @param lost  socket of a program that has ended, which is not returned again; null: none
     /// @returns     none if there was no program by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 

@@ -30,7 +30,8 @@ constexpr std::chrono::milliseconds kPollInterval{20};
 /// Time that a computation may take after the deadline to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of the pictures in the folder: whatever a file contains, it is parsed neither as JSON nor as a form.
+/// Content type of the pictures in the folder. With this type, a file is parsed neither as JSON nor as a form, whatever
+/// it contains.
 constexpr const char* kPicture = "image/*";
 
 /// Minimum body size, in bytes, of requests that certainly are not short.
@@ -143,7 +144,7 @@ private:
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection, and copies the body for the cache unless it is too
+/// Passes a large body from its computation to the connection. Also copies the body for the cache, unless it is too
 /// large.
 class Computing::TeeWriter : public api::BodyTaker {
 public:
@@ -403,8 +404,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. Writes to the record the stages up to now, including the total
-/// time that this task and earlier ones of the request have waited in the queue.
+/// Has a worker run a task, and waits for the result. Writes the stages so far to the record. They include the total
+/// time that this task and earlier tasks of the request have waited in the queue.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {

@@ -30,7 +30,7 @@ void tell(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time limit for calls that a request can do without: to the Redis of shared answers or rates.
+/// Time limit for calls to the Redis of shared answers or rates. Requests can be answered without these calls.
 constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,

@@ -42,7 +42,7 @@ public:
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 
     /// Waits for a piece.
-    /// @returns  none if no piece has arrived by then, or if the body has ended
+    /// @returns  none if no piece has arrived by `until`, or if the body has ended
     std::optional<std::string> pop(Clock::time_point until);
 
     /// Whether the body has ended and all pieces were taken.

@@ -62,7 +62,7 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks everything except the body. Errors: those that the body cannot cause.
+/// Checks everything except the body. Errors: those of parsing that do not depend on the body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
 /// Whether the body is a zipped shapefile, which only the decoder reads.

@@ -159,7 +159,7 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-/// Whether a queue has room for a job of this client. Jobs that an idle thread will take at once do not count as
+/// Whether a queue accepts another job of this client. Jobs that an idle thread will take at once do not count as
 /// waiting.
 bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };

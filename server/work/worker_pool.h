@@ -25,8 +25,8 @@ namespace ccdt::server {
 /// A fixed number of threads for all computations, with bounded queues.
 ///
 /// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
-/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred jobs waiting, the
-/// only job of another one waits just for the running jobs. Short jobs do not wait for running long ones: they have
+/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred waiting jobs, the
+/// only job of another client waits just for the running jobs. Short jobs do not wait for running long ones: they have
 /// their own queue and one additional thread that runs nothing else.
 ///
 /// A job starts only when its estimated memory is available. Until then, the jobs behind it in the same queue wait,
@@ -109,7 +109,7 @@ private:
     };
     struct Running {
         std::stop_source stop;
-        Lane lane{};          ///< of the thread
+        Lane lane{};          ///< lane of the thread
         double expected = 0;  ///< in seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
