@@ -7,7 +7,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Number of bytes that are usually written between two calls of hand_on().
+/// Number of bytes that are usually written between two calls of flush().
 constexpr std::size_t kBetween = std::size_t{1} << 20;
 
 }  // namespace
@@ -16,12 +16,12 @@ void Body::expect(std::size_t bytes) {
     text_.reserve(taker_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
 }
 
-bool Body::hand_on() {
-    if (taker_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) hand_all_on();
+bool Body::flush() {
+    if (taker_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) flush_all();
     return taken_.has_value();
 }
 
-void Body::hand_all_on() {
+void Body::flush_all() {
     if (!std::exchange(begun_, true)) {
         Answer head = *head_;
         // A stop may have ended the search for a shorter path, so another run may give other bytes.
@@ -36,7 +36,7 @@ void Body::hand_all_on() {
 
 Result<Answer> Body::finish(Answer answer) {
     if (begun_) {
-        hand_all_on();
+        flush_all();
     } else {
         answer.body = std::move(text_);
         answer.repeats = answer.repeats && !path_stop_.stop_requested();

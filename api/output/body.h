@@ -45,25 +45,25 @@ public:
     Body(const Answer& head, BodyTaker* taker, std::stop_token path_stop)
         : head_(&head), taker_(taker), path_stop_(std::move(path_stop)) {}
 
-    /// Returns the text to which a writer appends. The writer must call hand_on() from time to time.
+    /// Returns the text to which a writer appends. The writer must call flush() from time to time.
     std::string& text() { return text_; }
 
     /// Reserves memory for a body of this size, or for the part that is in memory at once.
     void expect(std::size_t bytes);
 
     /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
-    void tell_plot(double seconds) { plot_seconds_ = seconds; }
+    void set_plot_seconds(double seconds) { plot_seconds_ = seconds; }
 
     /// Passes the text written so far to the taker, if the text is long enough.
     /// @returns  false if the taker failed, so that further writing has no effect
-    bool hand_on();
+    bool flush();
 
     /// Ends the body. If the taker has received a piece, passes the remaining text to the taker. Otherwise stores the
     /// text as the body of the answer. Errors: those of the taker.
     Result<Answer> finish(Answer answer);
 
 private:
-    void hand_all_on();
+    void flush_all();
 
     const Answer* head_ = nullptr;
     BodyTaker* taker_ = nullptr;
@@ -74,7 +74,7 @@ private:
     Result<void> taken_;
 };
 
-/// Returns the number of list elements between two calls of hand_on().
+/// Returns the number of list elements between two calls of flush().
 /// @param extra  bytes of each element in addition to a few numbers
 inline std::size_t stride_of(std::size_t extra) {
     constexpr std::size_t kMost = 4'096;

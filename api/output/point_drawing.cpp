@@ -179,7 +179,7 @@ private:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
             : document_(document), touch_(touch), stop_(stop) {}
 
-        bool goes_on() { return document_.body_.hand_on() && !stop_.stop_requested(); }
+        bool goes_on() { return document_.body_.flush() && !stop_.stop_requested(); }
 
         void begin(Point at) {
             if (points_ == 0) document_.write("<path d=\"");
@@ -230,7 +230,7 @@ private:
     /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the taker of the body fails.
     template <class Function>
     void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
-        for (std::size_t i = 0; i < centres.size() && body_.hand_on() && !stop.stop_requested(); i += kChunk)
+        for (std::size_t i = 0; i < centres.size() && body_.flush() && !stop.stop_requested(); i += kChunk)
             function(i, std::min(i + kChunk, centres.size()));
     }
 
@@ -397,7 +397,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     const bool layered = are_named(inks);
     const bool has_paper = drawing.style == DotStyle::Fill;
     const Plot plot = plot_of(inks, page, drawing, path_stop);
-    if (page.width_mm) body.tell_plot(plot.seconds());
+    if (page.width_mm) body.set_plot_seconds(plot.seconds());
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
@@ -413,7 +413,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                    Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     const Plot plot = plot_of(map, page, drawing, path_stop, stop);
-    if (page.width_mm) body.tell_plot(plot.seconds());
+    if (page.width_mm) body.set_plot_seconds(plot.seconds());
     DotDocument document(page, map.size(), kLayers, body);
     if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
     for (std::size_t number = 0; number < map.classes.size(); ++number) {

@@ -60,7 +60,7 @@ std::string numbers(std::size_t size) {
 std::size_t write(Body& body, std::string_view text) {
     constexpr std::size_t kPart = 1'000;
     std::size_t written = 0;
-    while (written < text.size() && body.hand_on()) {
+    while (written < text.size() && body.flush()) {
         body.text() += text.substr(written, kPart);
         written = std::min(written + kPart, text.size());
     }
