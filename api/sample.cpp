@@ -554,9 +554,9 @@ Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain,
                              const Control& control) {
     ClassDots& dots = placed.dots;
     if (request.features) {
-        auto told = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
-        if (!told) return tl::unexpected(told.error());
-        dots = *std::move(told);
+        auto grouped = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
+        if (!grouped) return tl::unexpected(grouped.error());
+        dots = *std::move(grouped);
     }
     const auto ordered = request.features ? order_dots(request, domain, dots, control)
                                           : order_points(request, domain, dots.dots, control);
@@ -668,7 +668,7 @@ Error error_of_options(const SampleRequest& request, Error error) {
     return error;
 }
 
-void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
+void add_remarks(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
     if (!repairs.empty())
         answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
     if (!warnings.empty()) answer.warnings = write_warnings(warnings);
@@ -737,7 +737,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.sites = request.run.sites;
     answer.partial = distribution.stopped;
     answer.repeats = request.format->repeats();
-    if (request.format->file.name != "json") tell(repairs, warnings, answer);
+    if (request.format->file.name != "json") add_remarks(repairs, warnings, answer);
     Body body(answer, taker, control.stop);
     auto written = encode(request, domain, *page, placed->dots, report, control, body);
     timings.encode = watch.lap();
