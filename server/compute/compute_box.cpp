@@ -294,14 +294,14 @@ private:
 };
 
 Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch launch, const Options& options,
-                                                      Relay relay, SupervisedProgram::Tell tell) {
+                                                      Relay relay, SupervisedProgram::Report report) {
     const auto greet = [](int socket) {
         std::byte ready{};
         return receive_message(socket, {&ready, 1}) == 1;
     };
     auto threads = SharedNumber::create(1);
     if (!threads) return tl::unexpected(std::move(threads.error()));
-    auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(tell));
+    auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(report));
     if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
     return std::unique_ptr<ComputeBox>(
         new ComputeBox(*std::move(fork_server), *std::move(threads), options, std::move(relay)));

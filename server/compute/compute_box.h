@@ -47,7 +47,7 @@ public:
 
     /// Starts the fork server. Errors: Internal.
     static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
-                                                     Relay relay, SupervisedProgram::Tell tell);
+                                                     Relay relay, SupervisedProgram::Report report);
 
     ~ComputeBox();
 

@@ -28,7 +28,7 @@ constexpr int kMostStarts = 3;
 constexpr std::chrono::milliseconds kLook{1000};
 
 /// Interval at which a run's progress is stored.
-constexpr std::chrono::milliseconds kTell{100};
+constexpr std::chrono::milliseconds kProgressInterval{100};
 
 /// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job, even before it is
 /// deleted.
@@ -732,7 +732,7 @@ Jobs::Clock::time_point Jobs::stop_overdue_locked() {
 /// Computes when to renew a run's lease or store its progress.
 Jobs::Clock::time_point Jobs::next_renewal_locked(const Run& run) const {
     const auto renewal = std::max(limits_.lease / 3, std::chrono::milliseconds(1));
-    return run.held + (run.told ? renewal : std::min(kTell, renewal));
+    return run.held + (run.told ? renewal : std::min(kProgressInterval, renewal));
 }
 
 Jobs::Clock::time_point Jobs::next_renewal_locked() const {

@@ -21,7 +21,7 @@ Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
                              [&log](const std::string& message) { log.error(message); });
 }
 
-void tell(const Confinement& confinement, const Log& log) {
+void log_confinement(const Confinement& confinement, const Log& log) {
     if (confinement.is_whole())
         log.info(confinement.describe());
     else if (confinement.has(Layer::Calls))
@@ -176,7 +176,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
 Result<void> Service::wait_until_ready(const std::stop_token& stop) const {
     const auto ready = parts_.decoder->wait_until_ready(stop);
     if (!ready) return ready;
-    tell(parts_.decoder->confinement(), log_);
+    log_confinement(parts_.decoder->confinement(), log_);
     return parts_.computing->wait_until_ready(stop);
 }
 

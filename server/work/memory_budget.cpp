@@ -19,7 +19,7 @@ MemoryBudget::Lease MemoryBudget::hold(std::size_t bytes) {
 MemoryBudget::Lease::~Lease() {
     if (budget_ == nullptr || bytes_ == 0) return;
     budget_->taken_ -= bytes_;
-    if (budget_->tell_) budget_->tell_();
+    if (budget_->callback_) budget_->callback_();
 }
 
 }  // namespace ccdt::server

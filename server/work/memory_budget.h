@@ -50,12 +50,12 @@ public:
 
     /// Sets a function that is called whenever bytes are released, by the releasing thread. Must be called before the
     /// first reservation.
-    void on_return(std::function<void()> tell) { tell_ = std::move(tell); }
+    void on_release(std::function<void()> callback) { callback_ = std::move(callback); }
 
 private:
     const std::size_t total_;
     std::atomic<std::size_t> taken_ = 0;
-    std::function<void()> tell_;
+    std::function<void()> callback_;
 };
 
 }  // namespace ccdt::server

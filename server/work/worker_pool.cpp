@@ -43,7 +43,7 @@ void yield_to_other_threads() {
 WorkerPool::WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory)
     : worker_count_(workers), capacity_(capacity), memory_(memory) {
     assert(workers >= 1);
-    memory_.on_return([this] {
+    memory_.on_release([this] {
         { const std::lock_guard lock(mutex_); }  // otherwise a worker about to wait would miss the notification
         job_waits_.notify_all();
     });
@@ -183,7 +183,7 @@ std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::o
 
 std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
     const auto& running = running_.emplace(job.id, Running{{}, lane, job.cost.seconds, Clock::now()}).first->second;
-    tell_(running_.size());
+    callback_(running_.size());
     return running.stop.get_token();
 }
 
@@ -196,7 +196,7 @@ void WorkerPool::finish_locked(JobId id) {
         pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
     }
     running_.erase(job);
-    tell_(running_.size());
+    callback_(running_.size());
     if (is_idle_locked()) idle_.notify_all();
 }
 

@@ -83,7 +83,7 @@ public:
 
     /// Sets a function that is called with the number of running jobs whenever that number changes. The function must
     /// return quickly. Must be called before the first job is submitted.
-    void on_change(std::function<void(std::size_t running)> tell) { tell_ = std::move(tell); }
+    void on_change(std::function<void(std::size_t running)> callback) { callback_ = std::move(callback); }
 
     /// The memory budget of running jobs.
     MemoryBudget& memory() { return memory_; }
@@ -132,7 +132,7 @@ private:
     const std::size_t capacity_;
 
     MemoryBudget memory_;
-    std::function<void(std::size_t running)> tell_ = [](std::size_t) {};
+    std::function<void(std::size_t running)> callback_ = [](std::size_t) {};
 
     mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
     std::condition_variable_any job_waits_;

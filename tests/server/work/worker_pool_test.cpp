@@ -358,7 +358,7 @@ TEST(WorkerPool, ContinuesWhenMemoryIsReleasedElsewhere) {
 TEST(MemoryBudget, NeverLendsMoreThanItHas) {
     int told = 0;
     MemoryBudget budget(100);
-    budget.on_return([&] { ++told; });
+    budget.on_release([&] { ++told; });
     auto first = budget.take(60);
     ASSERT_TRUE(first);
     EXPECT_FALSE(budget.take(41));
