@@ -324,7 +324,7 @@ bool Jobs::begin(const RunPointer& run) {
         held ? held->now : std::max(time_now(), job.created);  // the store's clock, which set job.created, may be ahead
     run->held = Clock::now();
     run->deadline = run->held + limits_.timeout;
-    news_ = true;
+    runs_changed_ = true;
     wake_timekeeper_.notify_all();
     return true;
 }
@@ -429,7 +429,7 @@ void Jobs::note(const RunPointer& run, const Progress& progress) {
     run->job.progress = {progress.done(), progress.iteration, progress.variation};
     if (const auto followed = find_followed_locked(run->job.id)) advance_locked(*followed, run->job);
     if (!std::exchange(run->told, false)) return;
-    news_ = true;
+    runs_changed_ = true;
     wake_timekeeper_.notify_all();
 }
 
@@ -566,7 +566,7 @@ void Jobs::missed() {
         followed->changed.notify_all();
     }
     for (const auto& [id, run] : runs_) run->told = false;
-    has_work_ = news_ = true;
+    has_work_ = runs_changed_ = true;
     wake_claimer_.notify_all();
     wake_timekeeper_.notify_all();
 }
@@ -710,8 +710,8 @@ void Jobs::keep_time(const std::stop_token& closing) {
         std::unique_lock lock(mutex_);
         const auto next_settling = count_left_locked() > 0 ? settled + kLook : next_forgetting;
         const auto until = std::min({next_forgetting, next_settling, stop_overdue_locked(), next_renewal_locked()});
-        wake_timekeeper_.wait_until(lock, closing, until, [this] { return news_; });
-        news_ = false;
+        wake_timekeeper_.wait_until(lock, closing, until, [this] { return runs_changed_; });
+        runs_changed_ = false;
     }
 }
 

@@ -221,8 +221,8 @@ private:
     std::condition_variable idle_;
     std::condition_variable_any wake_claimer_;
     std::condition_variable_any wake_timekeeper_;
-    bool has_work_ = false;  ///< the claimer should look for a job in the store
-    bool news_ = false;      ///< the timekeeper should look at the runs again
+    bool has_work_ = false;      ///< the claimer should look for a job in the store
+    bool runs_changed_ = false;  ///< runs have changed since the timekeeper last looked at them
     std::map<std::string, RunPointer> runs_;
     mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
     std::size_t handed_ = 0;  ///< number of jobs in the pool

@@ -162,14 +162,14 @@ RedisJobStore::RedisJobStore(RedisClient& client, const JobLimits& limits, Notes
       subscription_(client.address(), std::string(kPrefix) + "news", callbacks()) {}
 
 RedisSubscription::Callbacks RedisJobStore::callbacks() {
-    return {.message = [this](std::string_view message) { tell(message); },
+    return {.message = [this](std::string_view message) { forward(message); },
             .begun =
                 [this] {
                     notes_.info("jobs are stored in Redis at " + client_.address().name());
                     for (const auto& fault : find_faults(client_).value_or(std::vector<std::string>()))
                         notes_.warning(fault);
                     subscribed_since_ = Clock::now();
-                    news_.tell([](JobListener& listener) { listener.missed(); });
+                    notifier_.notify([](JobListener& listener) { listener.missed(); });
                 },
             .ended =
                 [this](const Error& error) {
@@ -179,15 +179,15 @@ RedisSubscription::Callbacks RedisJobStore::callbacks() {
 }
 
 void RedisJobStore::listen(JobListener* listener) {
-    news_.listen(listener);
+    notifier_.listen(listener);
     if (subscribed_since_.load() != Clock::time_point::max())
-        news_.tell([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
+        notifier_.notify([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
 }
 
-void RedisJobStore::tell(std::string_view news) {
-    const auto what = api::take_until(news, " ");
-    const std::string id(news);
-    news_.tell([&](JobListener& listener) {
+void RedisJobStore::forward(std::string_view message) {
+    const auto what = api::take_until(message, " ");
+    const std::string id(message);
+    notifier_.notify([&](JobListener& listener) {
         if (what == "work") listener.work();
         if (what == "changed") listener.changed(id);
         if (what == "stop") listener.stop(id);

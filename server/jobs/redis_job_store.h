@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_news.h"
+#include "server/jobs/job_notifier.h"
 #include "server/jobs/job_store.h"
 #include "server/redis/redis_client.h"
 #include "server/redis/redis_subscription.h"
@@ -82,12 +82,12 @@ private:
     tl::unexpected<Error> damaged(const std::string& key);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
     RedisSubscription::Callbacks callbacks();
-    void tell(std::string_view news);
+    void forward(std::string_view message);
 
     const JobLimits limits_;
     const Notes notes_;
     RedisClient& client_;
-    JobNews news_;
+    JobNotifier notifier_;
     std::atomic<Clock::time_point> subscribed_since_ = Clock::time_point::max();
     std::atomic<Clock::time_point> next_repair_ = Clock::time_point::min();
     RedisSubscription subscription_;  ///< last, because it uses the other members

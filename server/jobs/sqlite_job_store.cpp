@@ -401,7 +401,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
         queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory});
         return Added::Accepted;
     });
-    if (added == Added::Accepted) news_.tell([](JobListener& listener) { listener.work(); });
+    if (added == Added::Accepted) notifier_.notify([](JobListener& listener) { listener.work(); });
     return added;
 }
 
@@ -512,7 +512,7 @@ Result<JobStore::Hold> SqliteJobStore::hold(const Job& job) {
         const auto kept = look_up(job.id);
         return Hold{kept && kept->job.status == JobStatus::Cancelled ? Owned::Cancelled : Owned::Lost, now};
     });
-    if (held && held->owned == Owned::Still) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    if (held && held->owned == Owned::Still) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });
     return held;
 }
 
@@ -529,7 +529,7 @@ Result<void> SqliteJobStore::give_back(const Job& job) {
         update(kept->job, kept->row, kept->bytes);
         transaction.commit();
     });
-    news_.tell([&](JobListener& listener) {
+    notifier_.notify([&](JobListener& listener) {
         listener.changed(job.id);
         listener.work();
     });
@@ -680,7 +680,7 @@ Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_v
         claimed_.erase(job.id);
         return ended.finished;
     });
-    if (finished && *finished) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    if (finished && *finished) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });
     return finished;
 }
 
@@ -719,7 +719,7 @@ Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
         return job;
     });
     if (cancelled && *cancelled) {
-        news_.tell([&](JobListener& listener) {
+        notifier_.notify([&](JobListener& listener) {
             listener.stop(id);
             listener.changed(id);
         });

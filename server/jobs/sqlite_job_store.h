@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_news.h"
+#include "server/jobs/job_notifier.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sqlite.h"
 #include "server/work/fair_queue.h"
@@ -52,7 +52,7 @@ public:
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;
     Result<bool> forget() override;
     Result<Load> load() override;
-    void listen(JobListener* listener) override { news_.listen(listener); }
+    void listen(JobListener* listener) override { notifier_.listen(listener); }
     std::uint64_t damages() const override { return damages_; }
 
 private:
@@ -123,7 +123,7 @@ private:
     void release(std::size_t bytes);
 
     const JobLimits limits_;
-    JobNews news_;
+    JobNotifier notifier_;
     std::mutex room_;  ///< held while space is freed and used; locked before `mutex_`
 
     std::mutex mutex_;  ///< guards the members from here to `last_claim_`

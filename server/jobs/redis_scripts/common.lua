@@ -24,7 +24,7 @@ local function job_key(id) return prefix .. 'job:' .. id end
 local function question_key(id) return prefix .. 'question:' .. id end
 local function result_key(id) return prefix .. 'result:' .. id end
 
-local function tell(news) redis.call('PUBLISH', key('news'), news) end
+local function notify(news) redis.call('PUBLISH', key('news'), news) end
 
 local function state(name) return tonumber(redis.call('HGET', key('state'), name) or '0') end
 
@@ -121,7 +121,7 @@ local function enter_queue(id, turn, place)
     redis.call('HSET', job_key(id), 'place', place)
     redis.call('ZADD', key('queue'), turn, place)
     redis.call('HINCRBY', key('waiting'), field(id, 'client'), 1)
-    tell('work')
+    notify('work')
 end
 
 -- Returns the start tag of a job, or nothing if it was not in the queue.
@@ -156,7 +156,7 @@ local function put_back(id)
     redis.call('HSET', job_key(id), 'status', 'queued', 'fraction', 0, 'iteration', 0)
     redis.call('HDEL', job_key(id), 'started', 'variation')
     enter_queue(id, math.min(tonumber(field(id, 'turn') or '0'), state('turn')), field(id, 'place'))
-    tell('changed ' .. id)
+    notify('changed ' .. id)
 end
 
 -- Removes a job from the queue and ends its claim.

@@ -26,5 +26,5 @@ redis.call('UNLINK', question_key(id))
 redis.call('ZADD', key('finished'), exact_now, id)
 redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 9))
 set_bytes(id, tonumber(ARGV[5]))
-tell('changed ' .. id)
+notify('changed ' .. id)
 return {'finished', field(id, 'finished')}
