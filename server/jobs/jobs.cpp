@@ -32,8 +32,8 @@ constexpr std::chrono::milliseconds kProgressInterval{100};
 
 /// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job, even before it is
 /// deleted.
-constexpr std::chrono::milliseconds kLeastForgetting{100};
-constexpr std::chrono::milliseconds kMostForgetting{60'000};
+constexpr std::chrono::milliseconds kMinRemovalInterval{100};
+constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
 /// Makes an id of 128 unpredictable bits, because the id is all that is needed to read the result.
 std::string new_id() {
@@ -100,7 +100,7 @@ JobEnd not_stored(Job job, const Error& error) {
     return end;
 }
 
-HttpResult<std::string> kept(Result<std::optional<std::string>> result) {
+HttpResult<std::string> existing(Result<std::optional<std::string>> result) {
     if (!result) return store_problem(result.error());
     if (!*result) return problem(410, "the result was dropped to make room for others (job-bytes)");
     return **std::move(result);
@@ -129,22 +129,22 @@ public:
     }
 
     /// The part of the result that is stored, the part after it, and the error if storing failed.
-    const JobStore::Taken& taken() const { return taken_; }
+    const JobStore::StoredPart& stored() const { return stored_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
 
 private:
     Result<void> store() {
-        auto stored = store_.take(job_, taken_, last_);
+        auto stored = store_.append_piece(job_, stored_, last_);
         while (!stored && stored.error().code == ErrorCode::Stopped && wait())
-            stored = store_.take(job_, taken_, last_);
+            stored = store_.append_piece(job_, stored_, last_);
         if (!stored) {
             if (stored.error().code != ErrorCode::Stopped) error_ = stored.error();
             return tl::unexpected(stored.error());
         }
         if (!*stored) return failure(ErrorCode::Stopped, "the job was claimed by another server");
-        ++taken_.pieces;
-        taken_.bytes += last_.size();
+        ++stored_.pieces;
+        stored_.bytes += last_.size();
         last_.clear();
         return {};
     }
@@ -161,7 +161,7 @@ private:
     JobStore& store_;
     const Job job_;
     const std::stop_token stop_;
-    JobStore::Taken taken_;
+    JobStore::StoredPart stored_;
     std::string last_;
     std::optional<Error> error_;
 };
@@ -217,7 +217,7 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
     if (!added) return store_problem(added.error());
     if (*added == JobStore::Added::QueueFull)
         return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());
-    if (*added == JobStore::Added::NoRoom)
+    if (*added == JobStore::Added::StoreFull)
         return busy(429, "waiting jobs take all the storage (job-bytes)", pool_.backlog());
     return {};
 }
@@ -279,7 +279,7 @@ void Jobs::hand(Job job) {
     if (failure)
         settle(run, {{}, failed(run->job, *std::move(failure))});
     else
-        give_back(run);
+        requeue(run);
 }
 
 void Jobs::run(const RunPointer& run, const std::stop_token& stop) {
@@ -312,10 +312,10 @@ bool Jobs::begin(const RunPointer& run) {
         job = run->job;
         stop = run->stop;
     }
-    if (stop == Stop::Shutdown) give_back(run);
+    if (stop == Stop::Shutdown) requeue(run);
     if (stop != Stop::None) return false;
     job.status = JobStatus::Running;
-    const auto held = store_.hold(job);
+    const auto held = store_.renew(job);
     const std::lock_guard lock(mutex_);
     if (run->settling || (held && !keep_locked(run, held->owned))) return false;
     // If the store fails, the job runs nevertheless: no other server can claim the job before the lease expires.
@@ -347,10 +347,10 @@ void Jobs::drop_locked(const RunPointer& run) {
     }
     run->gone.request_stop();
     stop_locked(*run, Stop::Gone);
-    forget_locked(run);
+    erase_locked(run);
 }
 
-void Jobs::forget_locked(const RunPointer& run) {
+void Jobs::erase_locked(const RunPointer& run) {
     const auto found = runs_.find(run->job.id);
     if (found != runs_.end() && found->second == run) runs_.erase(found);
 }
@@ -371,7 +371,7 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     stages.queue = Milliseconds(*run->job.started - run->job.created).count();
     auto request = store_.request(run->job.id);
     if (!request && request.error().code == ErrorCode::Stopped) {
-        give_back(run);
+        requeue(run);
         return std::nullopt;
     }
     ResultWriter writer(store_, run->job, stop);
@@ -393,7 +393,7 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
     if (run->stop == Stop::Shutdown && !whole) {
         lock.unlock();
-        give_back(run);
+        requeue(run);
         return std::nullopt;
     }
     run->settling = true;
@@ -419,8 +419,8 @@ Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, ResultWriter& writer
     job.partial = answer->partial;
     job.headers = answer_headers(*answer);
     std::string result = writer.take_last();
-    job.result_bytes = writer.taken().bytes + result.size();
-    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.taken()};
+    job.result_bytes = writer.stored().bytes + result.size();
+    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.stored()};
 }
 
 void Jobs::note(const RunPointer& run, const Progress& progress) {
@@ -434,10 +434,10 @@ void Jobs::note(const RunPointer& run, const Progress& progress) {
 }
 
 /// Returns a job to the store, for the next process or another server.
-void Jobs::give_back(const RunPointer& run) {
-    (void)store_.give_back(run->job);  // if this fails, the job runs again when its lease expires
+void Jobs::requeue(const RunPointer& run) {
+    (void)store_.requeue(run->job);  // if this fails, the job runs again when its lease expires
     const std::lock_guard lock(mutex_);
-    forget_locked(run);
+    erase_locked(run);
 }
 
 /// Stores the end of a job, informs followers, and writes the log. The caller must have set `settling`.
@@ -450,7 +450,7 @@ void Jobs::settle(const RunPointer& run, End end) {
             run->left = std::move(end);
             return;
         }
-        forget_locked(run);
+        erase_locked(run);
         if (stored && *stored) {
             job.finished = **stored;
             publish_locked(job);
@@ -506,11 +506,11 @@ void Jobs::add_latest(Job& job) const {
 }
 
 HttpResult<std::string> Jobs::result(const std::string& id) {
-    return kept(store_.result(id));
+    return existing(store_.result(id));
 }
 
 HttpResult<std::string> Jobs::piece(const std::string& id, std::size_t number) {
-    return kept(store_.piece(id, number));
+    return existing(store_.piece(id, number));
 }
 
 HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
@@ -670,7 +670,7 @@ void Jobs::drain() {
     }
     for (const auto& run : left) {
         if (survives_)
-            give_back(run);
+            requeue(run);
         else
             settle(run, {{}, failed(run->job, shut_down())});
     }
@@ -693,14 +693,14 @@ Jobs::Counts Jobs::counts() const {
 }
 
 void Jobs::keep_time(const std::stop_token& closing) {
-    const auto forgetting = std::clamp(limits_.ttl, kLeastForgetting, kMostForgetting);
-    auto next_forgetting = Clock::now();
+    const auto interval = std::clamp(limits_.ttl, kMinRemovalInterval, kMaxRemovalInterval);
+    auto next_removal = Clock::now();
     auto settled = Clock::now();
     while (!closing.stop_requested()) {
-        if (next_forgetting <= Clock::now()) {
-            while (store_.forget().value_or(false)) {
+        if (next_removal <= Clock::now()) {
+            while (store_.remove_expired().value_or(false)) {
             }
-            next_forgetting = Clock::now() + forgetting;
+            next_removal = Clock::now() + interval;
         }
         if (settled + kLook <= Clock::now()) {
             settle_what_is_left();
@@ -708,8 +708,8 @@ void Jobs::keep_time(const std::stop_token& closing) {
         }
         renew_leases();
         std::unique_lock lock(mutex_);
-        const auto next_settling = count_left_locked() > 0 ? settled + kLook : next_forgetting;
-        const auto until = std::min({next_forgetting, next_settling, stop_overdue_locked(), next_renewal_locked()});
+        const auto next_settling = count_left_locked() > 0 ? settled + kLook : next_removal;
+        const auto until = std::min({next_removal, next_settling, stop_overdue_locked(), next_renewal_locked()});
         wake_timekeeper_.wait_until(lock, closing, until, [this] { return runs_changed_; });
         runs_changed_ = false;
     }
@@ -750,7 +750,7 @@ void Jobs::renew_leases() {
         for (const auto& [run, job] : due) run->told = true;
     }
     for (const auto& [run, job] : due) {
-        const auto held = store_.hold(job);
+        const auto held = store_.renew(job);
         const std::lock_guard lock(mutex_);
         run->held = Clock::now();
         if (held)

@@ -40,10 +40,10 @@ struct JobEnd {
 /// Runs jobs: requests whose clients do not wait.
 ///
 /// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. A job waits in the
-/// queue of the store, which is fair between clients. When the job is next and the pool has room for it, it is claimed
-/// and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers, fewer jobs
-/// than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store, each runs
-/// the jobs that it has claimed, and answers requests about all jobs.
+/// queue of the store, which is fair between clients. When the job is next and the pool can accept it, the job is
+/// claimed and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers,
+/// fewer jobs than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store,
+/// each runs the jobs that it has claimed, and answers requests about all jobs.
 ///
 /// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
@@ -141,7 +141,7 @@ private:
     struct End {
         std::string result;
         JobEnd told;
-        JobStore::Taken before = {};  ///< part of the result that the store already has, before `result`
+        JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
     };
     class ResultWriter;
 
@@ -183,7 +183,7 @@ private:
     std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
     End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
     void note(const RunPointer& run, const Progress& progress);
-    void give_back(const RunPointer& run);
+    void requeue(const RunPointer& run);
     void settle(const RunPointer& run, End end);
     Result<std::optional<Time>> store_end(End& end);
     void fail_all();
@@ -191,7 +191,7 @@ private:
     bool stop_locked(Run& run, Stop why);
     bool keep_locked(const RunPointer& run, JobStore::Owned owned);
     void drop_locked(const RunPointer& run);
-    void forget_locked(const RunPointer& run);
+    void erase_locked(const RunPointer& run);
     void release_locked();
     std::size_t count_left_locked() const;
 

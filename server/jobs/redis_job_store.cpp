@@ -27,7 +27,7 @@ constexpr std::size_t kSmall = std::size_t{64} << 10;
 constexpr std::string_view kPiecesKept = "600";
 
 /// Number of jobs that one call deletes; more would delay other calls.
-constexpr std::int64_t kForgottenAtOnce = 100;
+constexpr std::int64_t kRemovedAtOnce = 100;
 
 /// The first version whose scripts have flags.
 constexpr int kLeastVersion = 7;
@@ -46,13 +46,13 @@ RedisScript script(std::string_view flags, std::string_view text) {
 const RedisScript kIsFull = script(kReads, redis_scripts::is_full);
 const RedisScript kAdd = script("", redis_scripts::add);
 const RedisScript kClaim = script(kAnyway, redis_scripts::claim);
-const RedisScript kHold = script(kAnyway, redis_scripts::hold);
-const RedisScript kGiveBack = script(kAnyway, redis_scripts::give_back);
+const RedisScript kRenew = script(kAnyway, redis_scripts::renew);
+const RedisScript kRequeue = script(kAnyway, redis_scripts::requeue);
 const RedisScript kFinish = script(kAnyway, redis_scripts::finish);
 const RedisScript kCancel = script(kAnyway, redis_scripts::cancel);
 const RedisScript kRemove = script(kAnyway, redis_scripts::remove);
 const RedisScript kFind(kReads, {redis_scripts::common, redis_scripts::find});
-const RedisScript kForget = script(kAnyway, redis_scripts::forget);
+const RedisScript kRemoveExpired = script(kAnyway, redis_scripts::remove_expired);
 const RedisScript kLoad = script(kReads, redis_scripts::load);
 const RedisScript kRepair(kAnyway, {redis_scripts::common, redis_scripts::repair});
 
@@ -264,7 +264,8 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
 
 /// Sends fields, and a body in pieces, to a temporary key, which expires unless it is renamed.
 /// @param before  pieces that were sent already, and their size
-Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before) {
+Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body,
+                                   const StoredPart& before) {
     const std::string key = key_of_pieces(job);
     const std::string size = std::to_string(before.bytes + body.size());
     fields.insert(fields.begin(), {"HSET", key, "size", size});
@@ -359,7 +360,7 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
     if (reply->items[0].text == "full") return Added::QueueFull;
-    if (reply->items[0].text == "no room") return Added::NoRoom;
+    if (reply->items[0].text == "store full") return Added::StoreFull;
     const auto created = api::parse_number<std::int64_t>(reply->items.back().text);
     job.created = Time(std::chrono::milliseconds(created.value_or(0)));
     return Added::Accepted;
@@ -393,31 +394,31 @@ Result<std::optional<ComputeRequest>> RedisJobStore::request(const std::string& 
     return ComputeRequest{items[0].text, items[1].text, items[2].text, items[3].text, **std::move(body)};
 }
 
-Result<JobStore::Hold> RedisJobStore::hold(const Job& job) {
+Result<JobStore::Renewal> RedisJobStore::renew(const Job& job) {
     const std::string claim = std::to_string(job.claim);
     const std::string lease = text_of(limits_.lease);
     const std::string fraction = text_of(job.progress.fraction);
     const std::string iteration = text_of(job.progress.iteration);
     const std::string variation = job.progress.variation ? text_of(*job.progress.variation) : "";
-    const auto reply = run(kHold, {job.id, claim, lease, name_of(job.status), fraction, iteration, variation});
+    const auto reply = run(kRenew, {job.id, claim, lease, name_of(job.status), fraction, iteration, variation});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 2) return not_understood("job " + job.id);
     const std::string& owned = reply->items[0].text;
     const auto now = api::parse_number<std::int64_t>(reply->items[1].text);
-    return Hold{owned == "still"       ? Owned::Still
-                : owned == "cancelled" ? Owned::Cancelled
-                                       : Owned::Lost,
-                Time(std::chrono::milliseconds(now.value_or(0)))};
+    return Renewal{owned == "still"       ? Owned::Still
+                   : owned == "cancelled" ? Owned::Cancelled
+                                          : Owned::Lost,
+                   Time(std::chrono::milliseconds(now.value_or(0)))};
 }
 
-Result<void> RedisJobStore::give_back(const Job& job) {
+Result<void> RedisJobStore::requeue(const Job& job) {
     const std::string claim = std::to_string(job.claim);
-    return run(kGiveBack, {job.id, claim}).map([](const RedisReply&) {});
+    return run(kRequeue, {job.id, claim}).map([](const RedisReply&) {});
 }
 
-Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::string_view piece) {
+Result<bool> RedisJobStore::append_piece(const Job& job, const StoredPart& before, std::string_view piece) {
     const std::size_t whole = before.bytes + piece.size();
-    if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    if (bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
     const std::string pieces = key_of_pieces(job), known = key_of("job", job.id),
                       leases = std::string(kPrefix) + "leases";
     const std::string number = std::to_string(before.pieces), name = name_of_digest(before.pieces);
@@ -431,9 +432,9 @@ Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::strin
     return owned && (*replies)[3].kind != RedisReply::Kind::Nothing;
 }
 
-Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result, const Taken& before) {
+Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result, const StoredPart& before) {
     const std::size_t whole = before.bytes + result.size();
-    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
     const std::string pieces = result.size() > kSmall || before.pieces > 0 ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
         if (const auto uploaded = upload(job, {}, result, before); !uploaded) return tl::unexpected(uploaded.error());
@@ -455,7 +456,7 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const auto reply = run(kFinish, arguments);
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
-    if (reply->items[0].text == "no room") return no_room_for(whole);
+    if (reply->items[0].text == "store full") return no_space_for(whole);
     if (reply->items[0].text == "lost") return std::nullopt;
     const auto finished = api::parse_number<std::int64_t>(reply->items.back().text);
     return Time(std::chrono::milliseconds(finished.value_or(0)));
@@ -479,10 +480,10 @@ Result<std::optional<std::string>> RedisJobStore::piece(const std::string& id, s
     return read_piece(key_of("result", id), id, number);
 }
 
-Result<bool> RedisJobStore::forget() {
+Result<bool> RedisJobStore::remove_expired() {
     const std::string ttl = text_of(limits_.ttl);
-    const std::string most = std::to_string(kForgottenAtOnce);
-    return run(kForget, {ttl, most}).map([](const RedisReply& reply) { return reply.number == kForgottenAtOnce; });
+    const std::string most = std::to_string(kRemovedAtOnce);
+    return run(kRemoveExpired, {ttl, most}).map([](const RedisReply& reply) { return reply.number == kRemovedAtOnce; });
 }
 
 Result<JobStore::Load> RedisJobStore::load() {

@@ -180,7 +180,7 @@ local function remove(id)
 end
 
 -- Drops the oldest results, and then the jobs that finished first, until there is enough space.
-local function make_room(bytes, most)
+local function free_space(bytes, most)
     while state('bytes') + bytes > most do
         local dropped = redis.call('ZPOPMIN', key('results'))[1]
         local oldest = not dropped and redis.call('ZRANGE', key('finished'), 0, 0)[1]
