@@ -337,8 +337,8 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         const bool was_left = outcome.error().overdue && delivery.unwanted.stop_requested();
         if (!was_left) ++(outcome.error().overdue ? overdue_ : crashes_);
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
-        const bool is_told = conversation.has_begun() && delivery.taker != nullptr;
-        if (again || is_told || !outcome.error().is_killed())
+        const bool is_streaming = conversation.has_begun() && delivery.taker != nullptr;
+        if (again || is_streaming || !outcome.error().is_killed())
             return failure(ErrorCode::Internal, describe(outcome.error()));
     }
 }

@@ -140,7 +140,7 @@ private:
     /// The end of a job, to be stored.
     struct End {
         std::string result;
-        JobEnd told;
+        JobEnd summary;
         JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
     };
     class ResultWriter;
@@ -148,14 +148,14 @@ private:
     /// A job that this server has claimed.
     struct Run {
         Job job;
-        std::optional<WorkerPool::JobId> handed;  ///< id of the job in the pool; none: not in the pool
+        std::optional<WorkerPool::JobId> pool_id;  ///< id of the job in the pool; none: not in the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
-        std::stop_source gone;    ///< stopped once nobody needs the result
-        Clock::time_point held;   ///< time of the latest attempt to renew the lease
-        bool told = true;         ///< the store has the latest progress
-        bool settling = false;    ///< set by the thread that stores the job's end; no other thread does so
-        std::optional<End> left;  ///< an end that could not be stored yet
+        std::stop_source unneeded;    ///< stopped once nobody needs the result
+        Clock::time_point renewed;    ///< time of the latest attempt to renew the lease
+        bool progress_stored = true;  ///< the store has the latest progress
+        bool settling = false;        ///< set by the thread that stores the job's end; no other thread does so
+        std::optional<End> unstored;  ///< an end that could not be stored yet
     };
     using RunPointer = std::shared_ptr<Run>;
 
@@ -176,8 +176,8 @@ private:
 
     HttpResult<void> add(Job& job, const ComputeRequest& request);
     void hand_out(const std::stop_token& closing);
-    bool hand_one();
-    void hand(Job job);
+    bool claim_next();
+    void submit(Job job);
     void run(const RunPointer& run, const std::stop_token& stop);
     bool begin(const RunPointer& run);
     std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
@@ -189,11 +189,11 @@ private:
     void fail_all();
 
     bool stop_locked(Run& run, Stop why);
-    bool keep_locked(const RunPointer& run, JobStore::Owned owned);
+    bool check_owned_locked(const RunPointer& run, JobStore::Owned owned);
     void drop_locked(const RunPointer& run);
     void erase_locked(const RunPointer& run);
     void release_locked();
-    std::size_t count_left_locked() const;
+    std::size_t count_unstored_locked() const;
 
     void add_latest(Job& job) const;
     FollowedPointer find_followed_locked(const std::string& id) const;
@@ -207,7 +207,7 @@ private:
     Clock::time_point next_renewal_locked(const Run& run) const;
     Clock::time_point next_renewal_locked() const;
     void renew_leases();
-    void settle_what_is_left();
+    void store_remaining_ends();
 
     const JobLimits limits_;
     JobStore& store_;
@@ -225,7 +225,7 @@ private:
     bool runs_changed_ = false;  ///< runs have changed since the timekeeper last looked at them
     std::map<std::string, RunPointer> runs_;
     mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
-    std::size_t handed_ = 0;  ///< number of jobs in the pool
+    std::size_t in_pool_ = 0;  ///< number of jobs in the pool
     Counts counts_;
     bool started_ = false;
     bool draining_ = false;
