@@ -34,8 +34,8 @@ std::shared_ptr<const api::Answer> ResultCache::find_here(const std::string& nam
     return found->second->answer;
 }
 
-void ResultCache::keep(const std::string& name, const api::Answer& answer) {
-    if (shared_) shared_->keep(name, answer);
+void ResultCache::store(const std::string& name, const api::Answer& answer) {
+    if (shared_) shared_->store(name, answer);
     if (answer.body.size() > most_ / 4) return;
     try {
         keep_here(name, std::make_shared<const api::Answer>(answer));

@@ -40,7 +40,7 @@ public:
     std::shared_ptr<const api::Answer> find(const std::string& name);
 
     /// Stores a copy unless it would take more than a quarter of the capacity: one answer must not evict all others.
-    void keep(const std::string& name, const api::Answer& answer);
+    void store(const std::string& name, const api::Answer& answer);
 
     /// Size limit of stored bodies, in bytes.
     std::size_t largest() const { return std::max(most_ / 4, shared_ ? RedisCache::kLargest : 0); }

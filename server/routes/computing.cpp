@@ -258,7 +258,7 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
     if (!product->pipe && !answer.partial)
-        cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
+        cache_.store(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
     Response response = response_of(std::move(answer), asked->name, incoming.record);
     if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
@@ -472,7 +472,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         own.stop = tee.stop().get_token();
         auto answer =
             compute_(asked->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
-        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.keep(key, *tee.copy());
+        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.store(key, *tee.copy());
         tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {
             const std::size_t size = whole.body.size();

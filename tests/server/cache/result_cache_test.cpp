@@ -22,9 +22,9 @@ api::Answer answer_of(std::string body) {
 TEST(ResultCache, ReturnsStoredAnswers) {
     ResultCache cache(kRoom);
     EXPECT_EQ(cache.find("a"), nullptr);
-    cache.keep("a", answer_of("first"));
-    cache.keep("b", answer_of("second"));
-    cache.keep("a", answer_of("not this"));
+    cache.store("a", answer_of("first"));
+    cache.store("b", answer_of("second"));
+    cache.store("a", answer_of("not this"));
     ASSERT_NE(cache.find("a"), nullptr);
     EXPECT_EQ(cache.find("a")->body, "first");
     EXPECT_EQ(cache.find("b")->body, "second");
@@ -36,9 +36,9 @@ TEST(ResultCache, ReturnsStoredAnswers) {
 TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
     ResultCache cache(kRoom);
     const std::string large(kRoom / 5, 'x');
-    for (const auto* name : {"a", "b", "c", "d"}) cache.keep(name, answer_of(large));
+    for (const auto* name : {"a", "b", "c", "d"}) cache.store(name, answer_of(large));
     ASSERT_NE(cache.find("a"), nullptr);
-    cache.keep("e", answer_of(large));
+    cache.store("e", answer_of(large));
     EXPECT_EQ(cache.find("b"), nullptr);
     for (const auto* name : {"a", "c", "d", "e"}) EXPECT_NE(cache.find(name), nullptr) << name;
 }
@@ -46,7 +46,7 @@ TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
 TEST(ResultCache, NeverExceedsItsCapacity) {
     ResultCache cache(kRoom);
     for (int i = 0; i < 1000; ++i) {
-        cache.keep(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
+        cache.store(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
         EXPECT_LE(cache.load().bytes, kRoom);
     }
     EXPECT_GT(cache.load().bytes, kRoom / 2);
@@ -54,18 +54,18 @@ TEST(ResultCache, NeverExceedsItsCapacity) {
 
 TEST(ResultCache, DoesNotStoreAnswersThatAreTooLarge) {
     ResultCache cache(kRoom);
-    cache.keep("small", answer_of("x"));
-    cache.keep("large", answer_of(std::string(kRoom / 4, 'x')));
+    cache.store("small", answer_of("x"));
+    cache.store("large", answer_of(std::string(kRoom / 4, 'x')));
     EXPECT_EQ(cache.find("large"), nullptr);
     EXPECT_NE(cache.find("small"), nullptr);
     ResultCache none(0);
-    none.keep("a", answer_of(""));
+    none.store("a", answer_of(""));
     EXPECT_EQ(none.find("a"), nullptr);
 }
 
 TEST(ResultCache, ReturnsAnswersThatOutliveTheCache) {
     auto cache = std::make_unique<ResultCache>(kRoom);
-    cache->keep("a", answer_of("kept"));
+    cache->store("a", answer_of("kept"));
     const auto answer = cache->find("a");
     cache.reset();
     EXPECT_EQ(answer->body, "kept");
@@ -80,7 +80,7 @@ TEST(ResultCache, IsThreadSafe) {
                 const std::string name = std::to_string((i * (thread + 1)) % 97);
                 const auto answer = cache.find(name);
                 EXPECT_TRUE(answer == nullptr || answer->body == std::string(2000, name[0]));
-                cache.keep(name, answer_of(std::string(2000, name[0])));
+                cache.store(name, answer_of(std::string(2000, name[0])));
             }
         });
     }
