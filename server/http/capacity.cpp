@@ -186,10 +186,10 @@ bool ConnectionSlot::count_by(const std::string& address) {
     return true;
 }
 
-void HeldBytes::resize(std::size_t bytes) {
+void CountedBytes::resize(std::size_t bytes) {
     if (capacity_ == nullptr) return;
-    if (bytes > bytes_) capacity_->hold(bytes - bytes_);
-    if (bytes < bytes_) capacity_->release(bytes_ - bytes);
+    if (bytes > bytes_) capacity_->add_bytes(bytes - bytes_);
+    if (bytes < bytes_) capacity_->remove_bytes(bytes_ - bytes);
     bytes_ = bytes;
 }
 

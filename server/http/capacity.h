@@ -50,8 +50,8 @@ public:
 
     const Limits& limits() const { return limits_; }
 
-    void hold(std::size_t bytes) { bytes_ += bytes; }
-    void release(std::size_t bytes) { bytes_ -= bytes; }
+    void add_bytes(std::size_t bytes) { bytes_ += bytes; }
+    void remove_bytes(std::size_t bytes) { bytes_ -= bytes; }
 
     /// Whether no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
@@ -180,13 +180,13 @@ private:
 };
 
 /// Bytes that a connection takes, released by the destructor.
-class HeldBytes {
+class CountedBytes {
 public:
     /// @param capacity  null: nothing is counted
-    explicit HeldBytes(Capacity* capacity) : capacity_(capacity) {}
-    ~HeldBytes() { resize(0); }
-    HeldBytes(const HeldBytes&) = delete;
-    HeldBytes& operator=(const HeldBytes&) = delete;
+    explicit CountedBytes(Capacity* capacity) : capacity_(capacity) {}
+    ~CountedBytes() { resize(0); }
+    CountedBytes(const CountedBytes&) = delete;
+    CountedBytes& operator=(const CountedBytes&) = delete;
 
     void resize(std::size_t bytes);
 

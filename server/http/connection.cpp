@@ -124,7 +124,7 @@ bool Connection::client_gone() const {
 }
 
 bool Connection::write(std::string_view bytes) {
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     held.resize(bytes.size());
     Transfer answer{Clock::now(), Clock::now(), 0};
     while (!bytes.empty() && !too_slow_) {
@@ -224,7 +224,7 @@ Connection::Fill Connection::fill_head() {
 }
 
 /// Receives more of a body. `body` is the part that has arrived.
-HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
+HttpResult<void> Connection::fill(const std::string& body, CountedBytes& held) {
     body_.move_to(body.size());
     held.resize(body.size());
     if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
@@ -282,7 +282,7 @@ HttpResult<void> Connection::append(std::string& body, std::uint64_t size, const
 
 HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
     return body;
 }
@@ -291,7 +291,7 @@ HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
 /// because chunks may be small.
 HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     const Fill fill_up = [&] { return fill(body, held); };
     const auto before = bytes_in_;
     while (true) {

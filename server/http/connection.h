@@ -141,7 +141,7 @@ private:
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);
     Fill fill_head();
-    HttpResult<void> fill(const std::string& body, HeldBytes& held);
+    HttpResult<void> fill(const std::string& body, CountedBytes& held);
     HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
     HttpResult<std::string_view> read_line(const Fill& fill_up);
     HttpResult<void> append(std::string& body, std::uint64_t size, const Fill& fill_up);

@@ -302,7 +302,7 @@ std::string Computing::cache_owner(const Connection& connection) const {
 std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
-    auto lease = pool_.memory().take(answer->body.size());
+    auto lease = pool_.memory().reserve(answer->body.size());
     if (!lease) return std::nullopt;
     incoming.record.cached = true;
     Response response = response_of(*answer, name, incoming.record);
@@ -334,7 +334,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
 /// Reserves memory for a request until the request is done.
 HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
-    auto lease = waiting_memory_.take(size);
+    auto lease = waiting_memory_.reserve(size);
     if (!lease) return busy(429, "too many large requests are waiting");
     return *std::move(lease);
 }
@@ -476,7 +476,7 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {
             const std::size_t size = whole.body.size();
-            return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};
+            return ComputedAnswer{std::move(whole), pool_.memory().reserve_unconditionally(size)};
         });
     };
     return run_in_worker(std::move(task), cost, incoming, limit);

@@ -206,7 +206,7 @@ Metrics::Watched Service::figures() const {
     computing.decoder_deaths += decoding_.deaths();
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,
-            .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
+            .memory_reserved = pool_.memory().reserved() + waiting_memory_.reserved(),
             .decoder_restarts = parts_.decoder->restarts(),
             .decoder_silences = parts_.decoder->silences(),
             .computing = computing,

@@ -23,7 +23,7 @@ void BodyPipe::close(Result<void> outcome, const api::Timings& timings, MemoryBu
     if (closed_) return;
     outcome_ = std::move(outcome);
     timings_ = timings;
-    lease_ = memory.hold(held_);
+    lease_ = memory.reserve_unconditionally(held_);
     closed_ = true;
     came_.notify_one();
 }

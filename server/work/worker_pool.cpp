@@ -175,7 +175,7 @@ bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
 std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
     for (Queue* queue : {&long_, &short_}) {
         if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
-        memory = memory_.take(queue->next().item.cost.memory);
+        memory = memory_.reserve(queue->next().item.cost.memory);
         if (memory) return queue->take_next();
     }
     return std::nullopt;

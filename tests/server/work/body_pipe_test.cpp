@@ -58,7 +58,7 @@ TEST_F(BodyPipeTest, BuffersTheRestForASlowClient) {
     const std::string piece(BodyPipe::kMostHeld, 'x');
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipe_.push(piece));
     pipe_.close({}, {}, memory_);
-    EXPECT_EQ(memory_.taken(), 3 * piece.size());
+    EXPECT_EQ(memory_.reserved(), 3 * piece.size());
     EXPECT_EQ(take_all().size(), 3 * piece.size());
 }
 
