@@ -135,7 +135,7 @@ public:
     /// Whether the process is still computing an answer that the receiver has rejected.
     bool is_abandoned() const { return abandoned_; }
 
-    Outcome hold(Call call, const ComputeRequest& request) {
+    Outcome run(Call call, const ComputeRequest& request) {
         const std::array<std::string_view, Call::kTexts> texts = {request.path, request.query, request.content_type,
                                                                   request.accept, request.body};
         for (std::size_t i = 0; i < texts.size(); ++i) call.sizes[i] = texts[i].size();
@@ -147,7 +147,7 @@ public:
         while (true) {
             std::array<pollfd, 3> polled = {
                 {{process_.channel.get(), POLLIN, 0}, {process_.events.get(), POLLIN, 0}, {stopped_.get(), POLLIN, 0}}};
-            if (poll(polled.data(), polled.size(), milliseconds_until(give_up_)) == 0) {
+            if (poll(polled.data(), polled.size(), milliseconds_until(end_at_)) == 0) {
                 end();
                 return tl::unexpected(NoReply{.overdue = true, .death = {}});
             }
@@ -243,10 +243,10 @@ private:
         eventfd_t read_away = 0;
         eventfd_read(stopped_.get(), &read_away);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
-        if (!give_up_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
+        if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
         const auto& [limits, to_stop, to_leave] = box_.options_;
         const Clock::duration longest = delivery_.unwanted.stop_requested() ? to_leave : Clock::duration(to_stop);
-        give_up_ = std::min(give_up_.value_or(Clock::time_point::max()), Clock::now() + longest);
+        end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
     /// Receives a message of the events socket. An order to the decoder is passed on. The only other message reports
@@ -289,7 +289,7 @@ private:
     ReplyReader reader_;
     std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no taker
     bool abandoned_ = false;
-    std::optional<Clock::time_point> give_up_;
+    std::optional<Clock::time_point> end_at_;
     std::optional<ChildEnd> death_;
 };
 
@@ -326,7 +326,7 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         auto process = take_process(nice, control.stop);
         if (!process) return tl::unexpected(std::move(process.error()));
         Conversation conversation(*this, *process, delivery, control, timings);
-        auto outcome = conversation.hold(call, request);
+        auto outcome = conversation.run(call, request);
         if (outcome) {
             if (conversation.is_abandoned())
                 conversation.end();

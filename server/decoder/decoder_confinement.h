@@ -47,6 +47,6 @@ void enter_namespaces(Confinement& confinement);
 
 /// Replaces the root directory by an empty one, drops all capabilities, and changes from root to nobody. Records what
 /// is in force. Must be called after enter_namespaces.
-void give_up_rights(Confinement& confinement);
+void drop_privileges(Confinement& confinement);
 
 }  // namespace ccdt::server

@@ -180,7 +180,7 @@ private:
 
     /// Reports why nothing can be decoded, as errno, and ends the process. The picture is not the cause. Called in the
     /// child.
-    [[noreturn]] static void give_up(int outcome) {
+    [[noreturn]] static void fail(int outcome) {
         const Outcome told{.fork_error = errno, .ended = 1};
         send(outcome, &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
         _exit(kFailed);
@@ -216,11 +216,11 @@ private:
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
         const auto size = static_cast<std::size_t>(order.text.bytes);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
-        if (!reply || (size > 0 && file == MAP_FAILED)) give_up(order.outcome.get());
+        if (!reply || (size > 0 && file == MAP_FAILED)) fail(order.outcome.get());
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
         const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.most));
-        if (!sandbox_.enter(order.text.limits, mapped)) give_up(STDOUT_FILENO);
+        if (!sandbox_.enter(order.text.limits, mapped)) fail(STDOUT_FILENO);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const Outcome done;
         if (!decode_bytes(bytes, order.text) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
@@ -306,7 +306,7 @@ bool be_helper(const Decoder& decoder) {
     const Sandbox sandbox;
     confinement.error(Layer::Landlock) = sandbox.landlock_error();
     confinement.error(Layer::Calls) = sandbox.filter_error();
-    give_up_rights(confinement);
+    drop_privileges(confinement);
     const Hello hello{confinement};
     if (send(kOrders, &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello))) return false;
     Helper(decoder, sandbox).run();

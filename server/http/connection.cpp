@@ -60,11 +60,11 @@ bool may_break_a_line(char c) {
 Connection::Connection(int socket, const Patience& patience, Capacity* capacity, ConnectionSlot* slot)
     : socket_(socket), patience_(patience), capacity_(capacity), slot_(slot), peer_(peer_of(socket)), client_(peer_) {}
 
-bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
+bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop) {
     bytes_in_ = 0;
     bytes_out_ = 0;
     if (!unread_.empty()) return true;
-    return wait_for_bytes(give_up) && fill([] { return Clock::now() + kWaitStep; });
+    return wait_for_bytes(should_stop) && fill([] { return Clock::now() + kWaitStep; });
 }
 
 HttpResult<void> Connection::read_proxy_header() {
@@ -166,12 +166,12 @@ void Connection::Transfer::move_to(std::uint64_t total) {
 }
 
 /// Waits for the first byte or the end of a connection, which counts as idle meanwhile.
-/// @returns  false if `give_up` returned true
-bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const {
+/// @returns  false if `should_stop` returned true
+bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const {
     const IdleTime idle(slot_, socket_);
     const auto start = Clock::now();
     while (!wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) {
-        if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
+        if (should_stop(duration_cast<Milliseconds>(Clock::now() - start))) return false;
     }
     return true;
 }

@@ -39,9 +39,9 @@ public:
                         ConnectionSlot* slot = nullptr);
 
     /// Waits for the first byte of the next request.
-    /// @param give_up  called about five times a second with the time waited so far
-    /// @returns        false if the client closed the connection, or `give_up` returned true
-    bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
+    /// @param should_stop  called about five times a second with the time waited so far
+    /// @returns        false if the client closed the connection, or `should_stop` returned true
+    bool wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop);
 
     /// Reads the PROXY header. If there is one, the client that it names becomes the peer. Requires that the first
     /// bytes have arrived.
@@ -136,7 +136,7 @@ private:
     };
 
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
-    bool wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const;
+    bool wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const;
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);

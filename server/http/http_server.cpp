@@ -248,19 +248,19 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
     AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
     // A new connection is expected to send a request soon.
     auto longest = patience_.header;
-    const auto give_up = [&](milliseconds waited) {
+    const auto should_stop = [&](milliseconds waited) {
         const bool idles_elsewhere = slot.connection_class() != ConnectionClass::Common;
         const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
         return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
     };
-    if (proxies_.include(connection.peer()) && connection.wait_for_request(give_up)) {
+    if (proxies_.include(connection.peer()) && connection.wait_for_request(should_stop)) {
         const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
             answer(connection, writer, {}, told, true);
             return;
         }
     }
-    for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(give_up); --left) {
+    for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(should_stop); --left) {
         const Counted busy(busy_);
         auto request = connection.read_head();
         const auto received =

@@ -133,18 +133,18 @@ void SupervisedProgram::watch(Running running) {
 /// @returns  false once the program must not be restarted any more
 bool SupervisedProgram::attend(const Running& running) {
     UniqueFd answer;
-    auto give_up = Clock::time_point::max();
+    auto unresponsive_at = Clock::time_point::max();
     while (true) {
         const int news = wait_for_any({running.program.ended(), closing_.get(), answer.get()}, Clock::now() + kPause);
         if (news >= 0 && news != answer.get()) return news != closing_.get();
         if (news < 0) {
-            give_up = std::min(give_up, Clock::now() + kLongestSilence);
+            unresponsive_at = std::min(unresponsive_at, Clock::now() + kLongestSilence);
             if (!answer) answer = send_probe(running.socket->get());
-            if (Clock::now() >= give_up) set_responsive(false);
+            if (Clock::now() >= unresponsive_at) set_responsive(false);
             continue;
         }
         if (is_answered(answer)) {
-            give_up = Clock::time_point::max();
+            unresponsive_at = Clock::time_point::max();
             set_responsive(true);
         }
         answer.reset();

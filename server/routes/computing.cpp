@@ -56,7 +56,7 @@ bool is_encoding(const Header& header) {
 }
 
 /// Records why a computation was cancelled.
-tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
+tl::unexpected<Problem> cancelled(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
     return why;
 }
@@ -444,16 +444,16 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
+            return cancelled(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
         }
         if (abandoned_) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(busy(503, "the server is shutting down"), "shutdown", incoming.record);
+            return cancelled(busy(503, "the server is shutting down"), "shutdown", incoming.record);
         }
         if (Clock::now() < limit.deadline) continue;
         if (pool_.cancel(job) == WorkerPool::Cancelled::Queued)
-            return give_up(busy(503, "no worker was free in time"), "deadline", incoming.record);
+            return cancelled(busy(503, "no worker was free in time"), "deadline", incoming.record);
         if (!pending.wait_until(limit.deadline + limit.grace)) return too_slow(incoming.record);
     }
     return {};
@@ -494,9 +494,9 @@ tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
 }
 
 tl::unexpected<Problem> Computing::too_slow(Record& record) const {
-    return give_up(problem(504, "the computation took longer than the timeout of " +
-                                    std::to_string(config_.timeout.count()) + " ms (timeout)"),
-                   "deadline", record);
+    return cancelled(problem(504, "the computation took longer than the timeout of " +
+                                      std::to_string(config_.timeout.count()) + " ms (timeout)"),
+                     "deadline", record);
 }
 
 }  // namespace ccdt::server
