@@ -105,7 +105,7 @@ private:
 class LentThreads : public Executor {
 public:
     /// @param lent  number of threads, including the caller's; must outlive this object
-    explicit LentThreads(const NumberOfOthers& lent)
+    explicit LentThreads(const SharedNumberReader& lent)
         : threads_([this, &lent] { return lent_ = Clock::now() - start_ < kAlone ? 1 : lent.load(1); }) {}
 
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
@@ -202,7 +202,7 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
     }
 }
 
-void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const NumberOfOthers& lent,
+void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const SharedNumberReader& lent,
               int channel) {
     const auto deaths = decoder.deaths();
     const double before = processor_time();
@@ -232,7 +232,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
 }  // namespace
 
 void run_compute_process(ComputeFiles files, const Computer& compute) {
-    const NumberOfOthers lent(files.threads);
+    const SharedNumberReader lent(files.threads);
     Inbox inbox(files.channel.get());
     DecoderClient decoder(
         [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });

@@ -107,7 +107,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     if (!permit) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too many calls at once");
     if (auto connection = take_idle()) {
         auto replies = connection->run(commands, deadline);
-        if (replies) keep(std::move(connection));
+        if (replies) put_back(std::move(connection));
         if (replies) return replies;
         drop_idle();  // the other idle connections were probably lost, too
         if (Clock::now() >= deadline) return late(replies.error());
@@ -116,7 +116,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     if (!connection) return tl::unexpected(std::move(connection.error()));
     auto replies = (*connection)->run(commands, deadline);
     if (!replies) return late(replies.error());
-    keep(*std::move(connection));
+    put_back(*std::move(connection));
     return replies;
 }
 
@@ -159,7 +159,7 @@ Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline)
     return connection;
 }
 
-void RedisClient::keep(Connection connection) {
+void RedisClient::put_back(Connection connection) {
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(connection));
 }

@@ -77,7 +77,7 @@ private:
     void pause_locked(const Error& error);
     Connection take_idle();
     Result<Connection> connect(Clock::time_point deadline);
-    void keep(Connection connection);
+    void put_back(Connection connection);
     void drop_idle();
 
     const RedisAddress address_;
