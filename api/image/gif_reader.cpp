@@ -139,9 +139,9 @@ bool decode_lzw(Cursor& file, std::span<std::uint8_t> pixels) {
         const bool is_new = previous != kNone && *code == strings.count();
         if (*code >= strings.count() && !is_new) return false;
         if (previous != kNone) strings.add(previous, strings.first(is_new ? previous : *code));
-        const auto room = pixels.subspan(filled);
-        strings.write(*code, room);
-        filled += std::min(strings.length(*code), room.size());
+        const auto free_part = pixels.subspan(filled);
+        strings.write(*code, free_part);
+        filled += std::min(strings.length(*code), free_part.size());
         if (strings.count() == 1U << size && size < kLongest) ++size;
         previous = *code;
     }

@@ -39,7 +39,7 @@ constexpr milliseconds kTimeToRead{500};
 constexpr milliseconds kRecovery{10};
 
 /// Time that a new connection waits for the thread of an idle connection that was closed.
-constexpr milliseconds kTimeToMakeRoom{500};
+constexpr milliseconds kTimeToFreeThread{500};
 
 /// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
 constexpr milliseconds kHandshake{2};
@@ -203,7 +203,7 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
 /// Gives a connection its thread, which then owns the socket. If the system has no more threads, an idle connection is
 /// closed to free its thread.
 bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
-    const auto end = Clock::now() + kTimeToMakeRoom;
+    const auto end = Clock::now() + kTimeToFreeThread;
     while (true) {
         slot->begin_idle(socket);
         if (threads.run([this, socket, slot] { serve_socket(UniqueFd(socket), *slot); })) return true;

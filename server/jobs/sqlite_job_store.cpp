@@ -382,10 +382,10 @@ void SqliteJobStore::queue_unfinished() {
 
 Result<bool> SqliteJobStore::is_full(std::string_view client) {
     const std::lock_guard lock(mutex_);
-    return !has_room_for(client);
+    return !accepts_job_of(client);
 }
 
-bool SqliteJobStore::has_room_for(std::string_view client) const {
+bool SqliteJobStore::accepts_job_of(std::string_view client) const {
     return queue_.size() < limits_.waiting || (queue_.size() < 2 * limits_.waiting && !queue_.has(client));
 }
 

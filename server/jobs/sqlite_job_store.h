@@ -102,7 +102,7 @@ private:
     std::optional<Sealed<std::string>> piece_of(const StoredJob& stored, std::size_t number);
 
     void queue_unfinished();
-    bool has_room_for(std::string_view client) const;
+    bool accepts_job_of(std::string_view client) const;
     bool free_space(std::size_t bytes);
     bool drop_oldest_result();
     std::size_t remove_finished(Time by, std::size_t most);

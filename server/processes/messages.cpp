@@ -27,7 +27,7 @@ struct Envelope {
         message.msg_iovlen = 1;
     }
 
-    void make_room(std::size_t count) {
+    void set_file_count(std::size_t count) {
         assert(count <= kMostFiles);
         message.msg_control = count > 0 ? files.data() : nullptr;
         message.msg_controllen = count > 0 ? CMSG_SPACE(count * sizeof(int)) : 0;
@@ -60,7 +60,7 @@ namespace {
 bool send_with(int flags, int socket, std::span<const std::byte> bytes, std::span<const int> files) {
     // sendmsg does not write to the bytes, but takes a pointer to non-const.
     Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
-    envelope.make_room(files.size());
+    envelope.set_file_count(files.size());
     if (!files.empty()) {
         cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
         header->cmsg_level = SOL_SOCKET;
@@ -100,7 +100,7 @@ bool is_answered(const UniqueFd& answer) {
 
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files) {
     Envelope envelope(bytes.data(), bytes.size());
-    envelope.make_room(files.size());
+    envelope.set_file_count(files.size());
     ssize_t received = 0;
     do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
     while (received < 0 && errno == EINTR);

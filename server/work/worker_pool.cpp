@@ -62,7 +62,7 @@ WorkerPool::~WorkerPool() {
 
 std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job, const api::Cost& cost) {
     const std::lock_guard lock(mutex_);
-    if (!has_room_locked(client, is_short(cost))) return std::nullopt;
+    if (!accepts_locked(client, is_short(cost))) return std::nullopt;
     return push_locked(client, std::move(job), cost);
 }
 
@@ -97,7 +97,7 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
 
 bool WorkerPool::is_full(std::string_view client, bool may_be_short) const {
     const std::lock_guard lock(mutex_);
-    return !has_room_locked(client, false) && !(may_be_short && has_room_locked(client, true));
+    return !accepts_locked(client, false) && !(may_be_short && accepts_locked(client, true));
 }
 
 void WorkerPool::drain() {
@@ -161,7 +161,7 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
 
 /// Whether a queue accepts another job of this client. Jobs that an idle thread will take at once do not count as
 /// waiting.
-bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
+bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
     const std::size_t free = is_short ? worker_count_ + 1 - running_.size() : worker_count_ - busy;

@@ -120,7 +120,7 @@ private:
     void work(Lane lane, const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
     JobId push_locked(const std::string& client, Job job, const api::Cost& cost);
-    bool has_room_locked(std::string_view client, bool is_short) const;
+    bool accepts_locked(std::string_view client, bool is_short) const;
     std::size_t waiting_locked() const { return long_.size() + short_.size(); }
     bool is_idle_locked() const { return waiting_locked() == 0 && running_.empty(); }
     std::optional<Waiting> take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory);

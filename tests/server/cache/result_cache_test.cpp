@@ -11,7 +11,7 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kRoom = 100'000;
+constexpr std::size_t kCapacity = 100'000;
 
 api::Answer answer_of(std::string body) {
     api::Answer answer;
@@ -20,7 +20,7 @@ api::Answer answer_of(std::string body) {
 }
 
 TEST(ResultCache, ReturnsStoredAnswers) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     EXPECT_EQ(cache.find("a"), nullptr);
     cache.store("a", answer_of("first"));
     cache.store("b", answer_of("second"));
@@ -34,8 +34,8 @@ TEST(ResultCache, ReturnsStoredAnswers) {
 }
 
 TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
-    ResultCache cache(kRoom);
-    const std::string large(kRoom / 5, 'x');
+    ResultCache cache(kCapacity);
+    const std::string large(kCapacity / 5, 'x');
     for (const auto* name : {"a", "b", "c", "d"}) cache.store(name, answer_of(large));
     ASSERT_NE(cache.find("a"), nullptr);
     cache.store("e", answer_of(large));
@@ -44,18 +44,18 @@ TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
 }
 
 TEST(ResultCache, NeverExceedsItsCapacity) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     for (int i = 0; i < 1000; ++i) {
         cache.store(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
-        EXPECT_LE(cache.load().bytes, kRoom);
+        EXPECT_LE(cache.load().bytes, kCapacity);
     }
-    EXPECT_GT(cache.load().bytes, kRoom / 2);
+    EXPECT_GT(cache.load().bytes, kCapacity / 2);
 }
 
 TEST(ResultCache, DoesNotStoreAnswersThatAreTooLarge) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     cache.store("small", answer_of("x"));
-    cache.store("large", answer_of(std::string(kRoom / 4, 'x')));
+    cache.store("large", answer_of(std::string(kCapacity / 4, 'x')));
     EXPECT_EQ(cache.find("large"), nullptr);
     EXPECT_NE(cache.find("small"), nullptr);
     ResultCache none(0);
@@ -64,7 +64,7 @@ TEST(ResultCache, DoesNotStoreAnswersThatAreTooLarge) {
 }
 
 TEST(ResultCache, ReturnsAnswersThatOutliveTheCache) {
-    auto cache = std::make_unique<ResultCache>(kRoom);
+    auto cache = std::make_unique<ResultCache>(kCapacity);
     cache->store("a", answer_of("kept"));
     const auto answer = cache->find("a");
     cache.reset();
@@ -72,7 +72,7 @@ TEST(ResultCache, ReturnsAnswersThatOutliveTheCache) {
 }
 
 TEST(ResultCache, IsThreadSafe) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     std::vector<std::jthread> threads;
     for (int thread = 0; thread < 4; ++thread) {
         threads.emplace_back([&cache, thread] {
@@ -85,7 +85,7 @@ TEST(ResultCache, IsThreadSafe) {
         });
     }
     threads.clear();
-    EXPECT_LE(cache.load().bytes, kRoom);
+    EXPECT_LE(cache.load().bytes, kCapacity);
 }
 
 }  // namespace

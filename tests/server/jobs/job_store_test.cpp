@@ -505,8 +505,8 @@ TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
 
 TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     const std::string result(4000, 'x');
-    constexpr std::size_t kRoom = 16'000;  // bytes of three results and a request
-    open_with({.bytes = kRoom});
+    constexpr std::size_t kCapacity = 16'000;  // bytes of three results and a request
+    open_with({.bytes = kCapacity});
     for (const char* id : {"oldest", "older", "newest"}) add_finished(*store_, id, result);
     EXPECT_TRUE(*store_->result("oldest"));
     add(*store_, job_named("a"));
@@ -517,7 +517,7 @@ TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     EXPECT_TRUE(*store_->finish(succeeded(claim(), large), large));
     EXPECT_TRUE(find("older").dropped);
     EXPECT_FALSE(find("newest").dropped);
-    EXPECT_LE(bytes(), kRoom);
+    EXPECT_LE(bytes(), kCapacity);
 }
 
 TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
