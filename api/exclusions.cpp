@@ -80,11 +80,11 @@ Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& 
     if (!request.mask) return {};
     const auto picture = decode.grey(request.mask->bytes, limits.max_pixels, stop);
     if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
-    auto outline = outline_of(dark_pixels(*picture), box, kMostMaskCorners);
+    auto outline = outline_of(dark_pixels(*picture), box, kMaxMaskCorners);
     if (!outline)
         return failure(
             ErrorCode::LimitExceeded,
-            "the outline of the dark area in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
+            "the outline of the dark area in the mask has more than " + std::to_string(kMaxMaskCorners) + " corners",
             kMaskImage);
     if (outline->empty()) return {};
     return std::vector<Area>{*std::move(outline)};

@@ -44,7 +44,7 @@ constexpr std::uint64_t kMaxWidth = 65'535;
 constexpr Interval kNotNegative = {.min = 0};
 
 /// Maximum number of repairs in an HTTP header. Each takes about 150 characters.
-constexpr std::size_t kMostInHeader = 8;
+constexpr std::size_t kMaxInHeader = 8;
 
 const Palette kBlackOnWhite;
 
@@ -638,9 +638,9 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = request.format->raster();
-    const double most_side = pixels == nullptr ? kMostSide : std::min<double>(kMostSide, pixels->max_side);
+    const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
     const double wished =
-        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
+        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kMinDrawingSide / longer, max_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
     page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
     if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
@@ -670,7 +670,7 @@ Error error_of_options(const SampleRequest& request, Error error) {
 
 void add_remarks(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
     if (!repairs.empty())
-        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMaxInHeader)));
     if (!warnings.empty()) answer.warnings = write_warnings(warnings);
 }
 

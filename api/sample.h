@@ -40,7 +40,7 @@ struct DensityImage {
 };
 
 /// Maximum number of corners of a mask's outline.
-inline constexpr std::size_t kMostMaskCorners = 100'000;
+inline constexpr std::size_t kMaxMaskCorners = 100'000;
 
 /// Kind of coordinates.
 enum class Coordinates {
@@ -84,8 +84,8 @@ struct SampleRequest {
 /// Pixel size of a drawing if the request gives no width: the spacing of evenly spread dots, and the limits of the
 /// longer side.
 inline constexpr double kPixelPitch = 8;
-inline constexpr double kLeastSide = 512;
-inline constexpr double kMostSide = 16'384;
+inline constexpr double kMinDrawingSide = 512;
+inline constexpr double kMaxDrawingSide = 16'384;
 
 /// Returns the names of the options.
 std::vector<std::string_view> sample_options();

@@ -77,8 +77,8 @@ private:
 /// Returns the number of list elements between two calls of flush().
 /// @param extra  bytes of each element in addition to a few numbers
 inline std::size_t stride_of(std::size_t extra) {
-    constexpr std::size_t kMost = 4'096;
-    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMost);
+    constexpr std::size_t kMax = 4'096;
+    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMax);
 }
 
 }  // namespace ccdt::api

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
 constexpr std::size_t kUsualDot = 64;   // bytes of a dot
 constexpr int kDigits = 6;              // significant digits of the longer side of a page
-constexpr int kMostDecimals = 300;
+constexpr int kMaxDecimals = 300;
 
 /// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
 /// around the drawing.
@@ -93,7 +93,7 @@ public:
           width_(page.size().x),
           height_(page.size().y),
           decimals_(
-              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
+              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
         body_.expect(dots * kUsualDot);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");

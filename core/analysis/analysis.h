@@ -78,7 +78,7 @@ struct Analysis {
 /// a JSON Pointer relative to the sets: /set/point.
 /// Deterministic. The error of the square root of a power is below 1e-9, or 1e-10 sqrt(n) for lattices.
 /// O(s (n + N log N)), with N = 16 max_frequency^2 n cells of 16 bytes. With max_frequency = 4, 16,384 points take
-/// about 0.1 s. If N exceeds kMostCells (half a gigabyte), the frequencies are divided into parts. Each part is
+/// about 0.1 s. If N exceeds kMaxCells (half a gigabyte), the frequencies are divided into parts. Each part is
 /// computed on a grid of at most this size. The points are spread again for each part. With max_frequency = 4, 2
 /// million points take 20 s and 1.7 GB. The memory includes the spectrum, with 2 bytes for each of the N cells.
 ///
@@ -90,6 +90,6 @@ Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain&
 inline constexpr std::size_t kMaxTransformCells = std::size_t{1} << 29;
 
 /// Largest number of cells of one grid.
-inline constexpr std::size_t kMostCells = std::size_t{1} << 25;
+inline constexpr std::size_t kMaxCells = std::size_t{1} << 25;
 
 }  // namespace ccdt

@@ -294,9 +294,9 @@ double Relaxation::mean_doubled_area() const {
 /// @param first, size  range of sites in the group
 /// @returns            false, without any change, if the site has free neighbours outside the group
 bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size) {
-    constexpr std::size_t kMost = 2 * kMostPairs;
-    std::array<std::uint32_t, 2 + 2 * kMost> record;
-    std::array<std::uint32_t, kMost> triangles;
+    constexpr std::size_t kMax = 2 * kMaxPairs;
+    std::array<std::uint32_t, 2 + 2 * kMax> record;
+    std::array<std::uint32_t, kMax> triangles;
     std::uint32_t* around = &record[1];
     std::size_t count = 0;
     std::uint32_t largest = 0;
@@ -306,7 +306,7 @@ bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std:
     do {
         const std::uint32_t other = mesh_.target(h), triangle = Triangulation::triangle_of(h);
         if (other - first >= size && mesh_.is_free(other)) return false;
-        fits = fits && count < kMost && !mesh_.crosses_seam(triangle);
+        fits = fits && count < kMax && !mesh_.crosses_seam(triangle);
         if (fits) {
             largest = std::max(largest, around[count] = other);
             triangles[count++] = triangle;

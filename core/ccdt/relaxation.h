@@ -97,8 +97,8 @@ private:
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
     // goal (plain).
-    static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
-    static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
+    static constexpr std::size_t kFewestPairs = 2, kMaxPairs = 4;
+    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kFewestPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
         return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));

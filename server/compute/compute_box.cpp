@@ -87,9 +87,9 @@ private:
 
     /// Checks the head of a reply, so that a damaged process cannot exhaust the server's memory.
     bool makes_sense() const {
-        constexpr std::uint64_t kMost = std::uint64_t{4} << 30;
+        constexpr std::uint64_t kMax = std::uint64_t{4} << 30;
         return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
-               std::ranges::all_of(reply_.sizes, [](std::uint64_t size) { return size <= kMost; });
+               std::ranges::all_of(reply_.sizes, [](std::uint64_t size) { return size <= kMax; });
     }
 
     Reply reply_;

@@ -110,11 +110,11 @@ public:
 
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
         threads_.run(count, task);
-        most_ = std::max(most_, std::min(count, lent_));
+        max_used_ = std::max(max_used_, std::min(count, lent_));
     }
 
     /// The largest number of threads that worked at the same time.
-    std::size_t most() const { return most_; }
+    std::size_t max_used() const { return max_used_; }
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -125,7 +125,7 @@ private:
 
     const Clock::time_point start_ = Clock::now();
     std::size_t lent_ = 1;
-    std::size_t most_ = 1;
+    std::size_t max_used_ = 1;
     ThreadExecutor threads_;
 };
 
@@ -217,7 +217,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
                           &threads};
     const auto result = answer(task, compute, decoder.functions(), control, reply.timings, channel);
     reply.timings.processor = processor_time() - before;
-    reply.timings.threads = static_cast<std::uint32_t>(threads.most());
+    reply.timings.threads = static_cast<std::uint32_t>(threads.max_used());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {
         reply.kind = Reply::Kind::Failure;

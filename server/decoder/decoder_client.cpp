@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Limit of the time that a child may take, as a multiple of its limit of processor time.
-constexpr int kMostPerProcessorTime = 3;
+constexpr int kMaxPerProcessorTime = 3;
 
 /// Reasons why there is no reply.
 struct NoReply {
@@ -96,9 +96,9 @@ using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_t
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
                                                   const Order::Text& text, const std::stop_token& stop) {
-    const auto most = static_cast<std::size_t>(text.most);
+    const auto max_size = static_cast<std::size_t>(text.max_size);
     auto outcome = make_sockets(SOCK_SEQPACKET);
-    Order order{text, make_file(bytes), Reply::make_file(most), {}};
+    Order order{text, make_file(bytes), Reply::make_file(max_size), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
     if (!pass_order(order, stop))
@@ -106,9 +106,9 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     order.outcome.reset();  // only the helper may keep this end: it closes when the helper ends
     // Returning closes our end of the socket, which ends the child.
     const std::chrono::milliseconds to_begin(text.patience_ms);
-    const auto to_end = to_begin + kMostPerProcessorTime * text.limits.time;
+    const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
     if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop)) return tl::unexpected(*none);
-    const Reply reply(order.reply, most);
+    const Reply reply(order.reply, max_size);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
     if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
@@ -181,7 +181,7 @@ template <class AnyPicture>
 Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::Reading& reading,
                                             const std::stop_token& stop) {
     Order::Text text;
-    text.most = reading.max_pixels;
+    text.max_size = reading.max_pixels;
     text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
     text.reduce = reading.reduce;
     text.limits = limits_(bytes, reading.max_pixels);
@@ -204,7 +204,7 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
         return failure(ErrorCode::Malformed,
                        "object must be a name of at most " + std::to_string(Order::kLongestName) + " bytes", "object");
     Order::Text text;
-    text.most = reading.max_bytes;
+    text.max_size = reading.max_bytes;
     text.product = Order::Product::Map;
     reading.object.copy(text.object.data(), reading.object.size());
     text.limits = shapefile_limits(reading.max_bytes);

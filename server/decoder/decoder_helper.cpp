@@ -188,7 +188,7 @@ private:
 
     template <class AnyPicture>
     [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
-        const auto max_pixels = static_cast<std::size_t>(order.text.most);
+        const auto max_pixels = static_cast<std::size_t>(order.text.max_size);
         ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
             const auto result = decode_file(bytes, {max_pixels, text.reduce},
@@ -198,7 +198,7 @@ private:
     }
 
     [[noreturn]] void decode_map(Order order) const {
-        const auto max_bytes = static_cast<std::size_t>(order.text.most);
+        const auto max_bytes = static_cast<std::size_t>(order.text.max_size);
         ReplyText reply(order.reply, max_bytes);
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
             if (!decoder_.map) return false;
@@ -219,7 +219,7 @@ private:
         if (!reply || (size > 0 && file == MAP_FAILED)) fail(order.outcome.get());
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.most));
+        const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.max_size));
         if (!sandbox_.enter(order.text.limits, mapped)) fail(STDOUT_FILENO);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const Outcome done;
@@ -290,10 +290,10 @@ void pause_shortly() {
 /// waits for the threads to end.
 void warm_up(const Decoder& decoder) {
     if (!decoder.warm_up) return;
-    constexpr int kMostPauses = 500;
+    constexpr int kMaxPauses = 500;
     const auto before = count_threads();
     decoder.warm_up();
-    for (int pauses = 0; count_threads() > before && pauses < kMostPauses; ++pauses) pause_shortly();
+    for (int pauses = 0; count_threads() > before && pauses < kMaxPauses; ++pauses) pause_shortly();
 }
 
 /// Prepares the helper, and runs it until the server has ended.

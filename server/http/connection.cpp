@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk's size or a trailer
-constexpr std::size_t kMostFraming = 8;      ///< maximum of framing bytes per body byte, beyond the first kLargestHead
+constexpr std::size_t kMaxFraming = 8;       ///< maximum of framing bytes per body byte, beyond the first kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
 constexpr std::size_t kTrustedBytes = 1 << 20;  ///< bytes of a body after which its announced length is trusted
@@ -301,7 +301,7 @@ HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
         if (*size > limit - body.size()) return too_large(limit);
         const auto read = append(body, *size, fill_up).and_then([&] { return skip_chunk_end(fill_up); });
         if (!read) return tl::unexpected(read.error());
-        if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
+        if (bytes_in_ - before > body.size() * (1 + kMaxFraming) + kLargestHead)
             return problem(400, "the chunks are too small for their framing");
     }
     if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());

@@ -249,10 +249,10 @@ HttpResult<Request> parse_head(std::string_view head) {
 }
 
 HttpResult<std::uint64_t> parse_chunk_size(std::string_view line) {
-    constexpr std::size_t kMostDigits = 16;
+    constexpr std::size_t kMaxDigits = 16;
     const auto digits = line.substr(0, std::min(line.find_first_of("; \t"), line.size()));
     const auto size = api::parse_number<std::uint64_t>(digits, 16);
-    if (!size || digits.size() > kMostDigits) return problem(400, "a chunk's size is malformed");
+    if (!size || digits.size() > kMaxDigits) return problem(400, "a chunk's size is malformed");
     if (!are_extensions(line.substr(digits.size()))) return problem(400, "a chunk's extensions are malformed");
     return *size;
 }

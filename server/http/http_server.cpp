@@ -115,14 +115,14 @@ bool is_fatal(int accept_error) {
 /// the client might lose the answer. Nothing is read from these sockets.
 class RefusedClients {
 public:
-    /// @param most  maximum number of sockets
-    explicit RefusedClients(std::size_t most) : most_(most) {}
+    /// @param max_sockets  limit of sockets that are kept open
+    explicit RefusedClients(std::size_t max_sockets) : max_sockets_(max_sockets) {}
 
     bool empty() const { return sockets_.empty(); }
 
     void add(UniqueFd socket) {
         sockets_.push_back({std::move(socket), Clock::now()});
-        if (sockets_.size() > most_) sockets_.pop_front();
+        if (sockets_.size() > max_sockets_) sockets_.pop_front();
     }
 
     void close_old() {
@@ -135,7 +135,7 @@ private:
         Clock::time_point since;
     };
 
-    const std::size_t most_;
+    const std::size_t max_sockets_;
     std::deque<Entry> sockets_;
 };
 

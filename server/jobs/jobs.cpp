@@ -21,7 +21,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 /// Maximum number of starts of a job that no server finishes. A computation cannot crash the server, so this guards
 /// against unforeseen faults.
-constexpr int kMostStarts = 3;
+constexpr int kMaxStarts = 3;
 
 /// Longest time until the server notices that the lease of another server has expired, or that the store can be reached
 /// again.
@@ -256,7 +256,7 @@ std::size_t Jobs::count_unstored_locked() const {
 /// Passes a claimed job to the pool.
 void Jobs::submit(Job job) {
     std::optional<Problem> failure;
-    if (job.starts > kMostStarts)
+    if (job.starts > kMaxStarts)
         failure = Problem{500, {ErrorCode::Internal, "the server ended each time it ran this job", {}}};
     if (job.cost.memory > pool_.memory().total())
         failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};

@@ -330,8 +330,8 @@ Result<std::optional<Job>> RedisJobStore::job_of(const std::string& id, const Re
 }
 
 Result<bool> RedisJobStore::is_full(std::string_view client) {
-    const std::string most = std::to_string(limits_.waiting);
-    return run(kIsFull, {client, most}).map([](const RedisReply& reply) { return reply.number != 0; });
+    const std::string limit = std::to_string(limits_.waiting);
+    return run(kIsFull, {client, limit}).map([](const RedisReply& reply) { return reply.number != 0; });
 }
 
 Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& request) {
@@ -345,10 +345,10 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     }
     const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
     const std::string waiting = std::to_string(limits_.waiting);
-    const std::string most = std::to_string(limits_.bytes);
+    const std::string limit = std::to_string(limits_.bytes);
     const std::string memory = std::to_string(job.cost.memory);
     const std::string seconds = text_of(job.cost.seconds);
-    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, most,
+    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, limit,
                            job.owner, job.client, memory, seconds, job.traceparent};
     const std::string size = std::to_string(request.body.size());
     const std::string digest = pieces.empty() ? digest_of_piece(job.id, 0, request.body) : "";
@@ -367,11 +367,11 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
 }
 
 Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
-    const std::string most = std::to_string(memory);
+    const std::string limit = std::to_string(memory);
     const std::string lease = text_of(limits_.lease);
     const auto since = subscribed_since_.load();
     const bool all_had_time = since < Clock::now() && Clock::now() - since >= limits_.lease;
-    const auto reply = run(kClaim, {most, lease, all_had_time ? "1" : "0"});
+    const auto reply = run(kClaim, {limit, lease, all_had_time ? "1" : "0"});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 2) return std::nullopt;
     return job_of(reply->items[0].text, reply->items[1]);
@@ -447,10 +447,10 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const std::string claim = std::to_string(job.claim);
     const std::string size = std::to_string(whole);
     const std::string bytes = std::to_string(bytes_of_job(whole));
-    const std::string most = std::to_string(limits_.bytes);
+    const std::string limit = std::to_string(limits_.bytes);
     const bool goes_along = pieces.empty();
     const std::string digest = goes_along ? digest_of_piece(job.id, 0, result) : "";
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, most, goes_along ? result : "", digest};
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);
@@ -482,8 +482,10 @@ Result<std::optional<std::string>> RedisJobStore::piece(const std::string& id, s
 
 Result<bool> RedisJobStore::remove_expired() {
     const std::string ttl = text_of(limits_.ttl);
-    const std::string most = std::to_string(kRemovedAtOnce);
-    return run(kRemoveExpired, {ttl, most}).map([](const RedisReply& reply) { return reply.number == kRemovedAtOnce; });
+    const std::string limit = std::to_string(kRemovedAtOnce);
+    return run(kRemoveExpired, {ttl, limit}).map([](const RedisReply& reply) {
+        return reply.number == kRemovedAtOnce;
+    });
 }
 
 Result<JobStore::Load> RedisJobStore::load() {

@@ -779,11 +779,11 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
 
 /// Removes some of the jobs that had finished by `by`, oldest first.
 /// @returns  number of removed jobs
-std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
+std::size_t SqliteJobStore::remove_finished(Time by, std::size_t max_jobs) {
     Transaction transaction(database_);
     std::vector<std::int64_t> rows;
     Statement query(database_, "SELECT row FROM jobs WHERE finished <= ? ORDER BY finished LIMIT ?", number_of(by),
-                    number_of(most));
+                    number_of(max_jobs));
     while (query.step()) rows.push_back(query.integer(0));
     std::size_t bytes = 0;
     for (const auto row : rows) bytes += remove_row(row);
@@ -793,8 +793,8 @@ std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
 }
 
 Result<bool> SqliteJobStore::remove_expired() {
-    const auto remove = [this](std::size_t most) {
-        return run_freeing([&] { return remove_finished(time_now() - limits_.ttl, most); });
+    const auto remove = [this](std::size_t max_jobs) {
+        return run_freeing([&] { return remove_finished(time_now() - limits_.ttl, max_jobs); });
     };
     auto removed = remove(kRemovedAtOnce);
     if (!removed && removed.error().code == ErrorCode::LimitExceeded) removed = remove(1);

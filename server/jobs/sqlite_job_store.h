@@ -105,7 +105,7 @@ private:
     bool accepts_job_of(std::string_view client) const;
     bool free_space(std::size_t bytes);
     bool drop_oldest_result();
-    std::size_t remove_finished(Time by, std::size_t most);
+    std::size_t remove_finished(Time by, std::size_t max_jobs);
     void insert(const Job& job, const ComputeRequest& request, std::size_t bytes);
     void take_back_lost();
     std::optional<Job> begin(Queue::Entry entry);

@@ -8,10 +8,10 @@ namespace ccdt::server {
 namespace {
 
 /// Maximum number of connections. More have no use, because Redis runs one command at a time.
-constexpr std::size_t kMostConnections = 16;
+constexpr std::size_t kMaxConnections = 16;
 
 constexpr std::chrono::milliseconds kLeastPause{50};
-constexpr std::chrono::milliseconds kMostPause{1'000};
+constexpr std::chrono::milliseconds kMaxPause{1'000};
 
 /// Errors of a Redis that cannot run commands now, but may recover or be replaced by another server.
 constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
@@ -32,7 +32,7 @@ class RedisClient::Permit {
 public:
     Permit(RedisClient& client, Clock::time_point deadline) : client_(client) {
         std::unique_lock lock(client_.mutex_);
-        has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMostConnections; });
+        has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMaxConnections; });
         if (has_) ++client_.in_use_;
     }
     ~Permit() {
@@ -128,7 +128,7 @@ tl::unexpected<Error> RedisClient::late(const Error& error) {
 }
 
 void RedisClient::pause_locked(const Error& error) {
-    pause_ = std::clamp(2 * pause_, kLeastPause, kMostPause);
+    pause_ = std::clamp(2 * pause_, kLeastPause, kMaxPause);
     retry_ = Clock::now() + pause_;
     away_ = error;
 }

@@ -88,7 +88,7 @@ Found check_memory(const Config& config) {
 
 Found check_files(const Config& config) {
     allow_open_files(wanted_descriptors(config));
-    const auto plan = share_descriptors(config, most_descriptors());
+    const auto plan = share_descriptors(config, max_descriptors());
     if (!plan) return wrong(plan.error());
     return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
 }

@@ -79,7 +79,7 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
 /// Raises the limit of open files. If that limit stays too low, reduces the limits of connections.
 Result<Config> with_descriptors(Config config, const Log& log) {
     allow_open_files(wanted_descriptors(config));
-    const auto plan = share_descriptors(config, most_descriptors());
+    const auto plan = share_descriptors(config, max_descriptors());
     if (!plan) return tl::unexpected(plan.error());
     if (!plan->fits()) log.warning(describe(*plan));
     config.capacity = plan->capacity;

@@ -27,7 +27,7 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// Number of buffered bytes at which the worker waits.
-    static constexpr std::size_t kMostHeld = std::size_t{4} << 20;
+    static constexpr std::size_t kMaxHeld = std::size_t{4} << 20;
 
     /// Limit of the worker's total waiting time.
     static constexpr std::chrono::seconds kPatience{5};

@@ -21,7 +21,7 @@ constexpr double kLongestBacklog = 3600;
 
 /// Bounds of the ratio of actual to estimated duration. A ratio beyond them means that the job failed early or that its
 /// worker was delayed.
-constexpr double kLeastPace = 0.1, kMostPace = 10;
+constexpr double kLeastPace = 0.1, kMaxPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
     return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
@@ -193,7 +193,7 @@ void WorkerPool::finish_locked(JobId id) {
     const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
     if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
-        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
+        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMaxPace) - pace_);
     }
     running_.erase(job);
     callback_(running_.size());
@@ -210,7 +210,7 @@ double WorkerPool::waiting_seconds_locked() const {
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);
         // A running job that already takes longer than the average says more about the present pace than finished jobs.
-        if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMostPace));
+        if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMaxPace));
         expected += std::max(job.expected - gone / pace, 0.0);
     }
     return expected * pace / static_cast<double>(worker_count_);

@@ -89,10 +89,10 @@ end
 -- Ends a script with an error. The server then runs repair.lua and repeats the script.
 local function fail_as_damaged(any_key) error('DAMAGED ' .. any_key) end
 
-local function is_full(client, most)
+local function is_full(client, limit)
     local waiting = redis.call('ZCARD', key('queue'))
-    if waiting < most then return false end
-    return waiting >= 2 * most or redis.call('HEXISTS', key('waiting'), client) == 1
+    if waiting < limit then return false end
+    return waiting >= 2 * limit or redis.call('HEXISTS', key('waiting'), client) == 1
 end
 
 -- Stores a body: one that was uploaded before, or the fields of one that is an argument of the call.
@@ -180,8 +180,8 @@ local function remove(id)
 end
 
 -- Drops the oldest results, and then the jobs that finished first, until there is enough space.
-local function free_space(bytes, most)
-    while state('bytes') + bytes > most do
+local function free_space(bytes, limit)
+    while state('bytes') + bytes > limit do
         local dropped = redis.call('ZPOPMIN', key('results'))[1]
         local oldest = not dropped and redis.call('ZRANGE', key('finished'), 0, 0)[1]
         if dropped then

@@ -55,7 +55,7 @@ TEST_F(BodyPipeTest, WaitsForPieces) {
 }
 
 TEST_F(BodyPipeTest, BuffersTheRestForASlowClient) {
-    const std::string piece(BodyPipe::kMostHeld, 'x');
+    const std::string piece(BodyPipe::kMaxHeld, 'x');
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipe_.push(piece));
     pipe_.close({}, {}, memory_);
     EXPECT_EQ(memory_.reserved(), 3 * piece.size());
@@ -65,7 +65,7 @@ TEST_F(BodyPipeTest, BuffersTheRestForASlowClient) {
 TEST(BodyPipe, MakesTheWorkerWaitForTheClient) {
     BodyPipe pipe(seconds(60));
     MemoryBudget memory{1'000};
-    const std::string piece(BodyPipe::kMostHeld, 'x');
+    const std::string piece(BodyPipe::kMaxHeld, 'x');
     EXPECT_TRUE(pipe.push(piece));
     std::jthread worker([&] {
         EXPECT_TRUE(pipe.push("y"));
