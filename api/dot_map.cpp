@@ -222,7 +222,7 @@ void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vec
 }  // namespace
 
 Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                           const Control& control, Timings& timings, BodyTaker* taker) {
+                           const Control& control, Timings& timings, BodySink* sink) {
     Stopwatch watch;
     auto areas = AreaMaker(request).execute(control.stop);
     if (!areas) return tl::unexpected(areas.error());
@@ -258,7 +258,7 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     answer.media_type = request.format->file.content_type();
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") add_remarks(areas->repairs, areas->warnings, answer);
-    Body body(answer, taker, control.stop);
+    Body body(answer, sink, control.stop);
     auto written = write_map(request, *whole, *page, placed->classes, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

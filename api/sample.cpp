@@ -705,9 +705,9 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 }
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodyTaker* taker) {
+                          const Control& control, Timings& timings, BodySink* sink) {
     if (request.mask_format != nullptr) return run_mask(request, control, timings);
-    if (request.counts) return run_dot_map(request, limits, decode, control, timings, taker);
+    if (request.counts) return run_dot_map(request, limits, decode, control, timings, sink);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
         return without_exclusions(std::move(given), request, limits, decode, control.stop);
@@ -738,7 +738,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.partial = distribution.stopped;
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") add_remarks(repairs, warnings, answer);
-    Body body(answer, taker, control.stop);
+    Body body(answer, sink, control.stop);
     auto written = encode(request, domain, *page, placed->dots, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

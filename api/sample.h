@@ -113,6 +113,6 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 /// drawing would have more than limits.max_pixels; Stopped. Error::field is a JSON Pointer. Same request, same bytes,
 /// except for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodyTaker* taker = nullptr);
+                          const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 }  // namespace ccdt::api

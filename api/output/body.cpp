@@ -13,12 +13,12 @@ constexpr std::size_t kBetween = std::size_t{1} << 20;
 }  // namespace
 
 void Body::expect(std::size_t bytes) {
-    text_.reserve(taker_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
+    text_.reserve(sink_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
 }
 
 bool Body::flush() {
-    if (taker_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) flush_all();
-    return taken_.has_value();
+    if (sink_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) flush_all();
+    return written_.has_value();
 }
 
 void Body::flush_all() {
@@ -27,10 +27,10 @@ void Body::flush_all() {
         // A stop may have ended the search for a shorter path, so another run may give other bytes.
         head.repeats = head.repeats && !path_stop_.stop_requested();
         head.plot_seconds = plot_seconds_;
-        taken_ = taker_->begin(head);
+        written_ = sink_->begin(head);
     }
-    for (std::string_view rest = text_; !rest.empty() && taken_; rest.remove_prefix(std::min(kPiece, rest.size())))
-        taken_ = taker_->take(rest.substr(0, kPiece));
+    for (std::string_view rest = text_; !rest.empty() && written_; rest.remove_prefix(std::min(kPiece, rest.size())))
+        written_ = sink_->write(rest.substr(0, kPiece));
     text_.clear();
 }
 
@@ -43,7 +43,7 @@ Result<Answer> Body::finish(Answer answer) {
     }
     answer.plot_seconds = plot_seconds_;
     answer.streamed = begun_;
-    if (!taken_) return tl::unexpected(taken_.error());
+    if (!written_) return tl::unexpected(written_.error());
     return answer;
 }
 

@@ -52,7 +52,7 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the taker of
+/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the sink of
 /// the body fails.
 template <class Element, class AppendElement>
 void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
@@ -290,7 +290,7 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the taker of the
+/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the sink of the
 /// body fails.
 template <class NumberOf>
 void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
@@ -318,7 +318,7 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Writes the features with their numbers of points. Ends early if the taker of the body fails.
+/// Writes the features with their numbers of points. Ends early if the sink of the body fails.
 void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
@@ -396,7 +396,7 @@ constexpr Separators kListed{"", ",\n", ""};
 constexpr Separators kLines{"", "", "\n"};
 constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 
-/// Writes a Feature for each point. Ends early on a stop, or if the taker of the body fails.
+/// Writes a Feature for each point. Ends early on a stop, or if the sink of the body fails.
 /// @param ranks       ranks of the points; empty if there are none
 /// @param properties  properties that all points share, each followed by a comma
 /// @param is_first    whether these points are the first of the answer

@@ -24,10 +24,10 @@ struct Release {
 };
 
 cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
-    auto& taker = *static_cast<Body*>(body);
+    auto& target = *static_cast<Body*>(body);
     try {
-        taker.text().append(reinterpret_cast<const char*>(data), size);
-        return taker.flush() ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+        target.text().append(reinterpret_cast<const char*>(data), size);
+        return target.flush() ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
     } catch (const std::exception&) {
         return CAIRO_STATUS_NO_MEMORY;
     }

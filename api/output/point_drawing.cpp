@@ -227,7 +227,7 @@ private:
         write("</g>\n");
     }
 
-    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the taker of the body fails.
+    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the sink of the body fails.
     template <class Function>
     void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
         for (std::size_t i = 0; i < centres.size() && body_.flush() && !stop.stop_requested(); i += kChunk)

@@ -196,13 +196,13 @@ private:
     Result<void> begin(const Reply& reply) {
         timings_ = reply.timings;
         head_ = answer_of(reply);
-        return delivery_.taker == nullptr ? Result<void>() : delivery_.taker->begin(*head_);
+        return delivery_.sink == nullptr ? Result<void>() : delivery_.sink->begin(*head_);
     }
 
     Result<void> take_piece() {
         if (!head_) return failure(ErrorCode::Internal, "a piece of a body arrived before its head");
         const std::string piece = reader_.take_text(2);
-        if (delivery_.taker != nullptr) return delivery_.taker->take(piece);
+        if (delivery_.sink != nullptr) return delivery_.sink->write(piece);
         head_->body += piece;
         return {};
     }
@@ -217,7 +217,7 @@ private:
         if (!head_) return failure(ErrorCode::Internal, "the body of the answer did not arrive");
         answer.coding = head_->coding;
         answer.body = std::move(head_->body);
-        answer.streamed = delivery_.taker != nullptr;
+        answer.streamed = delivery_.sink != nullptr;
         return answer;
     }
 
@@ -287,7 +287,7 @@ private:
     api::Timings& timings_;
     const UniqueFd stopped_;  ///< readable once a stop was requested
     ReplyReader reader_;
-    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no taker
+    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no sink
     bool abandoned_ = false;
     std::optional<Clock::time_point> end_at_;
     std::optional<ChildEnd> death_;
@@ -337,7 +337,7 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         const bool was_left = outcome.error().overdue && delivery.unwanted.stop_requested();
         if (!was_left) ++(outcome.error().overdue ? overdue_ : crashes_);
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
-        const bool is_streaming = conversation.has_begun() && delivery.taker != nullptr;
+        const bool is_streaming = conversation.has_begun() && delivery.sink != nullptr;
         if (again || is_streaming || !outcome.error().is_killed())
             return failure(ErrorCode::Internal, describe(outcome.error()));
     }

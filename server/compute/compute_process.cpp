@@ -160,7 +160,7 @@ bool send_answer(int channel, Reply reply, const api::Answer& answer) {
 }
 
 /// Sends the pieces of a large body.
-class PieceSender : public api::BodyTaker {
+class PieceSender : public api::BodySink {
 public:
     /// @param timings  timings of the current computation, which are sent with the head
     PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
@@ -172,7 +172,7 @@ public:
         return check(send_answer(channel_, reply, head));
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         Reply reply;
         reply.kind = Reply::Kind::Piece;
         std::array<std::string_view, Reply::kTexts> texts;

@@ -110,14 +110,14 @@ HttpResult<std::string> existing(Result<std::optional<std::string>> result) {
 
 /// Stores a result while it is written, except for the last piece. While the store cannot be reached, the computation
 /// waits.
-class Jobs::ResultWriter : public api::BodyTaker {
+class Jobs::ResultWriter : public api::BodySink {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
         : store_(store), job_(job), stop_(std::move(stop)) {}
 
     Result<void> begin(const api::Answer& /*head*/) override { return {}; }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         while (!piece.empty()) {
             const auto more = piece.substr(0, JobStore::kPiece - last_.size());
             last_ += more;
@@ -380,10 +380,10 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
         answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
-            return compute_(whole, {.taker = &writer, .unwanted = run->unneeded.get_token()}, control, stages.work);
+            return compute_(whole, {.sink = &writer, .unwanted = run->unneeded.get_token()}, control, stages.work);
         });
         if (answer && !answer->streamed) {
-            if (auto taken = writer.take(answer->body); !taken) answer = tl::unexpected(taken.error());
+            if (auto written = writer.write(answer->body); !written) answer = tl::unexpected(written.error());
         }
     } catch (const std::exception& exception) {
         answer = failure(ErrorCode::Internal, exception.what());

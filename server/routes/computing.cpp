@@ -146,7 +146,7 @@ private:
 
 /// Passes a large body from its computation to the connection. Also copies the body for the cache, unless it is too
 /// large.
-class Computing::TeeWriter : public api::BodyTaker {
+class Computing::TeeWriter : public api::BodySink {
 public:
     /// @param largest  size limit of cached bodies, in bytes
     TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
@@ -162,7 +162,7 @@ public:
         return {};
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         if (copy_ && copy_->body.size() + piece.size() <= largest_) {
             copy_->body += piece;
         } else {

@@ -27,7 +27,7 @@ public:
 
     /// Computes the answer: see Compute.
     virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
-                                    api::BodyTaker* taker) const = 0;
+                                    api::BodySink* sink) const = 0;
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 
