@@ -177,7 +177,7 @@ void Relaxation::Group::clear() {
 }
 
 /// Stores new records: in `memory` if they fit, else in the group.
-void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> memory) {
+void Relaxation::Group::store(const Batches& batches, std::span<std::uint32_t> memory) {
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
     std::uint32_t* to = memory.data();
@@ -230,7 +230,7 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
             group.others.push_back(v);
         }
     }
-    group.keep(
+    group.store(
         batches,
         std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
@@ -265,7 +265,7 @@ void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) 
             }
         }
     }
-    group.keep(batches, {});
+    group.store(batches, {});
 }
 
 /// Returns the level of the block that contains a site and all its free neighbours.

@@ -143,7 +143,7 @@ private:
             return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
         }
         void clear();
-        void keep(const Batches& batches, std::span<std::uint32_t> memory);
+        void store(const Batches& batches, std::span<std::uint32_t> memory);
     };
 
     /// A triangle (site, from, to) around a site in an exact pass.

@@ -41,7 +41,7 @@ struct Draft {
     std::optional<std::size_t> cache;
     std::optional<std::vector<std::string>> cors_origins;
     std::optional<std::vector<std::string>> allowed_hosts;
-    std::map<std::string_view, ChosenValue> given;  ///< by flag
+    std::map<std::string_view, ChosenValue> given;  ///< given values by flag
 };
 
 /// Applies a value.

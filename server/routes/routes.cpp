@@ -78,8 +78,8 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
     return name;
 }
 
-/// Whether a route for the method `of_route` accepts a request with `method`. The methods are equal, or they are GET
-/// and HEAD.
+/// Whether a route for the method `of_route` accepts a request with `method`. The methods are equal, or the
+/// request is HEAD and the route is for GET.
 bool is_taken(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
