@@ -80,12 +80,13 @@ double kinds_of_dots(const HalftoneRequest& request) {
 
 /// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
 double planned_cells(const HalftoneRequest& request, double sites) {
-    // As in rough_radius(), for dots that draw a quarter of the picture.
+    // Assumes that dots draw a quarter of the picture, like rough_radius().
     constexpr double kShare = 0.25;
     const ImageHeader& header = request.image.header;
     const auto pixels = static_cast<double>(header.pixels());
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
-        // There are 50 cells per dot. Cells that would be less than two pixels wide are pixels instead.
+        // Upper bound. There are about 50 cells per dot; but where cells would be less than two pixels wide, pixels are
+        // used instead, which makes up to four times as many.
         constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
         return std::min(pixels, kCellsPerDot * sites + kFewest);
     }
@@ -155,9 +156,9 @@ Estimate domain_cost(std::size_t corner_count) {
     // It is not known yet how many edges cross. In the worst case, each edge crosses all others, but few polygons are
     // like that, so the time is limited. The limit is just large enough that a polygon that may have many crossings is
     // not treated as a short request.
-    constexpr double kPieceTime = 6 * kMicrosecond, kMostTime = 25'000 * kMicrosecond;
-    const double pieces = std::min(2 * corners * corners, static_cast<double>(most_pieces(corner_count)));
-    return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMostTime)};
+    constexpr double kPieceTime = 6 * kMicrosecond, kMaxTime = 25'000 * kMicrosecond;
+    const double pieces = std::min(2 * corners * corners, static_cast<double>(max_pieces(corner_count)));
+    return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMaxTime)};
 }
 
 std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
@@ -173,7 +174,7 @@ Estimate buffer_cost(double corners) {
 
 /// Returns the maximum number of corners of the outline of a mask. Most outlines have less than a tenth of this number.
 std::size_t mask_corners(const SampleRequest& request) {
-    return request.mask ? std::min(kMostMaskCorners, 4 * request.mask->header.pixels()) : 0;
+    return request.mask ? std::min(kMaxMaskCorners, 4 * request.mask->header.pixels()) : 0;
 }
 
 /// Estimates the creation of the domain: validating the polygons, validating the avoided areas, and subtracting the
@@ -314,9 +315,9 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
     return shorter_side(request) < 2 * hexagonal_spacing(density);
 }
 
-/// Returns the maximum number of dots. If the number follows from the radius, the maximum is that of a solid picture.
-/// Because of overlaps, the dots then have twice the area of the picture.
-double most_sites(const HalftoneRequest& request, const Limits& limits) {
+/// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a solid
+/// picture: the total area of these dots, which overlap, is twice the area of the picture.
+double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
     const auto usual = static_cast<double>(usual_sites(request, header_size(request), ink, 1, limits));
@@ -369,12 +370,12 @@ Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, do
     const VectorWriter* const shapes = format.vector();
     if (shapes == nullptr) return {};
     const std::vector<Point> stroke =
-        dot_stroke(drawing.style, std::min(kMostTurns * drawing.pen_mm, radius), drawing.pen_mm);
+        dot_stroke(drawing.style, std::min(kMaxTurns * drawing.pen_mm, radius), drawing.pen_mm);
     return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
 }
 
-/// Returns the maximum radius of dots in millimetres, which is that in a solid picture. Because of overlaps, the dots
-/// then have twice the area of the picture.
+/// Returns the maximum radius of dots in millimetres. It is the radius for a solid picture: the total area of the dots,
+/// which overlap, is then twice the area of the picture.
 double largest_radius(const HalftoneRequest& request, double sites) {
     if (request.dot && request.dot->millimetres) return request.dot->length;
     const double width = request.drawing.width_mm.value_or(1);
@@ -414,10 +415,10 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
 double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.width) return std::min(*request.width * (*request.width * box.height() / box.width() + 1), most);
-    const double chosen =
-        std::holds_alternative<PolygonInput>(request.domain)
-            ? kMostCanvasPixels
-            : std::max(kLeastSide * kLeastSide, static_cast<double>(request.run.sites) * kPixelPitch * kPixelPitch);
+    const double chosen = std::holds_alternative<PolygonInput>(request.domain)
+                              ? kMostCanvasPixels
+                              : std::max(kMinDrawingSide * kMinDrawingSide,
+                                         static_cast<double>(request.run.sites) * kPixelPitch * kPixelPitch);
     return std::min({chosen, kMostCanvasPixels, most});
 }
 
@@ -469,7 +470,7 @@ std::size_t bytes_of(const ImageFile& file) {
 }  // namespace
 
 Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
-    const double sites = most_sites(request, limits);
+    const double sites = max_dots(request, limits);
     const Estimate read =
         then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
     const Estimate placed =
@@ -481,19 +482,19 @@ Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
 
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits) {
-    constexpr double kMostSeconds = 2, kFewest = 4096, kMany = 1e6;
+    constexpr double kMaxSeconds = 2, kFewest = 4096, kMany = 1e6;
     // Time per dot for a thin picture, relative to other pictures. The mesh of a thin picture is mostly border.
     constexpr double kThin = 4;
-    const double in_time = kMostSeconds / placing_cost(request, kMany).seconds * kMany;
-    const auto most_in = [&](double dots) {
+    const double in_time = kMaxSeconds / placing_cost(request, kMany).seconds * kMany;
+    const auto max_dots_in = [&](double dots) {
         const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
         const std::size_t limit = std::min(most, limits.max_sites);
         if (!request.on_screen) return default_sites(ink, fineness, limit);
         const Canvas canvas = *settled_canvas(request, part, limits);
         return sites_of_drawing(ink, fineness, canvas.scale, static_cast<double>(canvas.width) * canvas.height, limit);
     };
-    const std::size_t usual = most_in(in_time);
-    return is_thin(request, usual) ? std::min(usual, most_in(in_time / kThin)) : usual;
+    const std::size_t usual = max_dots_in(in_time);
+    return is_thin(request, usual) ? std::min(usual, max_dots_in(in_time / kThin)) : usual;
 }
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {
@@ -518,7 +519,7 @@ Cost cost_of(const AnalyzeRequest& request) {
     const auto sets = static_cast<double>(request.sets.size());
     const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
     const double cells = points * request.options.max_frequency * request.options.max_frequency;
-    const bool in_parts = cells * 16 > static_cast<double>(kMostCells);
+    const bool in_parts = cells * 16 > static_cast<double>(kMaxCells);
     constexpr double kParts = 600e6, kSpectrum = 40;
     const Estimate transforms{in_parts ? kParts + cells * kSpectrum : cells * 360,
                               cells * sets * (in_parts ? 0.7 : 0.4) * kMicrosecond};

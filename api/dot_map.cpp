@@ -42,8 +42,8 @@ std::string points(std::size_t count) {
 /// Leaves out the points of a feature, and adds a warning if there are any. Errors: `error` if the request rejects
 /// invalid polygons.
 /// @param error  the reason; its field is a JSON Pointer
-Result<void> leave_out(const SampleRequest& request, std::size_t feature, const Error& error,
-                       std::vector<Warning>& warnings) {
+Result<void> omit_points(const SampleRequest& request, std::size_t feature, const Error& error,
+                         std::vector<Warning>& warnings) {
     const std::size_t count = request.counts->points_of(feature);
     if (count == 0) return {};
     if (request.on_invalid == OnInvalid::Reject) return tl::unexpected(error);
@@ -98,10 +98,10 @@ private:
 
     Result<void> add(std::size_t feature, const std::stop_token& stop) {
         const auto parts = parts_of(request_, feature);
-        if (!parts) return leave_out(feature, parts.error());
-        if (parts->empty()) return leave_out(feature, {ErrorCode::Unusable, "the feature has no geometry", ""});
+        if (!parts) return omit_points(feature, parts.error());
+        if (parts->empty()) return omit_points(feature, {ErrorCode::Unusable, "the feature has no geometry", ""});
         auto made = Domain::repair(*parts, stop);
-        if (!made) return leave_out(feature, made.error());
+        if (!made) return omit_points(feature, made.error());
         for (Repair& repair : made->repairs) {
             repair.field = locate(feature, repair.field);
             if (request_.on_invalid == OnInvalid::Reject)
@@ -117,10 +117,10 @@ private:
     }
 
     /// Leaves out a feature that has no valid area.
-    Result<void> leave_out(std::size_t feature, const Error& error) {
-        const Error told{error.code, error.message, locate(feature, error.field)};
-        if (error.code != ErrorCode::Unusable) return tl::unexpected(told);
-        return api::leave_out(request_, feature, told, areas_.warnings);
+    Result<void> omit_points(std::size_t feature, const Error& error) {
+        const Error error_in_request{error.code, error.message, locate(feature, error.field)};
+        if (error.code != ErrorCode::Unusable) return tl::unexpected(error_in_request);
+        return api::omit_points(request_, feature, error_in_request, areas_.warnings);
     }
 
     const SampleRequest& request_;
@@ -138,11 +138,11 @@ Result<Domain> united(const Areas& areas, const std::stop_token& stop) {
 
 /// Leaves out the points of features of which the exclusions leave no area.
 /// @param lost  indices into the features of `areas`
-Result<void> leave_out(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
+Result<void> omit_points(const SampleRequest& request, std::span<const std::uint32_t> lost, Areas& areas) {
     for (const std::uint32_t i : lost) {
         const std::uint32_t feature = areas.numbers[i];
         const Error error{ErrorCode::Unusable, "nothing is left of the feature", request.features->locate(feature)};
-        if (auto left = leave_out(request, feature, error, areas.warnings); !left) return left;
+        if (auto omitted = omit_points(request, feature, error, areas.warnings); !omitted) return omitted;
     }
     return {};
 }
@@ -164,7 +164,7 @@ Result<Domain> exclude(const SampleRequest& request, Domain whole, const Limits&
             ? confine(areas.features, *left, stop)
             : cut_areas(areas.features, [&](const Domain& area) { return without(area, *exclusions, request, stop); });
     if (!lost) return tl::unexpected(lost.error());
-    if (auto told = leave_out(request, *lost, areas); !told) return tl::unexpected(told.error());
+    if (auto omitted = omit_points(request, *lost, areas); !omitted) return tl::unexpected(omitted.error());
     if (auto any = check_points(areas, *request.features); !any) return tl::unexpected(any.error());
     std::ranges::move(exclusions->repairs, std::back_inserter(areas.repairs));
     return left;
@@ -222,7 +222,7 @@ void warn_of_degrees(const SampleRequest& request, const Domain& whole, std::vec
 }  // namespace
 
 Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                           const Control& control, Timings& timings, BodyTaker* taker) {
+                           const Control& control, Timings& timings, BodySink* sink) {
     Stopwatch watch;
     auto areas = AreaMaker(request).execute(control.stop);
     if (!areas) return tl::unexpected(areas.error());
@@ -239,7 +239,7 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     auto placed = place(request, *areas, *whole, *density, control);
     timings.optimise = watch.lap();
     if (!placed) return tl::unexpected(placed.error());
-    if (auto told = leave_out(request, placed->lost, *areas); !told) return tl::unexpected(told.error());
+    if (auto omitted = omit_points(request, placed->lost, *areas); !omitted) return tl::unexpected(omitted.error());
     Answer answer;
     for (ClassDots& each : placed->classes) {
         if (request.format->is_drawn() && placed->pitch) bring_into(page->box, each.dots.points);
@@ -257,8 +257,8 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
                         placed->pitch};
     answer.media_type = request.format->file.content_type();
     answer.repeats = request.format->repeats();
-    if (request.format->file.name != "json") tell(areas->repairs, areas->warnings, answer);
-    Body body(answer, taker, control.stop);
+    if (request.format->file.name != "json") add_remarks(areas->repairs, areas->warnings, answer);
+    Body body(answer, sink, control.stop);
     auto written = write_map(request, *whole, *page, placed->classes, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

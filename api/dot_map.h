@@ -11,6 +11,6 @@ namespace ccdt::api {
 /// Parameters and errors are those of run_sample(). If a feature is invalid or has no density, the error's field is a
 /// JSON Pointer to the feature.
 Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                           const Control& control, Timings& timings, BodyTaker* taker = nullptr);
+                           const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 }  // namespace ccdt::api

@@ -80,11 +80,11 @@ Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& 
     if (!request.mask) return {};
     const auto picture = decode.grey(request.mask->bytes, limits.max_pixels, stop);
     if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
-    auto outline = outline_of(dark_pixels(*picture), box, kMostMaskCorners);
+    auto outline = outline_of(dark_pixels(*picture), box, kMaxMaskCorners);
     if (!outline)
         return failure(
             ErrorCode::LimitExceeded,
-            "the outline of the dark area in the mask has more than " + std::to_string(kMostMaskCorners) + " corners",
+            "the outline of the dark area in the mask has more than " + std::to_string(kMaxMaskCorners) + " corners",
             kMaskImage);
     if (outline->empty()) return {};
     return std::vector<Area>{*std::move(outline)};
@@ -100,7 +100,7 @@ Result<Domain> without(const Domain& domain, std::span<const Area> areas, const 
 
 /// Formats a distance with three digits. The distance is first reduced by half a percent, so that the rounded number is
 /// hardly ever too large.
-std::string told(double distance) {
+std::string format_distance(double distance) {
     constexpr double kLess = 0.995;
     std::array<char, 32> text;
     const auto end = std::to_chars(text.begin(), text.end(), kLess * distance, std::chars_format::general, 3).ptr;
@@ -146,9 +146,10 @@ Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request
     const double farthest = largest_clearance(domain, stop);
     if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
-    return failure(ErrorCode::Unusable,
-                   "no place is as far from the border as the buffer: the largest distance is " + told(farthest),
-                   request.field_of("buffer"));
+    return failure(
+        ErrorCode::Unusable,
+        "no place is as far from the border as the buffer: the largest distance is " + format_distance(farthest),
+        request.field_of("buffer"));
 }
 
 Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,

@@ -27,7 +27,7 @@ struct Exclusions {
 /// @param decode  decodes the mask
 /// @param stop    polled from time to time
 /// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a mask whose outline has
-/// more than kMostMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
+/// more than kMaxMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 

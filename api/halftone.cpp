@@ -320,7 +320,7 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 }
 
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                            const Control& control, Timings& timings, BodyTaker* taker) {
+                            const Control& control, Timings& timings, BodySink* sink) {
     Stopwatch watch;
     auto plan = plan_halftone(request, limits, decode, control);
     timings.decode = watch.lap();
@@ -340,7 +340,7 @@ Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits
     answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
     answer.partial = std::ranges::any_of(dots->inks, &Distribution::stopped);
     answer.repeats = request.format->repeats();
-    Body body(answer, taker, control.stop);
+    Body body(answer, sink, control.stop);
     auto written = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

@@ -103,6 +103,6 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// limits.max_pixels, or a side longer than the format allows; Stopped. Same request, same bytes, except for
 /// `elapsed_ms` in JSON.
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                            const Control& control, Timings& timings, BodyTaker* taker = nullptr);
+                            const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 }  // namespace ccdt::api

@@ -25,7 +25,7 @@ constexpr std::array<Colour, kMostInks> kColours = {
 
 /// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.
 Palette palette_of(const SampleRequest& request) {
-    if (!request.counts || !request.counts->are_told) return {};
+    if (!request.counts || !request.counts->are_named) return {};
     const FeatureCounts& counts = *request.counts;
     Palette palette{{}, kWhite, Mixing::Multiply};
     for (std::size_t i = 0; i < counts.classes.size(); ++i) palette.inks.push_back({counts.classes[i], kColours[i]});

@@ -23,7 +23,7 @@ constexpr MaskFormat kMask16{{"mask16", "Mask, 16 bits", "png", "image/png", ""}
 constexpr const MaskFormat* kMaskFormats[] = {&kMask, &kMask16};
 
 bool is_side(double side) {
-    return side >= kLeastMaskSide && side <= kMostMaskSide && side == std::floor(side);
+    return side >= kMinMaskSide && side <= kMaxMaskSide && side == std::floor(side);
 }
 
 Result<void> refused(const std::string& what, const std::string& field) {
@@ -43,7 +43,7 @@ Result<void> check_mask(const SampleRequest& request) {
                        request.field_of("format"));
     for (const auto& [side, field] : {std::pair{torus->width, "/domain/width"}, {torus->height, "/domain/height"}}) {
         if (is_side(side)) continue;
-        return refused("must have " + std::to_string(kLeastMaskSide) + " to " + std::to_string(kMostMaskSide) +
+        return refused("must have " + std::to_string(kMinMaskSide) + " to " + std::to_string(kMaxMaskSide) +
                            " pixels on each side, so the sides of the domain must be integers in this range",
                        field);
     }

@@ -25,8 +25,8 @@ struct MaskFormat {
 std::span<const MaskFormat* const> mask_formats();
 
 /// Limits on the side of a mask, in pixels.
-inline constexpr int kLeastMaskSide = 8;
-inline constexpr int kMostMaskSide = 1'024;
+inline constexpr int kMinMaskSide = 8;
+inline constexpr int kMaxMaskSide = 1'024;
 
 /// Checks that the domain of a request for a mask is a torus whose sides are integers within these limits.
 /// Errors: Malformed, with a JSON Pointer.

@@ -25,9 +25,9 @@ constexpr MethodOptions kNone = {
 /// Estimates the computation, on a grid, of the areas that belong to fixed points.
 Estimate fixed_areas_cost(const Options& options) {
     if (options.fixed.empty()) return {};
-    constexpr double kCellsOfEach = 16, kMostCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
+    constexpr double kCellsOfEach = 16, kMaxCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
     const double cells =
-        std::min(kCellsOfEach * static_cast<double>(options.sites + options.fixed.size()) + 4'096, kMostCells);
+        std::min(kCellsOfEach * static_cast<double>(options.sites + options.fixed.size()) + 4'096, kMaxCells);
     return {cells * kBytes, cells * kTime};
 }
 

@@ -25,8 +25,8 @@ struct MethodOptions {
 /// Method of distributing points: a row of the table in method.cpp. The functions are references, so that a row without
 /// a function does not compile.
 struct Method {
-    std::string_view name;   ///< in requests and answers
-    std::string_view title;  ///< for people
+    std::string_view name;   ///< name in requests and answers
+    std::string_view title;  ///< name shown to users
     std::size_t max_sites;   ///< about the number that takes a third of the default time-out on one core
     int iterations;          ///< default number of iterations
     MethodOptions options;   ///< options that the method supports

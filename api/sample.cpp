@@ -44,7 +44,7 @@ constexpr std::uint64_t kMaxWidth = 65'535;
 constexpr Interval kNotNegative = {.min = 0};
 
 /// Maximum number of repairs in an HTTP header. Each takes about 150 characters.
-constexpr std::size_t kMostInHeader = 8;
+constexpr std::size_t kMaxInHeader = 8;
 
 const Palette kBlackOnWhite;
 
@@ -488,7 +488,8 @@ Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop
     return domain;
 }
 
-/// Returns warnings about the request: coordinates that look like degrees, but are used as coordinates in a plane.
+/// Returns warnings about the request. There is one if coordinates look like degrees but are used as coordinates in a
+/// plane.
 std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
     const auto* polygon = std::get_if<PolygonInput>(&request.domain);
     if (polygon == nullptr || !polygon->is_geojson() || request.coordinates != Coordinates::Plane) return {};
@@ -553,9 +554,9 @@ Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain,
                              const Control& control) {
     ClassDots& dots = placed.dots;
     if (request.features) {
-        auto told = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
-        if (!told) return tl::unexpected(told.error());
-        dots = *std::move(told);
+        auto grouped = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
+        if (!grouped) return tl::unexpected(grouped.error());
+        dots = *std::move(grouped);
     }
     const auto ordered = request.features ? order_dots(request, domain, dots, control)
                                           : order_points(request, domain, dots.dots, control);
@@ -637,9 +638,9 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
     const RasterWriter* const pixels = request.format->raster();
-    const double most_side = pixels == nullptr ? kMostSide : std::min<double>(kMostSide, pixels->max_side);
+    const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
     const double wished =
-        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kLeastSide / longer, most_side / longer);
+        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kMinDrawingSide / longer, max_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
     page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
     if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
@@ -667,9 +668,9 @@ Error error_of_options(const SampleRequest& request, Error error) {
     return error;
 }
 
-void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
+void add_remarks(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
     if (!repairs.empty())
-        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMostInHeader)));
+        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMaxInHeader)));
     if (!warnings.empty()) answer.warnings = write_warnings(warnings);
 }
 
@@ -704,9 +705,9 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 }
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodyTaker* taker) {
+                          const Control& control, Timings& timings, BodySink* sink) {
     if (request.mask_format != nullptr) return run_mask(request, control, timings);
-    if (request.counts) return run_dot_map(request, limits, decode, control, timings, taker);
+    if (request.counts) return run_dot_map(request, limits, decode, control, timings, sink);
     Stopwatch watch;
     const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
         return without_exclusions(std::move(given), request, limits, decode, control.stop);
@@ -736,8 +737,8 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.sites = request.run.sites;
     answer.partial = distribution.stopped;
     answer.repeats = request.format->repeats();
-    if (request.format->file.name != "json") tell(repairs, warnings, answer);
-    Body body(answer, taker, control.stop);
+    if (request.format->file.name != "json") add_remarks(repairs, warnings, answer);
+    Body body(answer, sink, control.stop);
     auto written = encode(request, domain, *page, placed->dots, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

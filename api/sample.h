@@ -40,7 +40,7 @@ struct DensityImage {
 };
 
 /// Maximum number of corners of a mask's outline.
-inline constexpr std::size_t kMostMaskCorners = 100'000;
+inline constexpr std::size_t kMaxMaskCorners = 100'000;
 
 /// Kind of coordinates.
 enum class Coordinates {
@@ -84,8 +84,8 @@ struct SampleRequest {
 /// Pixel size of a drawing if the request gives no width: the spacing of evenly spread dots, and the limits of the
 /// longer side.
 inline constexpr double kPixelPitch = 8;
-inline constexpr double kLeastSide = 512;
-inline constexpr double kMostSide = 16'384;
+inline constexpr double kMinDrawingSide = 512;
+inline constexpr double kMaxDrawingSide = 16'384;
 
 /// Returns the names of the options.
 std::vector<std::string_view> sample_options();
@@ -113,6 +113,6 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
 /// drawing would have more than limits.max_pixels; Stopped. Error::field is a JSON Pointer. Same request, same bytes,
 /// except for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodyTaker* taker = nullptr);
+                          const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 }  // namespace ccdt::api

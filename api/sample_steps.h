@@ -36,6 +36,6 @@ double radius_of(const SampleRequest& request, const Domain& domain);
 Error error_of_options(const SampleRequest& request, Error error);
 
 /// Stores repairs and warnings in `answer`, for formats whose body cannot list them.
-void tell(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer);
+void add_remarks(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer);
 
 }  // namespace ccdt::api

@@ -17,12 +17,12 @@ enum class ErrorCode {
     Unsupported,    ///< the format of the input is not supported
     Unavailable,    ///< impossible at present, for lack of processes or time; may succeed later
     Stopped,        ///< ended by the caller's stop token before there was a result
-    Internal,       ///< a bug of ours
+    Internal,       ///< a bug in this project
 };
 
 struct Error {
     ErrorCode code = ErrorCode::Internal;
-    std::string message;             ///< text for people; names the limit, if any
+    std::string message;             ///< readable text; names the limit, if any
     std::string field;               ///< an option's name or a JSON Pointer that identifies the input; may be empty
     std::vector<Error> others = {};  ///< further errors in the same input, each with an empty list here
 };

@@ -92,7 +92,7 @@ int check(const CommandLine& command) {
     return would_start(findings) ? EXIT_SUCCESS : kFailed;
 }
 
-int tell_health(const Config& config) {
+int check_health(const Config& config) {
     const auto asked = ask_health(config);
     if (!asked) std::fprintf(stderr, "ccdt-server: %s\n", asked.error().message.c_str());
     return asked ? EXIT_SUCCESS : kFailed;
@@ -114,7 +114,7 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Check:
             return check(*command);
         case CommandLine::Action::Health:
-            return tell_health(command->config);
+            return check_health(command->config);
         case CommandLine::Action::Serve:
             break;
     }

@@ -28,9 +28,9 @@ std::optional<std::uint32_t> primary_item(std::string_view meta) {
 
 /// Returns the properties of all items. Items refer to them by number, from 1 on.
 std::vector<Chunk> all_properties(std::string_view container) {
-    constexpr std::size_t kMost = 0x7FFF;
+    constexpr std::size_t kMax = 0x7FFF;
     std::vector<Chunk> all;
-    for (auto box = media_box(container, 0); box && all.size() < kMost; box = media_box(container, box->end))
+    for (auto box = media_box(container, 0); box && all.size() < kMax; box = media_box(container, box->end))
         all.push_back(*box);
     return all;
 }

@@ -26,7 +26,7 @@ Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     decoder->ignoreXMP = AVIF_TRUE;
     decoder->imageSizeLimit =
         static_cast<std::uint32_t>(std::min<std::uint64_t>(header.pixels(), AVIF_DEFAULT_IMAGE_SIZE_LIMIT));
-    decoder->imageDimensionLimit = kMostAvifSide;
+    decoder->imageDimensionLimit = kMaxAvifSide;
     // Many files lack the property pixi, and browsers show them.
     decoder->strictFlags = AVIF_STRICT_ENABLED & ~static_cast<avifStrictFlags>(AVIF_STRICT_PIXI_REQUIRED);
     avifDecoderSetSource(decoder.get(), AVIF_DECODER_SOURCE_PRIMARY_ITEM);

@@ -56,8 +56,8 @@ std::optional<Layout> read_layout(std::string_view bytes) {
         layout.compression = reader.read(30, 4).value_or(0);
         layout.colours = reader.read(46, 4).value_or(0);
     }
-    constexpr std::uint32_t kMostSide = 1U << 30;
-    if (layout.width < 1 || layout.height < 1 || layout.width > kMostSide || layout.height > kMostSide)
+    constexpr std::uint32_t kMaxSide = 1U << 30;
+    if (layout.width < 1 || layout.height < 1 || layout.width > kMaxSide || layout.height > kMaxSide)
         return std::nullopt;
     return layout;
 }

@@ -33,8 +33,9 @@ struct ColourConversion {
 /// display, printer or colour space, and is for grey, RGB or CMYK. Colours are relative to the white point of the
 /// profile. Conversion tables of the profile are used with black point compensation.
 ///
-/// @returns  none if there is nothing to convert: there are no usable tags, or the tags describe sRGB, up to rounding
-///           Source: ICC.1:2022; Little CMS 2.14.
+/// @returns  none if there is nothing to convert, because there are no usable tags or they describe sRGB, up to
+///           rounding
+/// Source: ICC.1:2022; Little CMS 2.14.
 std::optional<ColourConversion> convert_colours(const ColourTags& tags);
 
 }  // namespace ccdt::api

@@ -38,8 +38,8 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 /// Returns whether a file may have a profile, without reading the profile.
 bool may_have_profile(std::string_view bytes, ImageFormat format);
 
-/// Returns a copy of the file in which OpenImageIO finds no profile, because OpenImageIO does not check profiles.
-/// Returns an empty string if OpenImageIO finds no profile in the original file either.
+/// Returns a copy of the file in which OpenImageIO finds no profile. OpenImageIO does not check profiles, so it must
+/// not read them. Returns an empty string if OpenImageIO finds no profile in the file as it is.
 std::string hide_profile(std::string_view bytes, ImageFormat format);
 
 }  // namespace ccdt::api

@@ -18,8 +18,8 @@ namespace {
 /// Share of the lost light that is added.
 constexpr float kShare = 0.5F;
 
-/// Weights of the 3 x 3 pixels in linear interpolation to one of the four pixels that a pixel becomes: of the pixel
-/// itself, of two neighbours at its sides, and of one neighbour at a corner; and the sum of these weights.
+/// Weights in linear interpolation to one of the four pixels that a pixel becomes: the weights of the pixel itself, of
+/// each of two neighbours at its sides, and of one neighbour at a corner. kWeights is the sum of all four.
 constexpr int kOwn = 9, kSide = 3, kCorner = 1, kWeights = 16;
 
 /// Returns a table of the light of weighted means of encoded values. The index is the weighted sum, `kWeights` times

@@ -75,7 +75,7 @@ private:
 /// Table of the strings of pixels that codes represent. Each string is an earlier string plus one pixel.
 class Strings {
 public:
-    static constexpr unsigned kMost = 4096;
+    static constexpr unsigned kMax = 4096;
 
     explicit Strings(unsigned clear) : clear_(clear) {
         for (unsigned i = 0; i < clear; ++i) strings_[i] = {0, static_cast<std::uint8_t>(i), 1};
@@ -92,7 +92,7 @@ public:
     }
 
     void add(unsigned earlier, std::uint8_t last) {
-        if (count_ == kMost) return;
+        if (count_ == kMax) return;
         strings_[count_++] = {static_cast<std::uint16_t>(earlier), last,
                               static_cast<std::uint16_t>(strings_[earlier].length + 1)};
     }
@@ -113,13 +113,13 @@ private:
 
     unsigned clear_;
     unsigned count_ = 0;
-    std::array<String, kMost> strings_{};
+    std::array<String, kMax> strings_{};
 };
 
 /// Decodes all pixels. Returns false if the data is invalid or too short.
 bool decode_lzw(Cursor& file, std::span<std::uint8_t> pixels) {
     constexpr int kLongest = 12;
-    constexpr unsigned kNone = Strings::kMost;
+    constexpr unsigned kNone = Strings::kMax;
     const auto depth = static_cast<int>(file.next(1));
     if (depth < 2 || depth > 8) return false;
     const unsigned clear = 1U << depth;
@@ -139,9 +139,9 @@ bool decode_lzw(Cursor& file, std::span<std::uint8_t> pixels) {
         const bool is_new = previous != kNone && *code == strings.count();
         if (*code >= strings.count() && !is_new) return false;
         if (previous != kNone) strings.add(previous, strings.first(is_new ? previous : *code));
-        const auto room = pixels.subspan(filled);
-        strings.write(*code, room);
-        filled += std::min(strings.length(*code), room.size());
+        const auto free_part = pixels.subspan(filled);
+        strings.write(*code, free_part);
+        filled += std::min(strings.length(*code), free_part.size());
         if (strings.count() == 1U << size && size < kLongest) ++size;
         previous = *code;
     }

@@ -64,7 +64,7 @@ struct Encoding {
     int alpha = -1;       ///< channel of alpha; -1: none
     bool premultiplied = false;
     RowSource::Curve curve = RowSource::Curve::Srgb;
-    float gamma = 1;                    ///< of Curve::Gamma
+    float gamma = 1;                    ///< exponent of Curve::Gamma
     std::vector<ToneCurve> curves;      ///< one for grey or three for colours; used instead of `curve` if not empty
     std::optional<LightMatrix> matrix;  ///< applied to linear light; none: the primaries are those of sRGB
 

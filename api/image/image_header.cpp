@@ -52,7 +52,7 @@ constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 
 /// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the whole picture. Encoders write
 /// about ten scans. libtiff has the same limit.
-constexpr int kMostScans = 100;
+constexpr int kMaxScans = 100;
 
 /// Returns the offset of the marker after entropy-coded data. It begins with the first 0xFF that is not followed by a
 /// zero and is not part of a restart marker.
@@ -71,7 +71,7 @@ bool has_too_many_scans(std::string_view bytes, std::size_t at) {
     int scans = 0;
     while (const auto segment = jpeg_segment(bytes, at)) {
         if (segment->marker == kJpegEnd) break;
-        if (segment->marker == kJpegScan && ++scans > kMostScans) return true;
+        if (segment->marker == kJpegScan && ++scans > kMaxScans) return true;
         at = end_of_scan(bytes, segment->end);
     }
     return false;
@@ -99,7 +99,7 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
             header.is_ink_jpeg = *channels == 4;
             if (has_too_many_scans(bytes, segment->end))
                 return failure(ErrorCode::Unusable,
-                               "the image is a JPEG with more than " + std::to_string(kMostScans) + " scans");
+                               "the image is a JPEG with more than " + std::to_string(kMaxScans) + " scans");
             return header;
         }
         at = segment->end;
@@ -157,7 +157,7 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     // colours.
     const uint64_t samples = std::min(directory.number(tiff::kSamplesPerPixel).value_or(1), 5U);
     const uint64_t pixel = samples * std::clamp((*bits + 7) / 8, 1U, 8U);
-    header.decoder_bytes = kConvertedBytes + (header.pixels() + kMostTilePixels) * (2 * pixel + 4);
+    header.decoder_bytes = kConvertedBytes + (header.pixels() + kMaxTilePixels) * (2 * pixel + 4);
     return header;
 }
 
@@ -217,7 +217,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
         }
         if (property.name == "pixi" && has_bytes(property)) sample = 1;
     }
-    if (header.width > kMostAvifSide || header.height > kMostAvifSide) return broken_image();
+    if (header.width > kMaxAvifSide || header.height > kMaxAvifSide) return broken_image();
     header.decoder_bytes = (header.width + kBorder) * (header.height + kBorder) * (kSamples * sample + kTables);
     return header;
 }
@@ -245,11 +245,11 @@ uint64_t webp_frames(std::string_view bytes) {
 
 /// Counts the pages of a TIFF, whose directories are a linked list. The maximum ends the count if the list is circular.
 uint64_t tiff_pages(std::string_view bytes) {
-    constexpr uint64_t kMost = 65'535;
+    constexpr uint64_t kMax = 65'535;
     const ByteReader reader(bytes, bytes.starts_with("MM"));
     uint64_t pages = 0;
     auto at = reader.read(4, 4);
-    while (at && *at != 0 && pages < kMost) {
+    while (at && *at != 0 && pages < kMax) {
         const auto entries = reader.read(*at, 2);
         if (!entries) break;
         ++pages;

@@ -36,11 +36,11 @@ struct ImageFile {
     std::shared_ptr<const std::string> decoded = {};  ///< owns the file if it was decoded from base64; otherwise null
 };
 
-/// Maximum number of pixels that the tiles of a TIFF may have beyond its picture, all tiles together.
-inline constexpr std::uint64_t kMostTilePixels = std::uint64_t{1} << 20;
+/// Maximum number of pixels that all tiles of a TIFF together may have outside its picture.
+inline constexpr std::uint64_t kMaxTilePixels = std::uint64_t{1} << 20;
 
 /// Longest side of an AVIF that its codec allows.
-inline constexpr std::uint64_t kMostAvifSide = 65'536;
+inline constexpr std::uint64_t kMaxAvifSide = 65'536;
 
 /// Recognises the format of an image file by its first bytes: PNG, JPEG, WebP, TIFF, GIF, BMP or AVIF.
 /// Errors: Malformed if there are no bytes; Unsupported for any other format. The message names the format, if it is

@@ -48,7 +48,7 @@ Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) 
     if (pixels_of(spec.width, spec.height) != header.pixels()) return broken_image();
     if (spec.depth > 1 || spec.deep) return unusual("more than two dimensions");
     if (spec.nchannels < 1 || spec.nchannels > kMaxChannels) return unusual("an unusual number of channels");
-    if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMostTilePixels)
+    if (spec.tile_width > 0 && pixels_of(spec.tile_width, spec.tile_height) > header.pixels() + kMaxTilePixels)
         return unusual("tiles much larger than the picture");
     return {};
 }

@@ -9,11 +9,7 @@ namespace ccdt::api {
 
 /// Rows of a picture as its file stores them, and the meaning of their samples.
 struct RowSource {
-    enum class Sample {
-        Byte,
-        Word,
-        Float
-    };  ///< 8-bit or 16-bit integers, whose largest value is full; floats, for which 1 is full
+    enum class Sample { Byte, Word, Float };  ///< type of samples; 1 as Float is equivalent to the largest integer
     enum class Curve { Srgb, Gamma, Linear };
 
     int width = 0;

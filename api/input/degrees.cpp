@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr double kLeastRatio = 1.1, kMostRatio = 100;
+constexpr double kLeastRatio = 1.1, kMaxRatio = 100;
 
 double cosine(double degrees) {
     return std::cos(degrees * kDegree);
@@ -25,12 +25,12 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     const double farthest = std::max(std::abs(south), std::abs(north));
     // Far from the equator, a degree of longitude is shorter by this factor, so a square kilometre has more points by
     // this factor.
-    const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMostRatio);
+    const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMaxRatio);
     if (ratio < kLeastRatio) return std::nullopt;
     std::string text =
         "points are even in degrees, not on the ground: if these are longitudes and latitudes, there are ";
     append_rounded(text, ratio, 2);
-    text += ratio < kMostRatio ? " times" : " times or more";
+    text += ratio < kMaxRatio ? " times" : " times or more";
     text += " as many to a square kilometre at latitude ";
     append_rounded(text, south + north >= 0 ? north : south, 2);
     text += " as at ";

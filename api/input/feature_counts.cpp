@@ -123,8 +123,8 @@ std::size_t FeatureCounts::total() const {
 Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites) {
     FeatureCounts result;
-    result.are_told = !counting.classes.empty();
-    result.classes = result.are_told ? counting.classes : std::vector<std::string>{*counting.property};
+    result.are_named = !counting.classes.empty();
+    result.classes = result.are_named ? counting.classes : std::vector<std::string>{*counting.property};
     result.counts.resize(features.value.size() * result.classes.size());
     double total = 0;
     for (std::size_t number = 0; number < result.classes.size(); ++number) {

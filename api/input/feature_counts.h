@@ -43,7 +43,7 @@ struct FeatureCounts {
     };
 
     std::vector<std::string> classes;  ///< names of properties, as in the features
-    bool are_told = false;             ///< whether the request named the classes; if so, answers name them too
+    bool are_named = false;            ///< whether the request named the classes; if so, answers name them too
     std::vector<std::size_t> counts;   ///< [features * classes]
     std::vector<Missing> missing;      ///< [classes]
 

@@ -49,10 +49,10 @@ public:
                 values.push_back(std::move(carried));
             }
         }
-        if (names_.size() > PropertyChoice::kMost)
+        if (names_.size() > PropertyChoice::kMax)
             return failure(
                 ErrorCode::LimitExceeded,
-                "the features have more than " + std::to_string(PropertyChoice::kMost) +
+                "the features have more than " + std::to_string(PropertyChoice::kMax) +
                     " different properties, the limit for points: list the names of those that points should carry",
                 option_);
         std::ranges::sort(values, {}, &CarriedProperties::Value::name);
@@ -80,7 +80,7 @@ private:
     std::optional<std::uint32_t> number_of(std::string_view name) {
         const std::string key(name);
         if (const auto found = numbers_.find(key); found != numbers_.end()) return found->second;
-        if (!choice_.all || names_.size() > PropertyChoice::kMost) return std::nullopt;
+        if (!choice_.all || names_.size() > PropertyChoice::kMax) return std::nullopt;
         add_name(key);
         return static_cast<std::uint32_t>(names_.size() - 1);
     }
@@ -89,15 +89,15 @@ private:
         std::size_t size = 0;
         for (const auto& [name, is_text, value] : carried_.of_feature.back())
             size += names_[name].size() + value.size();
-        if (size <= CarriedProperties::kMostOfFeature) return {};
+        if (size <= CarriedProperties::kMaxOfFeature) return {};
         const std::string own = pointer_below(pointer, "properties");
         return failure(ErrorCode::LimitExceeded,
                        own + ": the chosen properties take " + std::to_string(size) + " bytes; the limit is " +
-                           std::to_string(CarriedProperties::kMostOfFeature),
+                           std::to_string(CarriedProperties::kMaxOfFeature),
                        own);
     }
 
-    /// If answers use a name for their own purposes, appends underscores to the name until no other property has it.
+    /// Appends underscores to a name that answers use for their own purposes, until no other property has the name.
     void make_distinct(std::string& name) const {
         if (std::ranges::find(kOwnNames, name) == kOwnNames.end()) return;
         do name += '_';
@@ -134,7 +134,7 @@ Result<PropertyChoice> read_properties(const Input& input) {
     if (json == nullptr || json->is_string()) {
         if (trim(read_text(input).value()) == "*") return PropertyChoice{true, {}};
     }
-    return read_names(input, PropertyChoice::kMost, "property").map([](std::vector<std::string>&& names) {
+    return read_names(input, PropertyChoice::kMax, "property").map([](std::vector<std::string>&& names) {
         return PropertyChoice{false, std::move(names)};
     });
 }
@@ -219,9 +219,9 @@ Result<void> check_size(const CarriedProperties& carried, const std::vector<std:
     double size = 0;
     for (std::size_t i = 0; i < points.size(); ++i)
         size += static_cast<double>(points[i]) * static_cast<double>(carried.size_of(i));
-    if (size <= static_cast<double>(CarriedProperties::kMostInAll)) return {};
+    if (size <= static_cast<double>(CarriedProperties::kMaxInAll)) return {};
     return failure(ErrorCode::LimitExceeded,
-                   "the properties of all points take more than " + std::to_string(CarriedProperties::kMostInAll) +
+                   "the properties of all points take more than " + std::to_string(CarriedProperties::kMaxInAll) +
                        " bytes: choose fewer properties or fewer points",
                    option);
 }

@@ -14,12 +14,12 @@
 namespace ccdt::api {
 
 /// Reads a list of at most `most` names of properties. Errors: Malformed, also for a repeated name.
-/// @param one  what messages call one name, such as "a property"
+/// @param one  phrase for a single name in messages, such as "a property"
 Result<std::vector<std::string>> read_names(const Input& input, std::size_t most, std::string_view one);
 
 /// The feature properties that a request wants its points to carry.
 struct PropertyChoice {
-    static constexpr std::size_t kMost = 256;
+    static constexpr std::size_t kMax = 256;
 
     bool all = false;                ///< if true, there are no names
     std::vector<std::string> names;  ///< names as they are in the features, without repetition
@@ -30,8 +30,8 @@ Result<PropertyChoice> read_properties(const Input& input);
 
 /// Feature properties that answers repeat for each point.
 struct CarriedProperties {
-    static constexpr std::size_t kMostOfFeature = std::size_t{64} << 10;  ///< bytes, including names
-    static constexpr std::size_t kMostInAll = std::size_t{1} << 30;       ///< bytes in an answer, including names
+    static constexpr std::size_t kMaxOfFeature = std::size_t{64} << 10;  ///< bytes, including names
+    static constexpr std::size_t kMaxInAll = std::size_t{1} << 30;       ///< bytes in an answer, including names
 
     /// Value of a property.
     struct Value {
@@ -93,14 +93,14 @@ Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::str
 /// Answers have columns and members of their own: x, y, rank, feature, feature_id, class, color, sites. A property with
 /// one of these names gets an underscore at the end of its name.
 /// Errors: Malformed for properties that are neither an object nor null, and for a chosen name that no feature has;
-/// LimitExceeded for more than PropertyChoice::kMost different names, or more than CarriedProperties::kMostOfFeature
+/// LimitExceeded for more than PropertyChoice::kMax different names, or more than CarriedProperties::kMaxOfFeature
 /// bytes in a feature.
 Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::size_t> first_part, std::size_t parts,
                                   const PropertyChoice* choice, const std::string& option);
 
 /// Checks the total size of the properties in an answer that repeats them for each point.
 /// @param points  [features] number of points of each feature
-/// Errors: LimitExceeded for more than CarriedProperties::kMostInAll bytes, with the field `option`.
+/// Errors: LimitExceeded for more than CarriedProperties::kMaxInAll bytes, with the field `option`.
 Result<void> check_size(const CarriedProperties& carried, const std::vector<std::size_t>& points,
                         const std::string& option);
 

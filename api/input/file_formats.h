@@ -9,9 +9,9 @@ namespace ccdt::api {
 /// Names of a file format.
 struct FileFormat {
     std::string_view name;        ///< value of the option `format`
-    std::string_view title;       ///< for people
-    std::string_view extension;   ///< of file names
-    std::string_view media_type;  ///< in Accept and Content-Type
+    std::string_view title;       ///< name shown to users
+    std::string_view extension;   ///< extension of file names
+    std::string_view media_type;  ///< media type in Accept and Content-Type
     std::string_view parameters;  ///< appended to the media type in Content-Type
 
     std::string content_type() const { return std::string(media_type) += parameters; }

@@ -14,7 +14,7 @@ constexpr std::size_t kMaxMembers = 64;
 constexpr std::size_t kMaxExcerpt = 64;
 
 /// Maximum number of errors reported in addition to the first one. Each of them may list all possible values.
-constexpr std::size_t kMostOthers = 9;
+constexpr std::size_t kMaxOthers = 9;
 
 std::optional<std::uint64_t> integer_of(const Input& input) {
     if (const auto* text = std::get_if<std::string_view>(&input.value)) return parse_number<std::uint64_t>(*text);
@@ -144,7 +144,7 @@ void ErrorList::add(const Error& error) {
     auto& others = first_->others;
     others.push_back({error.code, error.message, error.field});
     others.insert(others.end(), error.others.begin(), error.others.end());
-    if (others.size() > kMostOthers) others.resize(kMostOthers);
+    if (others.size() > kMaxOthers) others.resize(kMaxOthers);
 }
 
 Result<void> ErrorList::result() const {

@@ -50,7 +50,7 @@ Result<bool> read_boolean(const Input& input);
 Result<std::string_view> read_text(const Input& input);
 
 /// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed.
-/// @param one  what messages call a member that is given as text
+/// @param one  phrase in messages for a member that is given as text
 /// @returns    an input for each member; an empty list if there are no members, or more than `most`
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 

@@ -214,11 +214,11 @@ private:
 };
 
 std::string names_of(JsonValue objects) {
-    constexpr std::size_t kMost = 10;
+    constexpr std::size_t kMax = 10;
     std::string names;
     std::size_t count = 0;
     for (const auto& [name, value] : objects.members()) {
-        if (count++ == kMost) return names + " and others";
+        if (count++ == kMax) return names + " and others";
         names.append(names.empty() ? "" : ", ").append(excerpt(name));
     }
     return names;

@@ -44,11 +44,11 @@ std::vector<std::string> list_shapefiles(const ZipArchive& archive) {
 }
 
 std::string join_names(std::span<const std::string> names) {
-    constexpr std::size_t kMost = 10;
+    constexpr std::size_t kMax = 10;
     std::string list;
-    for (std::size_t i = 0; i < std::min(names.size(), kMost); ++i)
+    for (std::size_t i = 0; i < std::min(names.size(), kMax); ++i)
         list.append(i == 0 ? "" : ", ").append(excerpt(names[i]));
-    return names.size() > kMost ? list + " and others" : list;
+    return names.size() > kMax ? list + " and others" : list;
 }
 
 /// Chooses a shapefile by its path or its file name, without the extension.

@@ -112,7 +112,7 @@ OpenShapefile open_parts(const ShapefileParts& parts) {
 
 /// Field of the table of properties.
 struct Field {
-    std::string name;  ///< as a JSON string
+    std::string name;  ///< name of the field, as a JSON string
     char type = 'C';   ///< type in the file
 };
 

@@ -37,8 +37,8 @@ Result<void> read_shapefile(std::string_view archive, const ShapefileReading& re
 /// either the largest record with its corners and rings or the index of all records.
 constexpr std::size_t shapefile_memory(std::size_t max_bytes) {
     constexpr std::size_t kBase = std::size_t{16} << 20;
-    constexpr std::size_t kMostOfCorners = std::size_t{96} << 20;
-    return kBase + 2 * max_bytes + std::min(4 * max_bytes, kMostOfCorners);
+    constexpr std::size_t kMaxOfCorners = std::size_t{96} << 20;
+    return kBase + 2 * max_bytes + std::min(4 * max_bytes, kMaxOfCorners);
 }
 
 }  // namespace ccdt::api

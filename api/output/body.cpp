@@ -7,43 +7,43 @@
 namespace ccdt::api {
 namespace {
 
-/// Number of bytes that are usually written between two calls of hand_on().
+/// Number of bytes that are usually written between two calls of flush().
 constexpr std::size_t kBetween = std::size_t{1} << 20;
 
 }  // namespace
 
 void Body::expect(std::size_t bytes) {
-    text_.reserve(taker_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
+    text_.reserve(sink_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
 }
 
-bool Body::hand_on() {
-    if (taker_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) hand_all_on();
-    return taken_.has_value();
+bool Body::flush() {
+    if (sink_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) flush_all();
+    return written_.has_value();
 }
 
-void Body::hand_all_on() {
+void Body::flush_all() {
     if (!std::exchange(begun_, true)) {
         Answer head = *head_;
         // A stop may have ended the search for a shorter path, so another run may give other bytes.
         head.repeats = head.repeats && !path_stop_.stop_requested();
         head.plot_seconds = plot_seconds_;
-        taken_ = taker_->begin(head);
+        written_ = sink_->begin(head);
     }
-    for (std::string_view rest = text_; !rest.empty() && taken_; rest.remove_prefix(std::min(kPiece, rest.size())))
-        taken_ = taker_->take(rest.substr(0, kPiece));
+    for (std::string_view rest = text_; !rest.empty() && written_; rest.remove_prefix(std::min(kPiece, rest.size())))
+        written_ = sink_->write(rest.substr(0, kPiece));
     text_.clear();
 }
 
 Result<Answer> Body::finish(Answer answer) {
     if (begun_) {
-        hand_all_on();
+        flush_all();
     } else {
         answer.body = std::move(text_);
         answer.repeats = answer.repeats && !path_stop_.stop_requested();
     }
     answer.plot_seconds = plot_seconds_;
     answer.streamed = begun_;
-    if (!taken_) return tl::unexpected(taken_.error());
+    if (!written_) return tl::unexpected(written_.error());
     return answer;
 }
 

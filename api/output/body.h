@@ -14,21 +14,21 @@
 
 namespace ccdt::api {
 
-/// Receives an answer whose body is too large for memory, in pieces. After one of its functions has returned an error,
-/// none is called again.
-class BodyTaker {
+/// Receives, in pieces, an answer whose body is too large for memory. After one of the functions has returned an error,
+/// no function is called again.
+class BodySink {
 public:
-    virtual ~BodyTaker() = default;
+    virtual ~BodySink() = default;
 
     /// Receives the answer without its body. Called once, before the first piece.
     virtual Result<void> begin(const Answer& head) = 0;
 
     /// Receives a piece of the body, of at most Body::kPiece bytes.
-    virtual Result<void> take(std::string_view piece) = 0;
+    virtual Result<void> write(std::string_view piece) = 0;
 };
 
 /// Body of an answer that is being written. A body of up to kWhole bytes is kept in memory. A larger body goes to the
-/// taker, if there is one, in pieces while it is written.
+/// sink, if there is one, in pieces while it is written.
 class Body {
 public:
     static constexpr std::size_t kWhole = std::size_t{4} << 20;
@@ -38,47 +38,47 @@ public:
     Body() = default;
 
     /// @param head       the answer without its body
-    /// @param taker      null: the whole body is kept in memory
+    /// @param sink       null: the whole body is kept in memory
     /// @param path_stop  token that shortens the search for paths; if it is stopped before the first piece is passed
     ///                   on, the answer is marked as not repeatable
-    /// The head and the taker must outlive this object.
-    Body(const Answer& head, BodyTaker* taker, std::stop_token path_stop)
-        : head_(&head), taker_(taker), path_stop_(std::move(path_stop)) {}
+    /// The head and the sink must outlive this object.
+    Body(const Answer& head, BodySink* sink, std::stop_token path_stop)
+        : head_(&head), sink_(sink), path_stop_(std::move(path_stop)) {}
 
-    /// Returns the text to which a writer appends. The writer must call hand_on() from time to time.
+    /// Returns the text to which a writer appends. The writer must call flush() from time to time.
     std::string& text() { return text_; }
 
     /// Reserves memory for a body of this size, or for the part that is in memory at once.
     void expect(std::size_t bytes);
 
     /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
-    void tell_plot(double seconds) { plot_seconds_ = seconds; }
+    void set_plot_seconds(double seconds) { plot_seconds_ = seconds; }
 
-    /// Passes the text written so far to the taker, if the text is long enough.
-    /// @returns  false if the taker failed, so that further writing has no effect
-    bool hand_on();
+    /// Passes the text written so far to the sink, if the text is long enough.
+    /// @returns  false if the sink failed, so that further writing has no effect
+    bool flush();
 
-    /// Ends the body. If the taker has received a piece, passes the remaining text to the taker. Otherwise stores the
-    /// text as the body of the answer. Errors: those of the taker.
+    /// Ends the body. If the sink has received a piece, passes the remaining text to the sink. Otherwise stores the
+    /// text as the body of the answer. Errors: those of the sink.
     Result<Answer> finish(Answer answer);
 
 private:
-    void hand_all_on();
+    void flush_all();
 
     const Answer* head_ = nullptr;
-    BodyTaker* taker_ = nullptr;
+    BodySink* sink_ = nullptr;
     std::stop_token path_stop_;
     std::string text_;
     std::optional<double> plot_seconds_;
     bool begun_ = false;
-    Result<void> taken_;
+    Result<void> written_;
 };
 
-/// Returns the number of list elements between two calls of hand_on().
+/// Returns the number of list elements between two calls of flush().
 /// @param extra  bytes of each element in addition to a few numbers
 inline std::size_t stride_of(std::size_t extra) {
-    constexpr std::size_t kMost = 4'096;
-    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMost);
+    constexpr std::size_t kMax = 4'096;
+    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMax);
 }
 
 }  // namespace ccdt::api

@@ -49,7 +49,7 @@ template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_inks(std::span<const InkDots> inks, const Palette&, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     const Plot plot = plot_of(inks, page, drawing, path_stop);
-    body.tell_plot(plot.seconds());
+    body.set_plot_seconds(plot.seconds());
     write(plot, body, stop);
 }
 
@@ -57,7 +57,7 @@ template <void (&write)(const Plot&, Body&, const std::stop_token&)>
 void plot_map(const MapOfDots& map, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
               const std::stop_token& path_stop, const std::stop_token& stop) {
     const Plot plot = plot_of(map, page, drawing, path_stop, stop);
-    body.tell_plot(plot.seconds());
+    body.set_plot_seconds(plot.seconds());
     write(plot, body, stop);
 }
 

@@ -52,14 +52,14 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the taker of
+/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the sink of
 /// the body fails.
 template <class Element, class AppendElement>
 void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
     std::string& out = body.text();
     out += '[';
     for (std::size_t i = 0; i < list.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
         if (i > 0) out += ',';
         append_element(out, list[i]);
     }
@@ -290,7 +290,7 @@ void append_map_run(std::string& out, const MapOfDots& map, const Report& report
     append_remarks(out, stopped, report);
 }
 
-/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the taker of the
+/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the sink of the
 /// body fails.
 template <class NumberOf>
 void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
@@ -300,7 +300,7 @@ void write_column(Body& body, std::string_view name, const MapOfDots& map, Numbe
     std::size_t written = 0;
     for (std::size_t c = 0; c < map.classes.size(); ++c) {
         for (std::size_t i = 0; i < map.classes[c].dots.feature_of.size(); ++i) {
-            if (written % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) return;
+            if (written % kStopStride == 0 && (!body.flush() || stop.stop_requested())) return;
             if (written++ > 0) out += ',';
             append_number(out, static_cast<std::uint64_t>(number_of(c, i)));
         }
@@ -318,12 +318,12 @@ std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
     return counts;
 }
 
-/// Writes the features with their numbers of points. Ends early if the taker of the body fails.
+/// Writes the features with their numbers of points. Ends early if the sink of the body fails.
 void write_features(Body& body, const MapOfDots& map) {
     const auto counts = counts_of(map);
     std::size_t feature = 0;
     append_array(body.text(), map.feature_ids, [&](std::string& to, const std::string& id) {
-        if (!body.hand_on()) return;
+        if (!body.flush()) return;
         to += '{';
         if (!id.empty()) to.append("\"id\":").append(id).append(",");
         std::uint64_t all = 0;
@@ -396,7 +396,7 @@ constexpr Separators kListed{"", ",\n", ""};
 constexpr Separators kLines{"", "", "\n"};
 constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 
-/// Writes a Feature for each point. Ends early on a stop, or if the taker of the body fails.
+/// Writes a Feature for each point. Ends early on a stop, or if the sink of the body fails.
 /// @param ranks       ranks of the points; empty if there are none
 /// @param properties  properties that all points share, each followed by a comma
 /// @param is_first    whether these points are the first of the answer
@@ -407,7 +407,7 @@ void write_single_points(Body& body, std::span<const Point> points, std::span<co
     const std::string_view all = properties.substr(0, properties.size() - (ranks.empty() && !properties.empty()));
     std::string& out = body.text();
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % stride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        if (i % stride == 0 && (!body.flush() || stop.stop_requested())) break;
         out += is_first && i == 0 ? separators.before_first : separators.before_others;
         out.append(R"({"type":"Feature","properties":{)").append(all);
         if (!ranks.empty()) {
@@ -481,7 +481,7 @@ void write_map_json(const MapOfDots& map, const Report& report, Body& body, cons
     for (const MapDots& each : map.classes) {
         const std::span<const Point> points = each.dots.dots.points;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+            if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
             if (!std::exchange(first, false)) out += ',';
             append_point(out, points[i]);
         }

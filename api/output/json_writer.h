@@ -26,7 +26,7 @@ struct PictureSize {
 /// Remark about a part of a request that may not mean what its sender intended.
 struct Warning {
     std::string field;   ///< JSON Pointer in the request
-    std::string detail;  ///< text for people
+    std::string detail;  ///< readable text
 };
 
 /// Members of a JSON answer other than the points.
@@ -36,7 +36,7 @@ struct Report {
     std::optional<PictureSize> picture;
     std::string_view method = "ccdt";
     std::span<const Repair> repairs = {};    ///< repairs of polygons; fields are JSON Pointers
-    std::optional<DotSize> dots = {};        ///< of a halftone
+    std::optional<DotSize> dots = {};        ///< size of the dots of a halftone
     std::span<const Warning> warnings = {};  ///< about the request
     std::optional<double> pitch_m = {};      ///< for points on the globe: square root of the area per point, metres
 };

@@ -24,10 +24,10 @@ struct Release {
 };
 
 cairo_status_t hand_to(void* body, const unsigned char* data, unsigned size) {
-    auto& taker = *static_cast<Body*>(body);
+    auto& target = *static_cast<Body*>(body);
     try {
-        taker.text().append(reinterpret_cast<const char*>(data), size);
-        return taker.hand_on() ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
+        target.text().append(reinterpret_cast<const char*>(data), size);
+        return target.flush() ? CAIRO_STATUS_SUCCESS : CAIRO_STATUS_WRITE_ERROR;
     } catch (const std::exception&) {
         return CAIRO_STATUS_NO_MEMORY;
     }
@@ -224,7 +224,7 @@ void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, con
 }
 
 void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body, const std::stop_token& stop) {
-    body.tell_plot(plot.seconds());
+    body.set_plot_seconds(plot.seconds());
     PdfPage page(plot.page.size(), body, stop);
     if (plot.style == DotStyle::Fill) page.paper(palette.paper);
     for (const Pen& pen : plot.pens) {

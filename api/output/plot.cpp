@@ -81,7 +81,7 @@ double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius
         1.2;  // typical sum of the areas of all dots, divided by the area that the dots cover together
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
     const double each = radius.value_or(fitting);
-    if (drawing.has_turns() && each > kMostTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
+    if (drawing.has_turns() && each > kMaxTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();
     const double drawn = length(dot_stroke(drawing.style, each, drawing.pen_mm));
     const double lifts = drawing.style == DotStyle::Path ? 1 : dots;
     const double moved = ink.spread * std::sqrt(dots / ink.area) + dots * drawn;
@@ -99,20 +99,20 @@ std::vector<Point> dot_stroke(DotStyle style, double radius, double pen) {
 }
 
 Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field) {
-    if (!drawing.has_turns() || radius * page.unit() <= kMostTurns * drawing.pen_mm) return {};
+    if (!drawing.has_turns() || radius * page.unit() <= kMaxTurns * drawing.pen_mm) return {};
     std::string message = "pen is ";
     append_shortest(message, drawing.pen_mm);
     message += " mm wide, but dots have a radius of ";
     append_rounded(message, radius * page.unit(), 2);
-    message += " mm: filling a dot would take more than " + std::to_string(kMostTurns) +
+    message += " mm: filling a dot would take more than " + std::to_string(kMaxTurns) +
                " turns; choose a wider pen or more sites";
     return failure(ErrorCode::Unusable, std::move(message), field);
 }
 
 Result<void> check_sides(const Page& page, const std::string& field) {
-    constexpr double kLeast = 0.01, kMost = 100'000;
+    constexpr double kLeast = 0.01, kMax = 100'000;
     const Point size = page.size();
-    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMost) return {};
+    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMax) return {};
     std::string message = "width_mm makes a page of ";
     append_shortest(message, size.x);
     message += " x ";

@@ -63,16 +63,16 @@ struct PlotInk {
 double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing);
 
 /// Maximum number of circles, or turns of a spiral, that fill a dot.
-inline constexpr int kMostTurns = 50;
+inline constexpr int kMaxTurns = 50;
 
 /// Returns the polyline with which a pen fills a dot in the styles Circles and Spiral, relative to the dot's centre.
 /// Neighbouring circles or turns are at most one width of the pen apart. The polyline deviates from the exact curve by
 /// at most a fiftieth of that width.
-/// @param radius  at most kMostTurns widths of the pen
+/// @param radius  at most kMaxTurns widths of the pen
 /// @returns       one point, the centre, for other styles and for dots that are not wider than the pen
 std::vector<Point> dot_stroke(DotStyle style, double radius, double pen);
 
-/// Checks that a pen is wide enough to fill a dot with at most kMostTurns circles or turns.
+/// Checks that a pen is wide enough to fill a dot with at most kMaxTurns circles or turns.
 /// @param radius  radius of the dots, in the units of the points
 /// @param field   field of the option `pen`
 /// Errors: Unusable.

@@ -23,7 +23,7 @@ namespace {
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
 constexpr std::size_t kUsualDot = 64;   // bytes of a dot
 constexpr int kDigits = 6;              // significant digits of the longer side of a page
-constexpr int kMostDecimals = 300;
+constexpr int kMaxDecimals = 300;
 
 /// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
 /// around the drawing.
@@ -93,7 +93,7 @@ public:
           width_(page.size().x),
           height_(page.size().y),
           decimals_(
-              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMostDecimals)) {
+              std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
         body_.expect(dots * kUsualDot);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
@@ -179,7 +179,7 @@ private:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
             : document_(document), touch_(touch), stop_(stop) {}
 
-        bool goes_on() { return document_.body_.hand_on() && !stop_.stop_requested(); }
+        bool goes_on() { return document_.body_.flush() && !stop_.stop_requested(); }
 
         void begin(Point at) {
             if (points_ == 0) document_.write("<path d=\"");
@@ -227,10 +227,10 @@ private:
         write("</g>\n");
     }
 
-    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the taker of the body fails.
+    /// Calls function(first, end) for ranges of kChunk dots. Ends early on a stop, or if the sink of the body fails.
     template <class Function>
     void for_chunks(const PlacedPath& centres, const std::stop_token& stop, Function&& function) {
-        for (std::size_t i = 0; i < centres.size() && body_.hand_on() && !stop.stop_requested(); i += kChunk)
+        for (std::size_t i = 0; i < centres.size() && body_.flush() && !stop.stop_requested(); i += kChunk)
             function(i, std::min(i + kChunk, centres.size()));
     }
 
@@ -397,7 +397,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
     const bool layered = are_named(inks);
     const bool has_paper = drawing.style == DotStyle::Fill;
     const Plot plot = plot_of(inks, page, drawing, path_stop);
-    if (page.width_mm) body.tell_plot(plot.seconds());
+    if (page.width_mm) body.set_plot_seconds(plot.seconds());
     DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
     for (std::size_t i = 0; i < inks.size(); ++i) {
@@ -413,7 +413,7 @@ void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page
 void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                    Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
     const Plot plot = plot_of(map, page, drawing, path_stop, stop);
-    if (page.width_mm) body.tell_plot(plot.seconds());
+    if (page.width_mm) body.set_plot_seconds(plot.seconds());
     DotDocument document(page, map.size(), kLayers, body);
     if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
     for (std::size_t number = 0; number < map.classes.size(); ++number) {

@@ -23,7 +23,7 @@ void write_lines(Body& body, std::span<const Point> points, std::span<const std:
     std::string& out = body.text();
     const std::size_t stride = stride_of(end.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % stride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        if (i % stride == 0 && (!body.flush() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
         out += ',';
         append_shortest(out, points[i].y);
@@ -55,7 +55,7 @@ template <class Rest>
 void write_rows(Body& body, std::span<const Point> points, std::size_t columns, Rest rest,
                 const std::stop_token& stop) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
         const auto [third, fourth, fifth] = rest(i);
         const std::array<double, 5> row = {points[i].x, points[i].y, third, fourth, fifth};
         body.text().append(reinterpret_cast<const char*>(row.data()), columns * sizeof(double));
@@ -85,7 +85,7 @@ void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop
     for (const InkDots& kind : kinds) {
         const auto& [dots, flips, grounds] = *kind.two_sides;
         for (std::size_t i = 0; i < dots.radii.size(); ++i) {
-            if (i % kStopStride == 0 && (!body.hand_on() || stop.stop_requested())) break;
+            if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
             append_shortest(out, kind.dots.points[i].x);
             out += ',';
             append_shortest(out, kind.dots.points[i].y);

@@ -28,8 +28,8 @@ constexpr std::string_view kTickLine = R"(stroke="#000")";
 constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")";
 constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
 
-constexpr double kMostShown = 2500;  // maximum number of points; more points would look grey
-constexpr double kWhitest = 3;       // smallest power that is drawn white
+constexpr double kMaxShown = 2500;  // maximum number of points; more points would look grey
+constexpr double kWhitest = 3;      // smallest power that is drawn white
 
 std::string decimal(double value) {
     char digits[32];
@@ -140,9 +140,9 @@ struct View {
     }
 };
 
-/// Selects the whole domain, or a part in its middle that would contain kMostShown points if they were spread evenly.
+/// Selects the whole domain, or a part in its middle that would contain kMaxShown points if they were spread evenly.
 View view_of(std::size_t points, const Box& domain) {
-    const double share = std::min(1.0, kMostShown / static_cast<double>(points));
+    const double share = std::min(1.0, kMaxShown / static_cast<double>(points));
     const double side = std::sqrt(share * domain.width()) * std::sqrt(domain.height());
     const auto half = [&](double length) { return (share < 1 ? std::min(length, side) : length) / 2; };
     const Point centre{middle(domain.min.x, domain.max.x), middle(domain.min.y, domain.max.y)};
@@ -195,9 +195,9 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
 /// Draws the spectrum. If the spectrum is large, a pixel shows the mean of several frequencies. If it is small, a
 /// frequency has several pixels, because some viewers blur pictures when they enlarge them.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
-    constexpr int kMostPixels = 640, kFewestPixels = 480;
+    constexpr int kMaxPixels = 640, kFewestPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);
-    const int shrink = (side + kMostPixels - 1) / kMostPixels;
+    const int shrink = (side + kMaxPixels - 1) / kMaxPixels;
     const int repeat = (kFewestPixels + side - 1) / side;
     const int columns = (spectrum.width + shrink - 1) / shrink, rows = (spectrum.height + shrink - 1) / shrink;
     Periodogram result{{columns * repeat, rows * repeat, 0, {}}, {double(columns) * shrink, double(rows) * shrink}};
@@ -247,11 +247,11 @@ void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequenci
 }
 
 void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
-    constexpr double kMost = 40;  // dB; rings beyond these have almost no power
+    constexpr double kMax = 40;  // dB; rings beyond these have almost no power
     const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
     const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
-    const double least = std::max(std::min(low, isotropic - 5), isotropic - kMost);
-    const double most = std::min(std::max(high, isotropic + 5), isotropic + kMost);
+    const double least = std::max(std::min(low, isotropic - 5), isotropic - kMax);
+    const double most = std::min(std::max(high, isotropic + 5), isotropic + kMax);
     const Chart chart{kAnisotropy, frequencies, Axis::around(least, most)};
     draw_title(svg, kAnisotropy, "Anisotropy, dB");
     draw_reference(svg, chart, isotropic, "isotropic");

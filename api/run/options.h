@@ -48,7 +48,7 @@ struct DotSize {
 struct Answer {
     std::string media_type;
     std::string body;
-    bool streamed = false;      ///< whether the body went to a BodyTaker in pieces
+    bool streamed = false;      ///< whether the body went to a BodySink in pieces
     std::string coding = {};    ///< compression of the body; empty: none
     std::size_t sites = 0;      ///< number of sites that were placed
     std::size_t pixels = 0;     ///< number of pixels that were decoded

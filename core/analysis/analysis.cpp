@@ -180,21 +180,21 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the powers of sets to a spectrum. Computes all frequencies at once; if that needs too large a grid, computes
-/// one part of the frequencies after another.
+/// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in several parts if a single grid would
+/// be too large.
 class Periodogram {
 public:
     /// All arguments must outlive this object.
     Periodogram(const Frame& frame, const Plan& plan, Spectrum& spectrum)
         : frame_(frame), plan_(plan), spectrum_(spectrum) {
-        constexpr auto kMost = static_cast<double>(kMostCells);
-        if (NonuniformTransform::cells(plan.highest_x, plan.highest_y) <= kMost) {
+        constexpr auto kMax = static_cast<double>(kMaxCells);
+        if (NonuniformTransform::cells(plan.highest_x, plan.highest_y) <= kMax) {
             whole_.emplace(plan.highest_x, plan.highest_y);
             return;
         }
         // Each part needs two grids. The parts are as square as possible.
-        const int even = static_cast<int>(std::sqrt(kMost / 2) / 4);
-        const auto longest = [&](int other) { return static_cast<int>(kMost / 2 / (4 * std::max(other, 6))) / 4; };
+        const int even = static_cast<int>(std::sqrt(kMax / 2) / 4);
+        const auto longest = [&](int other) { return static_cast<int>(kMax / 2 / (4 * std::max(other, 6))) / 4; };
         reach_y_ = std::min(plan.highest_y, plan.highest_x < even ? longest(plan.highest_x) : even);
         reach_x_ = std::min(plan.highest_x, longest(reach_y_));
         part_.emplace(reach_x_, reach_y_);

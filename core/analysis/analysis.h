@@ -42,31 +42,32 @@ struct Analysis {
     double unit = 0;                    ///< unit of frequencies: sqrt(n / area), near the principal frequency
     std::vector<double> frequency;      ///< frequencies of the rings, in units of `unit`
     std::vector<double> power;          ///< mean power of each ring
-    std::vector<double> anisotropy_db;  ///< variance over squared mean power of each ring; isotropic: -10 log10(sets)
+    std::vector<double> anisotropy_db;  ///< variance / squared mean of each ring's power; -10 log10(sets) if isotropic
 
     /// Mean power of the frequencies below 0.5; none if there are no such frequencies.
     std::optional<double> low_frequency_power;
 
     Spectrum spectrum;
 
-    /// Distances to the nearest neighbour, relative to the neighbour distance of the densest packing, sqrt(2 / (sqrt(3)
-    /// n)) for unit area. The least and the mean distance of each set, averaged over the sets.
+    /// Least and mean distance of a set's points to their nearest neighbours, averaged over the sets. The unit is the
+    /// neighbour distance of the densest packing, sqrt(2 / (sqrt(3) n)) for unit area.
     double min_distance = 0;
     double mean_distance = 0;
 };
 
 /// Measures the spectrum and the spacing of sets of points, with the conventions of Lagae and Dutre 2008.
 ///
-/// The frequencies are those that fit the domain, (i / width, j / height). P = |F|^2 / n, averaged over the sets, where
-/// F(f) = sum over points of e^(-2 pi i f.x). Rings are 1 / sqrt(area) wide. Ring r >= 1 contains the frequencies of
-/// which the magnitude, in units of that width, is nearest to r. Rings with fewer than two pairs of opposite
-/// frequencies +-f are left out.
+/// All frequencies (i / width, j / height) with whole numbers i and j are measured, because waves of these frequencies
+/// fit the domain. P = |F|^2 / n, averaged over the sets, where F(f) = sum over points of e^(-2 pi i f.x). Rings are 1
+/// / sqrt(area) wide. Ring r >= 1 contains the frequencies whose magnitude, in units of the width of a ring, is nearest
+/// to r. Rings with fewer than two pairs of opposite frequencies +-f are left out.
 ///
 /// A rectangle is treated as a window on a larger pattern. Points are weighted by w, Hann's window along both axes (the
 /// mean of w^2 is 1), and P = |F - d W|^2 / (sum of w^2). W is the window's own transform. d is the density in the
 /// middle of the window, four fifths of each side; d times the area also replaces n above. Frequencies (i, j) with |i|
 /// <= 1 and |j| <= 1 lie under the window's lobe and are left out of curves and means. Distances are not weighted. The
-/// window correlates neighbouring frequencies, so the anisotropy can only be compared with that of other windows.
+/// window correlates neighbouring frequencies. So the anisotropy of a window can only be compared with the anisotropy
+/// of other windows.
 ///
 /// @param sets    [s][n], at least 1 set of at least 2 points, in the domain's coordinates, inside or on its border
 /// @param domain  a rectangle or a torus
@@ -76,17 +77,19 @@ struct Analysis {
 /// need more than kMaxTransformCells, i.e. max_frequency^2 n above 33 million; Stopped. `field` is the option's name or
 /// a JSON Pointer relative to the sets: /set/point.
 /// Deterministic. The error of the square root of a power is below 1e-9, or 1e-10 sqrt(n) for lattices.
-/// O(s (n + N log N)), with N = 16 max_frequency^2 n cells of 16 bytes; 16,384 points to frequency 4 take about 0.1 s.
-/// If N exceeds kMostCells, half a gigabyte, the frequencies are divided into parts, each computed on a grid of at most
-/// this size. The points are spread again for each part. 2 million points to frequency 4 take 20 s and 1.7 GB. That
-/// includes the spectrum, which needs 2 bytes for each of the N cells.
+/// O(s (n + N log N)), with N = 16 max_frequency^2 n cells of 16 bytes. With max_frequency = 4, 16,384 points take
+/// about 0.1 s. If N exceeds kMaxCells (half a gigabyte), the frequencies are divided into parts. Each part is
+/// computed on a grid of at most this size. The points are spread again for each part. With max_frequency = 4, 2
+/// million points take 20 s and 1.7 GB. The memory includes the spectrum, with 2 bytes for each of the N cells.
 ///
 /// Sources: Ulichney 1987; Bartlett 1955. Departure: the mean is subtracted from windows.
 Result<Analysis> analyse(std::span<const std::vector<Point>> sets, const Domain& domain, const AnalysisOptions& options,
                          const std::stop_token& stop = {});
 
-/// Largest number of cells that the transform of a set may need, and largest number of cells of one grid.
+/// Largest number of cells that the transform of a set may need.
 inline constexpr std::size_t kMaxTransformCells = std::size_t{1} << 29;
-inline constexpr std::size_t kMostCells = std::size_t{1} << 25;
+
+/// Largest number of cells of one grid.
+inline constexpr std::size_t kMaxCells = std::size_t{1} << 25;
 
 }  // namespace ccdt

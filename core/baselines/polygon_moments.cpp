@@ -27,9 +27,9 @@ Moments even_moments(std::span<const Point> corners, Point from) {
 
 SquaredDensity::SquaredDensity(const Domain& domain, const Density& density) {
     if (density.is_uniform()) return;
-    constexpr double kMostCells = 4194304;
+    constexpr double kMaxCells = 4194304;
     const double cells = static_cast<double>(density.width()) * density.height();
-    const double block = std::max(1.0, std::sqrt(cells / kMostCells));
+    const double block = std::max(1.0, std::sqrt(cells / kMaxCells));
     columns_ = std::max(1, static_cast<int>(density.width() / block));
     rows_ = std::max(1, static_cast<int>(density.height() / block));
     to_grid_ = {columns_ / domain.unit_bounds().width(), rows_ / domain.unit_bounds().height()};

@@ -36,10 +36,10 @@ public:
 
     /// Moves all sites and restores the Delaunay property. If a site would leave the domain or come too close to its
     /// border, the site moves only half of the way, or a quarter, and so on.
-    /// @param wanted  [sites] finite; on a torus any copy
-    /// @returns       false, without any change, if the domain is too thin even for shortened moves
+    /// @param wanted  [sites] finite; on a torus, any periodic copy
+    /// @returns       false, without moving any site, if the domain is too thin even for shortened moves
     ///
-    /// O(sites); several times faster if no triangle is inverted on the way.
+    /// O(sites); several times faster if the moves invert no triangle.
     bool move(std::span<const Point> wanted);
 
     /// Calls `step` until it returns false because nothing moves, options.iterations are completed, the variation is

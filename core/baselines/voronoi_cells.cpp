@@ -60,7 +60,8 @@ private:
     double tiny_;  ///< mass below which a part is not divided
     std::vector<Moments> cells_;
 
-    /// A stack of sites: those that can be nearest to some point of a part, then those for its half, and so on.
+    /// A stack of sites: the sites that can be nearest to some point of a part, then the sites for one half of this
+    /// part, and so on.
     std::vector<SiteTree::Found> near_;
     std::vector<Point> polygon_, clipped_;
     std::size_t clips_ = 0;

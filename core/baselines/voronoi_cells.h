@@ -23,7 +23,7 @@ public:
     VoronoiCells(const Domain& domain, const Triangulation& mesh, const Density& density);
 
     /// Integrates over the cells of all sites.
-    /// @param sites  [n >= 1] distinct; on a torus any copy
+    /// @param sites  [n >= 1] distinct; on a torus, any periodic copy
     /// @param stop   polled regularly
     /// @returns      [n] with first moments relative to the site; incomplete after a stop
     ///

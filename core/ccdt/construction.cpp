@@ -216,8 +216,8 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Whether single sites are relocated after the current iteration. It is so late that surpluses can be told from sites
-/// still on their way, and so early that further iterations follow.
+/// Whether single sites are relocated after the current iteration. This iteration is late enough to distinguish
+/// surpluses from sites that are still moving, and early enough for further iterations to follow.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&

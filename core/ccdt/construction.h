@@ -44,7 +44,7 @@ public:
     /// @returns  false after a stop
     bool iterate();
 
-    /// The steps of the polish, which may be used until finish().
+    /// Returns the steps of the polish. Must not be used after finish().
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 

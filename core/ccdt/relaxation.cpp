@@ -177,7 +177,7 @@ void Relaxation::Group::clear() {
 }
 
 /// Stores new records: in `memory` if they fit, else in the group.
-void Relaxation::Group::keep(const Batches& batches, std::span<std::uint32_t> memory) {
+void Relaxation::Group::store(const Batches& batches, std::span<std::uint32_t> memory) {
     for (std::size_t kind = 0; kind < kKinds; ++kind)
         begins[kind + 1] = begins[kind] + static_cast<std::uint32_t>(batches[kind].size());
     std::uint32_t* to = memory.data();
@@ -230,7 +230,7 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
             group.others.push_back(v);
         }
     }
-    group.keep(
+    group.store(
         batches,
         std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
@@ -265,7 +265,7 @@ void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) 
             }
         }
     }
-    group.keep(batches, {});
+    group.store(batches, {});
 }
 
 /// Returns the level of the block that contains a site and all its free neighbours.
@@ -294,9 +294,9 @@ double Relaxation::mean_doubled_area() const {
 /// @param first, size  range of sites in the group
 /// @returns            false, without any change, if the site has free neighbours outside the group
 bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std::uint32_t first, std::uint32_t size) {
-    constexpr std::size_t kMost = 2 * kMostPairs;
-    std::array<std::uint32_t, 2 + 2 * kMost> record;
-    std::array<std::uint32_t, kMost> triangles;
+    constexpr std::size_t kMax = 2 * kMaxPairs;
+    std::array<std::uint32_t, 2 + 2 * kMax> record;
+    std::array<std::uint32_t, kMax> triangles;
     std::uint32_t* around = &record[1];
     std::size_t count = 0;
     std::uint32_t largest = 0;
@@ -306,7 +306,7 @@ bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std:
     do {
         const std::uint32_t other = mesh_.target(h), triangle = Triangulation::triangle_of(h);
         if (other - first >= size && mesh_.is_free(other)) return false;
-        fits = fits && count < kMost && !mesh_.crosses_seam(triangle);
+        fits = fits && count < kMax && !mesh_.crosses_seam(triangle);
         if (fits) {
             largest = std::max(largest, around[count] = other);
             triangles[count++] = triangle;

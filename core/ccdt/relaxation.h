@@ -53,7 +53,7 @@ public:
     /// @param uniform  whether all weights are equal, and all triangles between three sites have the same target
     Relaxation(Triangulation& mesh, std::vector<bool> fixed, bool uniform, const RelaxationOptions& options);
 
-    /// Lists the mesh's edges and takes new goals. Must be called before the first pass and after every
+    /// Lists the mesh's edges and stores new goals. Must be called before the first pass and after every
     /// restore_delaunay(). O(vertices).
     /// @param stop  polled regularly; no pass may follow a stop
     void prepare(TriangleGoals goals, const std::stop_token& stop = {});
@@ -77,9 +77,9 @@ public:
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
     /// assumes that a triangle keeps its mean density as it moves. An exact pass uses the density along the moving
-    /// edges instead. Since the last measurement, which may be some passes ago, capacities are updated to first order.
+    /// edges instead. Capacities are measured every few passes; between measurements they are updated to first order.
     ///
-    /// An exact pass does not stall next to areas of density zero or at other steep changes, as pass() does.
+    /// Unlike pass(), an exact pass does not stall next to areas of density zero or at other steep changes.
     /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
     void exact_pass(int times = 1, const std::stop_token& stop = {});
 
@@ -97,8 +97,8 @@ private:
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
     // goal (plain).
-    static constexpr std::size_t kFewestPairs = 2, kMostPairs = 4;
-    static constexpr std::uint8_t kKinds = 2 * (kMostPairs - kFewestPairs + 1);
+    static constexpr std::size_t kFewestPairs = 2, kMaxPairs = 4;
+    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kFewestPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
         return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
@@ -128,12 +128,12 @@ private:
 
     using Batches = std::array<Batch, kKinds>;
 
-    /// Sites that one task moves in sequence. If other tasks could move a neighbour of one of these sites, that
-    /// neighbour is in this group as well.
+    /// Sites that one task moves in sequence. The group includes every neighbour of these sites that another task could
+    /// move.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
         std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
-        std::vector<std::uint32_t> own;                  ///< the records, if stored here
+        std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
         Fans fans;
         /// All sites of the group. Empty at level 0, where the group has most sites of the block.
         std::vector<std::uint32_t> sites;
@@ -143,7 +143,7 @@ private:
             return {records + begins[kind], begins[kind + std::size_t{1}] - begins[kind]};
         }
         void clear();
-        void keep(const Batches& batches, std::span<std::uint32_t> memory);
+        void store(const Batches& batches, std::span<std::uint32_t> memory);
     };
 
     /// A triangle (site, from, to) around a site in an exact pass.

@@ -211,7 +211,7 @@ bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
 }
 
 const Resettlement::SmallParts& Resettlement::small_parts() {
-    constexpr std::size_t kMostSites = 16;
+    constexpr std::size_t kMaxSites = 16;
     if (small_parts_) return *small_parts_;
     small_parts_.emplace();
     small_parts_->sites.resize(mesh_.part_count());
@@ -219,7 +219,7 @@ const Resettlement::SmallParts& Resettlement::small_parts() {
     for (std::uint32_t v = 0; v < mesh_.site_count(); ++v) ++small_parts_->sites[mesh_.part_of(v)];
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const std::uint32_t part = mesh_.part_of(mesh_.corners(t)[0]);
-        if (small_parts_->sites[part] <= kMostSites) small_parts_->triangles[part].push_back(t);
+        if (small_parts_->sites[part] <= kMaxSites) small_parts_->triangles[part].push_back(t);
     }
     return *small_parts_;
 }

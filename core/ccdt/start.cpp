@@ -12,12 +12,13 @@ namespace ccdt {
 
 namespace {
 
-/// With one site per cell, the cells are visible: in benchmark TorusPattern, the peak of a draft's spectrum is nearly
-/// twice as high. With 64 sites per cell, long waves arise: StartSites.FollowTheDensity.
+/// Number of sites drawn in each cell. With one site per cell, the cells are visible: in benchmark TorusPattern, the
+/// peak of a draft's spectrum is nearly twice as high. With 64 sites per cell, long waves arise:
+/// StartSites.FollowTheDensity.
 constexpr std::size_t kSitesPerCell = 4;
 
-/// If a cell that the border cuts held more sites, too many sites would lie on the wrong side of fjords and straits,
-/// which sites cannot cross.
+/// Number of sites in a cell that the border cuts. With more sites, too many would lie on the wrong side of fjords and
+/// straits, which sites cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
 /// Solves for the place in [x0, x1] at which an increasing function has completed a given share of its rise. The
@@ -64,11 +65,11 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
     : density_(density), seed_(options.seed), fixed_(to_unit_frame(domain, options.fixed)) {
     unit_size_ = domain.unit_bounds().max;
     knows_cuts_ = !domain.is_box() && density.is_uniform() && fixed_.empty();
-    constexpr double kMostCells = 4194304;
+    constexpr double kMaxCells = 4194304;
     if (!density.is_uniform()) {
         // A very fine picture is divided into blocks of pixels, which become the cells of the grid.
         const double pixels = static_cast<double>(density.width()) * density.height();
-        const int block = pixels > kMostCells ? static_cast<int>(std::ceil(std::sqrt(pixels / kMostCells))) : 1;
+        const int block = pixels > kMaxCells ? static_cast<int>(std::ceil(std::sqrt(pixels / kMaxCells))) : 1;
         columns_ = (density.width() + block - 1) / block;
         rows_ = (density.height() + block - 1) / block;
     }
@@ -76,10 +77,10 @@ StartSites::StartSites(const Domain& domain, const Density& density, const Optio
         const double share = domain.unit_area() / (unit_size_.x * unit_size_.y);
         const double for_each = fixed_.empty() ? 4 : 16;  // cells per site; areas of fixed points have finer detail
         const auto all = static_cast<double>(options.sites + fixed_.size());
-        const double cells = std::clamp(for_each * all / share, 4096.0, kMostCells);
+        const double cells = std::clamp(for_each * all / share, 4096.0, kMaxCells);
         const double side = std::sqrt(unit_size_.x * unit_size_.y / cells);
         const auto refine = [&](int& own, int other, double length) {
-            const auto most = static_cast<int>(4 * kMostCells / other);
+            const auto most = static_cast<int>(4 * kMaxCells / other);
             own = std::max(own, std::min(std::clamp(static_cast<int>(length / side), 1, 4096), most));
         };
         refine(columns_, rows_, unit_size_.x);

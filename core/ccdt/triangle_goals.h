@@ -20,8 +20,9 @@ struct TriangleGoal {
     double share = 1;  ///< size relative to a regular triangle, > 0; less than 1 for the many triangles of a narrow fan
 };
 
-/// The goals of all triangles, in one of three forms: a goal for each triangle; a weight for each triangle and the
-/// goals of a few, if most targets are 1; or one common goal and the goals of a few.
+/// The goals of all triangles, in one of three forms. The first form has a goal for each triangle. If most targets are
+/// 1, the second form has a weight for each triangle, and whole goals for the few other triangles. The third form has a
+/// common goal, and separate goals for a few triangles.
 class TriangleGoals {
 public:
     TriangleGoals() = default;

@@ -14,11 +14,11 @@ struct Segments {
     typename Lanes::Pairs ax, ay, bx, by;
 };
 
-/// Cuts several segments at once, in the way of walk_cells(), but including horizontal segments. Calls `visit(column,
-/// row, from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends
-/// along the segment, 0 at a and 1 at b. The number of calls is that of the segment with the most pieces; the other
-/// segments get pieces of length 0. The pieces of a segment are bit for bit the same whatever the other segments and
-/// whichever its lane.
+/// Cuts several segments at once, like walk_cells(), but also reports horizontal segments. Calls `visit(column, row,
+/// from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends along
+/// the segment, 0 at a and 1 at b. There are as many calls as the segment with the most pieces has pieces; the other
+/// segments get pieces of length 0. The pieces of a segment are bit for bit the same for any other segments and in any
+/// lane.
 ///
 /// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>

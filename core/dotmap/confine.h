@@ -13,7 +13,7 @@
 
 namespace ccdt {
 
-/// Cuts an area. Errors: Unusable if nothing would be left; others.
+/// Returns what remains of an area after a cut. Errors: Unusable if nothing remains; any other error of the cut.
 using Cut = std::function<Result<Domain>(const Domain& area)>;
 
 /// Cuts the areas of all features that have dots. If a cut would remove all of a feature's area, the feature's dots are

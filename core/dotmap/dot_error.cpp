@@ -49,7 +49,7 @@ public:
     /// @param features  the octave's own features and those of the adjacent octaves
     /// @param own       the octave's own features, at least one
     ErrorGrid make_grid(const Box& box, std::span<const std::size_t> features, std::span<const std::size_t> own) const {
-        constexpr double kMostCells = 8;  // per dot; features of an octave may lie far apart
+        constexpr double kMaxCells = 8;  // per dot; features of an octave may lie far apart
         double area = 0;
         std::size_t dots = 0, own_dots = 0;
         std::vector<BorderEdge> border;
@@ -61,7 +61,7 @@ public:
             area += this->area(feature);
             own_dots += ground_.dots(feature);
         }
-        const double least = std::sqrt(box.width() * box.height() / (kMostCells * static_cast<double>(dots)));
+        const double least = std::sqrt(box.width() * box.height() / (kMaxCells * static_cast<double>(dots)));
         const double cell = std::max(std::sqrt(area / static_cast<double>(own_dots)), least);
         return {{box.width(), box.height()}, cell, dots, border, density_over(box, cell)};
     }
@@ -84,8 +84,8 @@ private:
     /// Samples the map's density over a box, at the centres of cells.
     Density density_over(const Box& box, double cell) const {
         if (ground_.is_uniform()) return Density::uniform();
-        constexpr double kMost = 1024;
-        const auto cells = [&](double side) { return std::clamp(std::ceil(side / cell), 1.0, kMost); };
+        constexpr double kMax = 1024;
+        const auto cells = [&](double side) { return std::clamp(std::ceil(side / cell), 1.0, kMax); };
         const double columns = cells(box.width()), rows = cells(box.height());
         std::vector<double> values;
         for (double row = 0.5; row < rows; ++row) {

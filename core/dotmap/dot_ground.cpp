@@ -161,10 +161,10 @@ double DotGround::density(Point p) const {
 /// Returns the part of the density over a domain, stretched over the domain's bounding box.
 /// @param largest  out: largest value before scaling
 Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
-    static constexpr double kFiner = 2, kMost = 1024;
+    static constexpr double kFiner = 2, kMax = 1024;
     const Box& box = area.bounds();
     const auto cells = [](double share, int of) {
-        return static_cast<int>(std::clamp(std::ceil(kFiner * share * of), 1.0, kMost));
+        return static_cast<int>(std::clamp(std::ceil(kFiner * share * of), 1.0, kMax));
     };
     const int columns = cells(box.width() / map_.box.width(), map_.density.width());
     const int rows = cells(box.height() / map_.box.height(), map_.density.height());

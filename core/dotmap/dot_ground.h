@@ -70,7 +70,8 @@ public:
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
                                          Executor& executor, const std::stop_token& stop) const;
 
-    /// Draws new positions for a dot, anywhere in its feature, until one is accepted. Errors: Unusable if none is.
+    /// Draws new positions for a dot, anywhere in its feature, until `accept` returns true. Errors: Unusable if no
+    /// position is accepted.
     /// @param interior  sampler of the feature; created here if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;

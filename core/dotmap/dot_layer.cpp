@@ -325,14 +325,14 @@ Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) co
 /// Creates the transport. Excess does not flow between dots of very different density: dense dots keep away from a
 /// border with sparse dots, which would obstruct the flow.
 MeshTransport DotLayer::make_transport() const {
-    constexpr double kMostContrast = 2;
+    constexpr double kMaxContrast = 2;
     auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,
                                                              std::span<double> errors) mutable {
         error.measure(places, errors);
     };
     return {mesh(), std::move(measure), [this](std::uint32_t a, std::uint32_t b) {
                 const auto [least, most] = std::minmax(radii_[a], radii_[b]);
-                return most * most <= kMostContrast * least * least;
+                return most * most <= kMaxContrast * least * least;
             }};
 }
 

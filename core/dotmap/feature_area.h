@@ -12,8 +12,8 @@
 
 namespace ccdt {
 
-/// Tests whether points lie inside a domain that is not a torus, in the caller's coordinates. Such points lie strictly
-/// inside, by more than rounding errors.
+/// Tests whether points lie inside a domain that is not a torus, in the caller's coordinates. Points that pass the test
+/// lie inside by more than rounding errors.
 class FeatureArea {
 public:
     /// Position of a point relative to the area.
@@ -48,9 +48,9 @@ public:
         return !grid_.empty() && grid_[grid_row(p.y) * grid_columns_ + grid_column(p.x)] == Cell::Inside;
     }
 
-    /// Returns where a move from one position towards another ends without leaving the area. It ends at `to` if `to` is
-    /// inside. Otherwise it ends at a point slid along the obstructing border by the same distance, half way to that
-    /// border, or at `from`. A point that keeps the clearance continues to do so.
+    /// Returns the end of a move from one position towards another that does not leave the area. If `to` is inside, the
+    /// move ends there. Otherwise the point slides along the obstructing edge. If that leaves the area, the point moves
+    /// half of the way to the edge, or not at all. A point that keeps the clearance continues to keep it.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 

@@ -4,7 +4,8 @@
 // Implements line_transforms.h for the instruction set for which the including file compiles pocketfft.
 
 #define POCKETFFT_NO_MULTITHREADING
-// Without this, pocketfft calls aligned_alloc() with sizes that are not multiples of the alignment, which C forbids.
+// Without this macro, pocketfft calls aligned_alloc() with sizes that are not multiples of the alignment, which C
+// forbids.
 #define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 #include <gemmi/third_party/pocketfft_hdronly.h>  // Debian ships pocketfft in the package of gemmi
 
@@ -13,7 +14,7 @@
 namespace ccdt {
 namespace {
 
-constexpr std::size_t kAlong = 1;  ///< of the two axes, the one along the lines
+constexpr std::size_t kAlong = 1;  ///< index of the axis along the lines
 
 pocketfft::shape_t shape_of(const LineSet& lines) {
     return {lines.count, lines.size};

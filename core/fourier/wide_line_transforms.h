@@ -5,8 +5,8 @@
 
 namespace ccdt {
 
-/// Returns transforms of twice as many lines at once, to be used only if has_two_lanes(); null if they could not be
-/// compiled.
+/// Returns transforms that process twice as many lines at once. Must be used only if has_two_lanes() is true. Null if
+/// the compiler or the architecture does not support them.
 const LineTransforms* wide_line_transforms();
 
 }  // namespace ccdt

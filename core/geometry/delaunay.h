@@ -79,7 +79,8 @@ struct Arrangement {
         Kind kind;
         std::uint32_t segment;  ///< identified by the point at which it begins
         std::uint32_t vertex;   ///< the vertex that it touches; kNone if it meets an edge
-        /// A group that runs along the edge that is met, preferably the segment's own group; kNone if a vertex is met.
+        /// A group along the edge that the segment meets, preferably the segment's own group; kNone if it meets a
+        /// vertex.
         std::uint32_t group;
         Point place;
     };

@@ -253,10 +253,10 @@ Result<Domain> Domain::rectangle(double width, double height) {
 }
 
 Result<Domain> Domain::torus(double width, double height) {
-    constexpr double kMostStretched = 1000;
+    constexpr double kMaxStretched = 1000;
     constexpr double kGrid = 0x1p50;
     const double longer = std::max(width, height), shorter = std::min(width, height);
-    if (!(shorter > 0) || !(longer <= kMostStretched * shorter)) {
+    if (!(shorter > 0) || !(longer <= kMaxStretched * shorter)) {
         return failure(ErrorCode::Unusable, "a torus needs positive sides, one at most 1000 times the other");
     }
     auto torus = rectangle(width, height);

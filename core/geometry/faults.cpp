@@ -50,7 +50,7 @@ void Faults::add(Fault fault, std::size_t ring, std::size_t other, std::size_t c
 }
 
 std::vector<Repair> Faults::describe(std::span<const RingInput> rings, const UnitFrame& frame) const {
-    constexpr std::size_t kMost = 100;
+    constexpr std::size_t kMax = 100;
     const auto is_flat = [&](std::size_t ring) {
         const auto own = found_.find({ring, ring});
         return own != found_.end() && own->second.fault == Fault::HasNoArea;
@@ -59,7 +59,7 @@ std::vector<Repair> Faults::describe(std::span<const RingInput> rings, const Uni
     std::size_t others = 0;
     for (const auto& [pair, found] : found_) {
         if (found.fault != Fault::HasNoArea && (is_flat(pair.first) || is_flat(pair.second))) continue;
-        if (repairs.size() == kMost) {
+        if (repairs.size() == kMax) {
             ++others;
             continue;
         }

@@ -20,7 +20,7 @@ namespace ccdt {
 struct Repair {
     std::string field;   ///< JSON Pointer relative to the polygon, /part/ring/vertex; shorter if the vertex or the ring
                          ///< is not known
-    std::string detail;  ///< text for people: the rings, the fault, and its place in the caller's coordinates
+    std::string detail;  ///< readable text: the rings, the fault, and its place in the caller's coordinates
 };
 
 /// Faults of one ring or of a pair of rings, in ascending order of severity.

@@ -85,10 +85,10 @@ public:
 private:
     /// Returns the disc around a point of the border, in the unit frame, with a margin for rounding.
     Disc disc(Point p) const {
-        constexpr double kRoundings = 1e-12, kResolutions = 4, kMost = 4;  // kMost covers the whole frame
+        constexpr double kRoundings = 1e-12, kResolutions = 4, kMax = 4;  // kMax covers the whole frame
         const Disc given = disc_around_(domain_.to_user(p));
         if (!(given.radius > 0)) return {p, 0};
-        const double radius = std::min(kMost, (1 + kRoundings) * (given.radius / scale_));
+        const double radius = std::min(kMax, (1 + kRoundings) * (given.radius / scale_));
         const Point centre = is_centred_ ? p : (1 / scale_) * (given.centre - domain_.bounds().min);
         return {centre, radius + kResolutions * domain_.resolution()};
     }
@@ -115,7 +115,7 @@ private:
             } else if (same_ > 0 && from.radius > 0 && to.radius > 0) {
                 reaches_.push_back({at(i), at(i + 1), same_, true, at(i + size - 1), at(i + 2), slice(same_)});
             } else {
-                add_swept(at(i), at(i + 1), from, to, kMostHalvings);
+                add_swept(at(i), at(i + 1), from, to, kMaxHalvings);
             }
             i += run.edges;
         }
@@ -137,7 +137,7 @@ private:
 
     /// Returns the run of the given number of edges; none if too few follow or if they deviate too far from a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
-        constexpr double kMostOff = 2e-3;  // relative to the distance
+        constexpr double kMaxOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
         const Point a = discs_[first].centre, b = discs_[(first + edges) % ring.size()].centre;
         double least = discs_[first].radius, most = least, off = 0;
@@ -146,7 +146,7 @@ private:
             least = std::min(least, own.radius);
             most = std::max(most, own.radius);
             off = std::max(off, distance_to(a, b, own.centre));
-            if (!(most - least + off <= kMostOff * least) || least == 0) return std::nullopt;
+            if (!(most - least + off <= kMaxOff * least) || least == 0) return std::nullopt;
         }
         return Run{edges, most + off};
     }
@@ -154,12 +154,12 @@ private:
     /// Adds the area that the discs around the points of an edge sweep. Halves the edge until the disc at the
     /// middle of each piece hardly protrudes from the capsule around the discs at the ends of the piece.
     void add_swept(Point a, Point b, const Disc& from, const Disc& to, int halvings) {
-        constexpr double kMostOff = 5e-4;
+        constexpr double kMaxOff = 5e-4;
         const Point middle = 0.5 * (a + b);
         const Disc between = disc(middle);
         const double widest = std::max(from.radius, to.radius);
         const double off = distance_to(from.centre, to.centre, between.centre) + between.radius - widest;
-        if (off <= kMostOff * widest || halvings == 0) {
+        if (off <= kMaxOff * widest || halvings == 0) {
             const double distance = widest + std::max(off, 0.0);
             if (widest > 0) reaches_.push_back({from.centre, to.centre, distance, false, {}, {}});
             return;
@@ -186,13 +186,14 @@ private:
     /// Returns the radius of the disc around a point that contains another disc.
     static double needed(Point p, const Disc& disc) { return disc.radius + length(disc.centre - p); }
 
-    /// Returns the angle between corners of an arc for which the polygon deviates by no more than `indifference_`.
+    /// Returns the angle between corners of the polygon around an arc. The polygon deviates from the arc by no more
+    /// than `indifference_`.
     double slice(double distance) const {
-        constexpr double kMostSlice = std::numbers::pi / 3;
-        return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMostSlice);
+        constexpr double kMaxSlice = std::numbers::pi / 3;
+        return std::clamp(2 * std::acos(distance / (distance + indifference_)), kSlice, kMaxSlice);
     }
 
-    static constexpr int kMostHalvings = 10;
+    static constexpr int kMaxHalvings = 10;
     static constexpr std::size_t kManyCorners = 4'000;
 
     const Domain& domain_;
@@ -232,13 +233,13 @@ public:
     /// graph over that direction, at any distance up to the full one. A line at a greater distance lies above one at a
     /// smaller distance, so no two lines cross.
     static std::size_t simple_run(std::span<const Reach> pieces) {
-        constexpr std::size_t kMost = 256;
+        constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine
         if (!pieces[0].is_edge) return 1;
         const Point ahead = along(pieces[0]);
         double available = (1 - kKept) * length(pieces[0].b - pieces[0].a);
         std::size_t run = 1;
-        for (; run < std::min(kMost, pieces.size()); ++run) {
+        for (; run < std::min(kMax, pieces.size()); ++run) {
             const Reach &last = pieces[run - 1], &next = pieces[run];
             if (!next.is_edge || next.a != last.b || next.distance != last.distance) break;
             const double shorter = shortened(last.b - last.a, next.b - next.a, next.distance);
@@ -425,9 +426,9 @@ public:
     /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
     /// long and far apart, the whole area is computed; otherwise the pieces that matter in each square.
     Result<std::vector<Area>> border() const {
-        constexpr double kMostWhole = 0.2;
+        constexpr double kMaxWhole = 0.2;
         const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
-        if (whole > kMostWhole * static_cast<double>(reaches_.size())) {
+        if (whole > kMaxWhole * static_cast<double>(reaches_.size())) {
             auto areas = joined(all_shapes(), domain_, stop_);
             if (areas || areas.error().code == ErrorCode::Stopped) return areas;
         }
@@ -466,10 +467,10 @@ public:
     /// Returns the domain minus strips along its border; none if there are few pieces, or if the strips cross too
     /// often.
     Result<std::optional<Area>> without_strips() const {
-        constexpr double kMostLost = 0.02;  // beyond this share of degenerate lines, strips overlap repeatedly
+        constexpr double kMaxLost = 0.02;  // beyond this share of degenerate lines, strips overlap repeatedly
         const auto is_lost = [](const Reach& piece) { return !piece.is_edge || !Shapes::keeps_line(piece); };
         const auto lost = static_cast<double>(std::ranges::count_if(reaches_, is_lost));
-        if (!has_many() || lost > kMostLost * static_cast<double>(reaches_.size())) return std::nullopt;
+        if (!has_many() || lost > kMaxLost * static_cast<double>(reaches_.size())) return std::nullopt;
         const auto strips = this->strips();
         auto left = strips ? difference(domain_.rings(), *strips, domain_.resolution(), stop_)
                            : Result<Area>(tl::unexpected(strips.error()));
@@ -779,12 +780,12 @@ double largest_clearance(const Domain& domain, const std::stop_token& stop) {
         bool operator<(const Cell& other) const { return most() < other.most(); }
     };
     constexpr double kEnough = 1.01, kLeast = 1e-6;
-    constexpr int kMostCells = 10'000;
+    constexpr int kMaxCells = 10'000;
     const auto cell_at = [&](Point centre, double half) { return Cell{centre, half, depth(domain, centre)}; };
     std::priority_queue<Cell> cells;
     cells.push(cell_at({0.5, 0.5}, 0.5));
     double best = 0;
-    for (int looked_at = 0; looked_at < kMostCells && !stop.stop_requested(); ++looked_at) {
+    for (int looked_at = 0; looked_at < kMaxCells && !stop.stop_requested(); ++looked_at) {
         const Cell cell = cells.top();
         cells.pop();
         best = std::max(best, cell.depth);

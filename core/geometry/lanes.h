@@ -6,8 +6,8 @@
 
 #include "core/geometry/pair.h"
 
-// Marks a function that is compiled for processors with AVX2, whatever the target of the other code. Call the function
-// only if has_two_lanes() is true. Functions that take or return vectors of two pairs must be inlined into it.
+// Marks a function that is compiled for processors with AVX2, even if other code is not. Call the function only if
+// has_two_lanes() is true. Functions that take or return vectors of two pairs must be inlined into it.
 #ifdef __x86_64__
 #define CCDT_TWO_LANES __attribute__((target("avx2")))
 #else

@@ -25,7 +25,7 @@ void append_chain(const Ring& corners, std::uint32_t group, Chains& chains) {
 
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double resolution,
                                                     const std::stop_token& stop, std::size_t more = 0) {
-    return arrange(chains, resolution, most_pieces(chains.points.size(), more), stop);
+    return arrange(chains, resolution, max_pieces(chains.points.size(), more), stop);
 }
 
 tl::unexpected<Error> stopped() {

@@ -17,7 +17,7 @@ namespace ccdt {
 
 /// Returns the largest number of pieces that crossings may create. It allows for scribbles and bounds the memory.
 /// @param more  additional pieces per corner
-constexpr std::size_t most_pieces(std::size_t corners, std::size_t more = 0) {
+constexpr std::size_t max_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;
 }
 
@@ -41,7 +41,7 @@ struct Enclosed {
 /// edges by rounding errors near crossings and changes nothing else. A sliver of the inside, or a gap between parts, is
 /// dropped if it is no thicker than a rounding error.
 ///
-/// Errors (Unusable): crossings that create more pieces than most_pieces() allows.
+/// Errors (Unusable): crossings that create more pieces than max_pieces() allows.
 ///
 /// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS: it works in the caller's
 /// coordinates, and conversion of its result to the unit frame could make the result invalid again. Its overlays snap
@@ -60,7 +60,7 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 /// not reported.
 /// @param area, others  in the unit frame, within the unit square
 /// @param resolution    parts of about this thickness or less are dropped
-/// @param more          additional pieces per corner that crossings may create, see most_pieces()
+/// @param more          additional pieces per corner that crossings may create, see max_pieces()
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution,
                         const std::stop_token& stop = {}, std::size_t more = 0);
 

@@ -14,8 +14,8 @@ namespace ccdt {
 /// A ring being read into a domain, with references to the caller's input.
 struct RingInput {
     std::size_t part = 0;
-    std::size_t ring = 0;             ///< 0 is the outer one
-    Ring corners;                     ///< successive ones differ; fewer than three enclose nothing
+    std::size_t ring = 0;             ///< 0: the outer ring
+    Ring corners;                     ///< successive corners differ; fewer than three enclose nothing
     std::vector<std::size_t> source;  ///< the caller's index of each corner
 
     bool is_hole() const { return ring > 0; }
@@ -23,7 +23,7 @@ struct RingInput {
     /// Drops corners equal to their predecessor.
     void drop_repeated();
 
-    /// Name for people: "hole 2 of part 1".
+    /// Name for messages: "hole 2 of part 1".
     std::string name() const;
 
     /// JSON Pointer, relative to the polygon, of the ring or of one of its corners.

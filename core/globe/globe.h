@@ -30,7 +30,6 @@ struct GlobeDistribution {
 /// @param buffer   least distance of sites from the border on the ground, in metres; a cut does not count as border
 /// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
-///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
 /// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero everywhere in the region, or if
 /// the buffer covers the whole region.

@@ -25,8 +25,8 @@ struct Raster {
 /// Returns the number of cells along the longer side of a part's box. With this number, the scale of ground areas
 /// changes little between cells. The number is bounded by the number of sites along the side.
 int cells_for_ground(const Box& box, std::size_t sites) {
-    constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMost = 1'024;
-    const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMost);
+    constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMax = 1'024;
+    const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMax);
     const Point corner{std::max(std::abs(box.min.x), std::abs(box.max.x)),
                        std::max(std::abs(box.min.y), std::abs(box.max.y))};
     const double farthest = std::min(std::sqrt(dot(corner, corner)), 2.0);
@@ -58,10 +58,10 @@ private:
 
 Raster draw(const ChartedPart& part, const Domain& degrees, const Density& density, std::size_t sites,
             const std::stop_token& stop) {
-    constexpr int kMost = 2'048;
+    constexpr int kMax = 2'048;
     const Box& box = part.domain.bounds();
     int cells = cells_for_ground(box, sites);
-    if (!density.is_uniform()) cells = std::clamp(2 * std::max(density.width(), density.height()), cells, kMost);
+    if (!density.is_uniform()) cells = std::clamp(2 * std::max(density.width(), density.height()), cells, kMax);
     const double cell = std::max(box.width(), box.height()) / cells;
     Raster raster{std::max(1, static_cast<int>(std::ceil(box.width() / cell))),
                   std::max(1, static_cast<int>(std::ceil(box.height() / cell))),

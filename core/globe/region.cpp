@@ -231,11 +231,11 @@ void Charting::find_seam() {
 }
 
 void Charting::sample_border() {
-    constexpr double kStep = 1, kMost = 1e6;
+    constexpr double kStep = 1, kMax = 1e6;
     constexpr std::size_t kLookedAt = 4'096;
     double length = 0;
     for_edges([&](Point a, Point b) { length += std::sqrt(dot(b - a, b - a)); });
-    const double step = std::max(kStep, length / kMost);
+    const double step = std::max(kStep, length / kMax);
     const auto add = [&](Point a, Point b) {
         const int steps = std::max(1, static_cast<int>(std::ceil(std::sqrt(dot(b - a, b - a)) / step)));
         for (int i = 0; i < steps; ++i) border_.push_back(direction_of(a + static_cast<double>(i) / steps * (b - a)));
@@ -302,12 +302,12 @@ Far Charting::far_from_border() const {
 
 /// Returns the chart of a region that is small relative to the globe; none if the region is larger.
 std::optional<Chart> Charting::simple_chart() const {
-    constexpr double kMost = 0.5;  // cosine of the largest distance
+    constexpr double kMax = 0.5;  // cosine of the largest distance
     Direction sum{0, 0, 0};
     for (const Direction& each : border_) sum = sum + each;
     if (dot(sum, sum) < 1e-6) return std::nullopt;
     const Direction mean = normalised(sum);
-    const bool is_near = std::ranges::all_of(border_, [&](const Direction& each) { return dot(mean, each) > kMost; });
+    const bool is_near = std::ranges::all_of(border_, [&](const Direction& each) { return dot(mean, each) > kMax; });
     if (!is_near || contains(-mean)) return std::nullopt;
     return Chart(mean);
 }
@@ -362,7 +362,7 @@ void Charting::for_bent_edges(Visit visit) const {
 /// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer requires a fine tolerance, but
 /// the number of pieces is limited.
 double Charting::tolerance(const Chart& chart) const {
-    constexpr double kMostPieces = 10'000;
+    constexpr double kMaxPieces = 10'000;
     const double wanted = buffer_ / kBentTo;
     if (buffer_ == 0 || wanted >= coarsest_) return coarsest_;
     double pieces = 0;  // number of pieces times the square root of the tolerance
@@ -370,7 +370,7 @@ double Charting::tolerance(const Chart& chart) const {
         if (is_straight(a, b, wanted)) return;
         for_chunks(a, b, [&](Point from, Point to) { pieces += std::sqrt(deviation(chart, from, to)); });
     });
-    const double root = pieces / kMostPieces;
+    const double root = pieces / kMaxPieces;
     return std::clamp(root * root, wanted, coarsest_);
 }
 
@@ -382,12 +382,12 @@ double Charting::error(double tolerance) const {
 
 /// Appends the approximation of an edge on a chart, without the end point.
 void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
-    constexpr double kMostPieces = 1'000;
+    constexpr double kMaxPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
         plane.push_back(chart.to_plane(direction_of(from)));
         if (is_straight(a, b, tolerance)) return;
         const double parts = std::ceil(std::sqrt(deviation(chart, from, to) / tolerance));
-        const int cuts = static_cast<int>(std::min(parts, kMostPieces));
+        const int cuts = static_cast<int>(std::min(parts, kMaxPieces));
         for (int cut = 1; cut < cuts; ++cut)
             plane.push_back(chart.to_plane(direction_of(from + static_cast<double>(cut) / cuts * (to - from))));
     });

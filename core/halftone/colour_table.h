@@ -16,14 +16,15 @@
 
 namespace ccdt {
 
-/// Measure in which a ColourTable is linear between its nodes.
+/// Quantity in which a ColourTable is linear between its nodes.
 enum class Steps { Lightness, Light };
 
-/// A function of colours, computed at the nodes of a table where it is asked, and linear between them.
+/// Approximates a function of colours by a table. Evaluates the function at a node when the node is first needed, and
+/// interpolates between nodes.
 ///
-/// The nodes stand at equal steps of lightness, close where light is scarce. Between them the table is linear in each
-/// tetrahedron about the greys, as are inks that stand for the least of a colour's channels. May be used from any
-/// thread.
+/// Nodes have equal steps of lightness, so they are dense in dark colours. Each cell of the table is divided into six
+/// tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron. The least of the
+/// three channels, which a black ink can replace, is linear there as well. Thread-safe.
 ///
 /// @tparam Node  an array of float
 template <class Node>
@@ -77,9 +78,9 @@ public:
 
 private:
     static constexpr std::size_t kSide = 17;
-    static constexpr std::size_t kSteps = 4096;  // between them lightness is linear to 1e-5
+    static constexpr std::size_t kSteps = 4096;  // of light; between steps, lightness is linear to 1e-5
 
-    /// Place of a light on an axis, in nodes.
+    /// Returns the position of a light on an axis, in nodes.
     float place_of(float light) const {
         const float step = light * kSteps;
         const auto below = static_cast<std::size_t>(step);
@@ -91,7 +92,7 @@ private:
         return nodes_[node];
     }
 
-    /// Fills a node once; other threads that need it wait.
+    /// Computes a node, only once. Other threads that need the node wait.
     void fill(std::size_t node) {
         const std::lock_guard lock(filling_[node % filling_.size()]);
         if (is_filled_[node].load(std::memory_order_relaxed)) return;
@@ -101,11 +102,11 @@ private:
 
     const Function function_;
     const Steps steps_;
-    std::array<float, kSteps + 2> places_{};  ///< by light at equal steps, one beyond 1
-    std::array<float, kSide> light_{};        ///< of the nodes on an axis
-    std::vector<Node> nodes_;                 ///< red is the fastest axis
+    std::array<float, kSteps + 2> places_{};  ///< positions for equal steps of light; the last entry is beyond 1
+    std::array<float, kSide> light_{};        ///< light at the nodes of an axis
+    std::vector<Node> nodes_;                 ///< red varies fastest
     std::vector<std::atomic<bool>> is_filled_;
-    std::array<std::mutex, 64> filling_;  ///< of some nodes each
+    std::array<std::mutex, 64> filling_;  ///< each guards some of the nodes
 };
 
 }  // namespace ccdt

@@ -10,35 +10,36 @@
 
 namespace ccdt {
 
-/// Area, in pixels of the picture, below which dots are counted as if they had it, however small their radius: so the
-/// numbers of dots that fill a picture are finite.
+/// Least area of a dot, in pixels of the picture, with which dots are counted. It keeps the number of dots that fill a
+/// picture finite.
 inline constexpr double kLeastDotArea = 1e-12;
 
-/// What is settled of the dots: number or radius at least.
+/// Given properties of the dots: their number, their radius, or both.
 struct DotWish {
-    std::optional<std::size_t> sites;  ///< of all inks together, >= 1
+    std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
     std::optional<double> radius;      ///< pixels of the picture, > 0
-    double detail = 0;                 ///< >= 0: how far dots blur the picture, in their radii, which is undone before
+    double detail = 0;                 ///< standard deviation, in radii, of the blur that sharpening compensates; >= 0
 };
 
-/// How many dots there are to be, where, and how large.
+/// Size and density of dots.
 struct DotPlan {
-    double radius = 0;                        ///< pixels of the picture
-    double tone = 1;                          ///< what they cover in all, over what they should
-    std::vector<std::vector<float>> density;  ///< [inks][width * height] dots wanted, per pixel of the picture
-    std::vector<double> dots;                 ///< [inks] the sum of these
+    double radius = 0;                        ///< radius of all dots, in pixels of the picture
+    double tone = 1;                          ///< area that dots cover, divided by the area that they should cover
+    std::vector<std::vector<float>> density;  ///< [inks][width * height] number of dots per pixel of the picture
+    std::vector<double> dots;                 ///< [inks] number of dots: the sum of the density
 };
 
-/// Plans dots, those of all inks of one size, that cover in each place what they are to cover there, overlaps within an
-/// ink counted once: by what dots cover at the density that is theirs around there. Where nothing is to be covered
-/// there are none. What is settled beforehand makes the rest:
-/// - the number of sites the radius;
-/// - the radius the number of sites, which is that of `dots`;
-/// - both one factor by which all that is covered differs, as long as places are not solid already.
+/// Plans dots of the same size in all inks, such that the dots of each ink cover the wanted share of each part of the
+/// picture. Overlaps within an ink count once (CoverageCurve). The density of dots at a pixel follows from the mean
+/// coverage around it. Pixels without coverage get no dots.
 ///
-/// @param cover  [inks][width * height] in [0, 1], one > 0
-/// @param stop   asked now and then; a stop ends it early, with nothing of use
-/// Same input, same bytes, whatever the executor. O(pixels).
+/// If only the number of sites is given, the radius follows from it. If only the radius is given, the number of sites
+/// follows from it. If both are given, the covered share differs from the wanted share by the same factor everywhere,
+/// except where the picture is already solid.
+///
+/// @param cover  [inks][width * height] wanted coverage in [0, 1], at least one value > 0
+/// @param stop   polled once per ink; after a stop the result must not be used
+/// Deterministic for any number of threads. O(pixels).
 DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
                   const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

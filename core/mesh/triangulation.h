@@ -100,7 +100,7 @@ public:
         return edge % 4 == 0 ? Shift{} : edge % 4 == 1 ? shifts[0] : Shift{} - shifts[2];
     }
 
-    /// Length of a number of periods.
+    /// Vector that a shift stands for.
     Point distance(Shift shift) const { return {shift.x * period_.x, shift.y * period_.y}; }
 
     /// Vector from the edge's origin to its target.
@@ -135,8 +135,8 @@ public:
     /// inserted site.
     /// @param margin  least distance from the edges of the border
     /// @param p       on a torus, rounded to a multiple of 2^-50
-    /// @returns       false, without any change, if `p` is not strictly inside the domain, is too close to its border,
-    ///                or coincides with a vertex
+    /// @returns       false, without inserting the site, if `p` is not strictly inside the domain, is too close to its
+    ///                border, or coincides with a vertex
     bool insert(std::uint32_t site, Point p, double margin = 0);
 
     /// Returns the position to try for a site at a given attempt. Called from several threads.

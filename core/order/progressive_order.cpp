@@ -65,8 +65,8 @@ constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193
 /// Limit on the reach of a pair of points relative to the shorter of the two points' reaches. The pair's reach is the
 /// geometric mean of both. So where two densities meet, neither the denser nor the sparser side loses more than its
 /// share.
-constexpr double kMostReach = 1.3;
-constexpr float kMostSquare = static_cast<float>(1 / (kMostReach * kMostReach));
+constexpr double kMaxReach = 1.3;
+constexpr float kMaxSquare = static_cast<float>(1 / (kMaxReach * kMaxReach));
 
 /// Measures the local spacing of points, 1 / sqrt(density), by the distance of their nearest neighbours.
 class SpacingMeter {
@@ -403,7 +403,7 @@ private:
         const Floats x = __builtin_convertvector(Ints(columns - x_[k]), Floats) * x_unit_;
         const Floats y = __builtin_convertvector(Ints(rows - y_[k]), Floats) * y_unit_;
         const Floats own = Floats{} + nearness_[k];
-        const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMostSquare, both = other * own;
+        const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMaxSquare, both = other * own;
         const Floats square = (x * x + y * y) * (both > capped ? both : capped);
         const Ints left = kLane + static_cast<std::int32_t>(begin);
         const Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
@@ -498,7 +498,7 @@ public:
         : domain_(domain),
           places_(std::move(places)),
           spacings_(std::move(spacings)),
-          widest_(even ? 1 : kMostReach),
+          widest_(even ? 1 : kMaxReach),
           regions_(std::move(regions)),
           left_(places_.size()),
           reference_(places_),

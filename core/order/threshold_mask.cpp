@@ -21,7 +21,7 @@ namespace {
 // frequencies, a wider one clusters.
 constexpr double kSigma = 1.5;  ///< in pixels
 constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values beyond this are below 4e-4
-constexpr int kMostSweeps = 32;
+constexpr int kMaxSweeps = 32;
 
 /// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
 constexpr double kFew = 1.0 / 16;
@@ -58,7 +58,7 @@ public:
     /// Moves set pixels to less crowded neighbouring pixels until no pixel can move, or for a limited number of sweeps.
     void relax(const std::stop_token& stop) {
         std::size_t moves = 1;
-        for (int sweep = 0; sweep < kMostSweeps && moves > 0; ++sweep) {
+        for (int sweep = 0; sweep < kMaxSweeps && moves > 0; ++sweep) {
             moves = 0;
             for (int y = 0; y < height_; ++y) {
                 if (stop.stop_requested()) return;

@@ -47,7 +47,7 @@ private:
 
     std::function<std::size_t()> size_;
     std::mutex mutex_;
-    std::condition_variable_any wanted_;  ///< signals work
+    std::condition_variable_any wanted_;  ///< signals new work
     std::condition_variable left_;        ///< signals that a helper is no longer busy
     Work* work_ = nullptr;
     std::atomic<std::size_t> round_ = 0;  ///< number of the current work

@@ -10,7 +10,7 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kTaps = 4;
-constexpr double kMostCells =
+constexpr double kMaxCells =
     64;  ///< limit on cells per site; needed because a domain may fill very little of its bounding box
 
 /// Returns the values of the cubic B-spline at the four grid points around a place.
@@ -20,7 +20,7 @@ inline std::array<double, kTaps> weights_at(double f) {
 }
 
 double cell_side(Point sides, double cell, std::size_t sites) {
-    return std::max(cell, std::sqrt(sides.x * sides.y / (kMostCells * static_cast<double>(sites))));
+    return std::max(cell, std::sqrt(sides.x * sides.y / (kMaxCells * static_cast<double>(sites))));
 }
 
 std::size_t cells(double side, double cell) {

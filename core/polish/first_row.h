@@ -21,13 +21,14 @@ public:
     void find(const Triangulation& mesh);
 
     /// Removes the part of each move that would bring a site nearer than `depth` to the border edge opposite to it. A
-    /// site that is already nearer may slide along the edge, but does not come still nearer.
+    /// site that is already nearer may slide along the edge, but comes no nearer.
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param depth     in spacings
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// Does the same for vertices of the border instead of edges. They hold back sites in narrow tongues and needles.
+    /// Does the same for vertices of the border instead of edges. Vertices hold back sites in narrow tongues and
+    /// needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 

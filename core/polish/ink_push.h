@@ -13,15 +13,15 @@ namespace ccdt {
 
 /// A site of one of several inks.
 struct InkSite {
-    Point place;         ///< in the unit frame; on a torus any copy
+    Point place;         ///< in the unit frame; on a torus, any periodic copy
     double spacing = 0;  ///< local spacing of all inks' sites together: 1 / sqrt(density of sites)
     std::uint32_t ink = 0;
     double own_spacing = 1;  ///< local spacing of the sites of the same ink; only ratios matter
 };
 
 /// Pushes sites of different inks apart. Sites of the same ink do not push each other. Of two sites, the one whose ink
-/// is sparser moves farther, in proportion to the area per site of the two inks. So dense patterns stay even, in which
-/// gaps would be most visible.
+/// is sparser moves farther, in proportion to the area per site of the two inks. So dense patterns, in which gaps would
+/// be most visible, stay even.
 ///
 /// @param reach  distance below which sites push each other, relative to the neighbour distance in a hexagonal grid of
 ///               the sites of all inks

@@ -62,7 +62,7 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Bounds on conductances, which needles can exceed. At an edge of the border, two triangles can give a negative
     // value, which counts as no conductance.
-    constexpr double kLeast = 1e-3, kMost = 2;
+    constexpr double kLeast = 1e-3, kMax = 2;
     // Doubled area relative to squared sides. In thinner triangles, angles consist of rounding errors.
     constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
@@ -89,7 +89,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
                 const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
                 if (a == b || a == kNone || b == kNone || !passes(a, b)) continue;
                 const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
-                list.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMost)});
+                list.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMax)});
             }
         }
     });
@@ -152,7 +152,7 @@ std::vector<BorderEdge> border_of(const Domain& domain, const Density& density, 
 
 /// Returns the cell size of the error grid: the spacing where sites are sparsest, but at most twice the mean spacing.
 double cell_of(const Domain& domain, const Density& density, std::size_t sites) {
-    constexpr double kMost = 2;
+    constexpr double kMax = 2;
     const double mean = std::sqrt(domain.unit_area() / static_cast<double>(sites));
     if (density.is_uniform()) return mean;
     double least = density.largest();
@@ -162,7 +162,7 @@ double cell_of(const Domain& domain, const Density& density, std::size_t sites) 
         }
     }
     const double cells = static_cast<double>(density.width()) * density.height();
-    return std::clamp(std::sqrt(density.total() / cells / least), 1.0, kMost) * mean;
+    return std::clamp(std::sqrt(density.total() / cells / least), 1.0, kMax) * mean;
 }
 
 }  // namespace
@@ -195,12 +195,12 @@ MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const P
 void MeshTransport::find_errors(const Triangulation& mesh) {
     // In a narrow tongue, one missing site is most of the density, so the error is not small to first order. Countries
     // in core/README.md: a third of this limit leaves 5 dB more of waves of four spacings in Canada.
-    constexpr double kMost = 0.3;
+    constexpr double kMax = 0.3;
     measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), error_);
     std::ranges::fill(sums_, 0.0);
     std::ranges::fill(counts_, 0.0);
     for (std::uint32_t v = 0; v < mesh.site_count(); ++v) {
-        error_[v] = std::clamp(error_[v], -kMost, kMost);
+        error_[v] = std::clamp(error_[v], -kMax, kMax);
         sums_[part_of_[v]] += error_[v];
         counts_[part_of_[v]] += 1;
     }

@@ -43,8 +43,8 @@ public:
     /// O(sites + vertices of the border).
     MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
 
-    /// Computes the moves of one round. Sites come no nearer to the border than half a row; sites that are nearer
-    /// already come no nearer still.
+    /// Computes the moves of one round. Sites keep at least half a row of distance from the border. Sites that are
+    /// already nearer come no nearer.
     /// @param mesh      the mesh given at construction, possibly with flipped edges and sites moved by less than a
     ///                  spacing or two
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)

@@ -160,7 +160,7 @@ void Polish::even_out_each(const std::stop_token& stop) {
     for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.steps->even_out(*layer.mesh, stop); });
 }
 
-/// Evens out the sites of all inks as if they were the sites of one ink. Does nothing outside boxes and tori.
+/// Evens out the sites of all inks together, like the sites of a single ink. Does nothing outside boxes and tori.
 void Polish::even_out_together(const std::stop_token& stop) {
     if (!transport_) return;
     gather();

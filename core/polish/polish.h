@@ -31,8 +31,8 @@ public:
         Triangulation* mesh = nullptr;
         /// Makes the mesh Delaunay and its triangles more equal; may be empty if the settings never need it.
         std::function<void(int passes)> equalise;
-        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty; then no
-        /// site is relocated.
+        /// Relocates one site of each pair of near sites in a polygon to a place with more space. If empty, no site is
+        /// relocated.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 

@@ -22,8 +22,8 @@ struct PolishSettings {
     /// Number of iterations, the last ones, that begin with a push and the removal of waves; in dot maps only.
     int early = 0;
     int rounds = 0;        ///< rounds that push near sites apart and remove long waves
-    int even_every = 1;    ///< waves are removed in every even_every-th round only, in relax rounds as well
-    int mesh_every = 0;    ///< number of these rounds between new searches for neighbours; 0: no searches
+    int even_every = 1;    ///< rounds from one removal of waves to the next, also for relax rounds
+    int mesh_every = 0;    ///< rounds from one search for neighbours to the next; 0: no searches
     double reach = 0;      ///< distance below which neighbours of one ink are pushed
     double push = 0;       ///< share of the missing distance by which each of the two sites moves
     double ink_reach = 0;  ///< distance below which sites of different inks are pushed

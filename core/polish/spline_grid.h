@@ -15,10 +15,11 @@
 
 namespace ccdt {
 
-/// A grid over a box or torus, and its transform: Fourier on a torus; cosine in a box, as if the grid were mirrored at
-/// the sides. Points are spread onto the grid, and values are read from it, with quintic B-splines. Spreading and
-/// transform together form a non-uniform transform, once the spectrum of the splines, window(), is divided out. For
-/// frequencies up to a fifth of a cycle per cell, the error is below 3e-4 of the content at higher frequencies.
+/// A grid over a box or torus, and its transform: Fourier on a torus; cosine in a box, which corresponds to a grid
+/// mirrored at the sides. Points are spread onto the grid, and values are read from it, with quintic B-splines.
+/// Spreading and transform together form a non-uniform transform, once the spectrum of the splines, window(), is
+/// divided out. For frequencies up to a fifth of a cycle per cell, the error is below 3e-4 of the content at higher
+/// frequencies.
 ///
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
@@ -37,7 +38,7 @@ public:
     /// Sets all values to 0. Must be called before the first spread().
     void clear();
     /// Adds a point with a value.
-    /// @param p  inside the box; on a torus any copy
+    /// @param p  inside the box; on a torus, any periodic copy
     void spread(Point p, double value);
     /// Adds the change, to first order, of the spread of a point with value 1 when the point moves by `move`. This is
     /// the transpose of gradient(), apart from the factor window().
@@ -117,8 +118,8 @@ public:
     double copies() const { return torus_ ? 1 : 4; }
 
 private:
-    /// For each point, the point of the padded grid at which its taps begin, three columns and rows before the point,
-    /// and the offset of the point from the third of these rows and columns.
+    /// Positions of points in the padded grid. The taps of a point begin three columns and rows before the point. The
+    /// offset is measured from the third of these columns and rows.
     template <class Lanes>
     struct Places {
         std::array<std::size_t, Lanes::kCount> first;

@@ -14,7 +14,7 @@ constexpr double kTau = 2 * std::numbers::pi;
 constexpr double kCells = 5;       ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
 constexpr double kFewestRows = 4;  ///< least width of a torus, in spacings
 constexpr double kLeft = 0.01;  ///< share of F that the steps of one round may leave; the next round squares this share
-constexpr int kMostSteps = 40;
+constexpr int kMaxSteps = 40;
 constexpr std::size_t kSites = 8192;  ///< sites per task
 
 /// Returns the lowest frequency whose power is not removed, in cycles per unit.
@@ -70,7 +70,7 @@ bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves
     Coefficients step = eased;
     double size = product(left, eased);
     const double enough = kLeft * kLeft * size;
-    for (int steps = 0; steps < kMostSteps && size > enough; ++steps) {
+    for (int steps = 0; steps < kMaxSteps && size > enough; ++steps) {
         if (stop.stop_requested()) return false;
         find_moves(step, sites, moves);
         change_of(sites, moves, changed);

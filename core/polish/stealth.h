@@ -48,7 +48,7 @@ public:
     Stealth(const Domain& torus, std::size_t sites, Executor& executor = inline_executor());
 
     /// Computes the moves of one round.
-    /// @param sites  [sites] in the unit frame; any copy
+    /// @param sites  [sites] in the unit frame; any periodic copy
     /// @param moves  out [sites]
     /// @param stop   polled regularly
     /// @returns      false after a stop, or if no low frequency has power above kSilence; the moves must not be used

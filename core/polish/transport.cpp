@@ -27,10 +27,10 @@ constexpr double kShortest = 0.95;
 constexpr double kLongestMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
 /// light, 8 bits give densities of 1 to 113, which with kCaution are 4.1 octaves.
-constexpr std::size_t kMostOctaves = 6;
+constexpr std::size_t kMaxOctaves = 6;
 /// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
 /// spacing, hence at most 16 cells per site.
-constexpr double kMostContrast = 4;
+constexpr double kMaxContrast = 4;
 
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
 // is kLevelSmoothing, of which a larger value would reduce the error.
@@ -107,12 +107,12 @@ Transport::Transport(const Domain& domain, const Density& density, std::size_t s
     over_sides_ = {1 / sides_.x, 1 / sides_.y};
     const double area = sides_.x * sides_.y;
     const double contrast = uniform_ ? 1 : contrast_of(density, block);
-    const double denser = std::min(contrast, kMostContrast);
+    const double denser = std::min(contrast, kMaxContrast);
     finest_ = std::sqrt(area / (sites_ * denser));
-    if (contrast > kMostContrast) denser_.emplace(domain.unit_bounds().max, density, sites_);
+    if (contrast > kMaxContrast) denser_.emplace(domain.unit_bounds().max, density, sites_);
     // In a box thinner than the spacing, sites form a single line.
     in_line_ = std::max(sides_.x, sides_.y) / (sites_ * denser);
-    octaves_.reserve(kMostOctaves);
+    octaves_.reserve(kMaxOctaves);
     add_octave();
     if (uniform_ || stop.stop_requested()) return;
     const std::vector<double> mass = masses(density, block);
@@ -204,7 +204,7 @@ std::span<const double> Transport::smooth(const std::vector<double>& masses, dou
 }
 
 void Transport::assign_octaves(const std::vector<double>& masses) {
-    const double sparsest = 1 / std::pow(octave_spacing(kMostOctaves), 2);
+    const double sparsest = 1 / std::pow(octave_spacing(kMaxOctaves), 2);
     const auto spacing_at = [&](double density) { return 1 / std::sqrt(std::max(density, sparsest)); };
     levels_.resize(masses.size());
     spacings_.resize(masses.size());
@@ -219,7 +219,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
         double& own = highest[begin / kCells];
         for (std::size_t cell = begin; cell < end; ++cell) {
             const double level = std::log2(spacing_at(coarse[cell]) / finest_) + kCaution;
-            const double bounded = std::clamp(level, 0.0, static_cast<double>(kMostOctaves - 1));
+            const double bounded = std::clamp(level, 0.0, static_cast<double>(kMaxOctaves - 1));
             levels_[cell] = static_cast<std::uint16_t>(kLevels * bounded);
             if (masses[cell] > 0) own = std::max(own, levels_[cell] / kLevels);
         }
@@ -232,7 +232,7 @@ void Transport::assign_octaves(const std::vector<double>& masses) {
     for (std::uint16_t& level : levels_) level = std::min(level, last);
 }
 
-/// Computes the potential of the wanted density, as if the density were spread like sites.
+/// Computes the potential of the wanted density, which is spread on the grid like sites.
 void Transport::set_targets(const std::vector<double>& masses, const std::stop_token& stop) {
     SplineGrid& grid = octaves_[0].grid;
     const Point cell = grid.cell();

@@ -48,7 +48,7 @@ public:
               Executor& executor = inline_executor());
 
     /// Computes the moves of one round.
-    /// @param sites    [sites] in the unit frame; inside, on a torus any copy
+    /// @param sites    [sites] in the unit frame, in the domain; on a torus, any periodic copy
     /// @param moves    out [sites], each at most a quarter of the local spacing
     /// @param stop     polled regularly
     /// @param weights  weights of the last sites; all others have weight 1

@@ -17,7 +17,7 @@ namespace {
 
 using Stop = std::uint32_t;  ///< a point, numbered along Hilbert's curve
 
-constexpr std::size_t kMostNeighbours = 8;
+constexpr std::size_t kMaxNeighbours = 8;
 constexpr std::uint32_t kLongestChange = 25'000;  ///< number of stops that one improvement may move in memory
 constexpr std::uint32_t kLongestRun = 3;          ///< largest number of stops that are relocated together
 constexpr double kLeastGain = 1e-12;      ///< relative to the points' extent; smaller gains may be rounding errors
@@ -68,7 +68,7 @@ double distance(Point a, Point b) {
     return std::sqrt(dot(a - b, a - b));
 }
 
-/// For each point, the nearest of its neighbours in the Delaunay triangulation, sorted by distance.
+/// The nearest neighbours of each point in the Delaunay triangulation, sorted by distance.
 class Neighbours {
 public:
     Neighbours(std::span<const Point> points, const std::stop_token& stop) : begins_(points.size() + 1) {
@@ -96,7 +96,7 @@ public:
 
     std::span<const Stop> of(Stop stop) const {
         const auto all = std::span(lists_).subspan(begins_[stop], begins_[stop + 1] - begins_[stop]);
-        return all.first(std::min(all.size(), kMostNeighbours));
+        return all.first(std::min(all.size(), kMaxNeighbours));
     }
 
 private:

@@ -27,7 +27,7 @@ class Gate {
 public:
     /// Credential that a request needs.
     enum class Credential {
-        None,      ///< none; the request is not counted
+        None,      ///< no credential; the request is not counted
         Key,       ///< an API key, if any are configured
         Signature  ///< a signed URL, if signing keys are configured; otherwise the same as Key
     };
@@ -47,7 +47,7 @@ public:
     struct Verdict {
         std::string key;             ///< name of the API key that the request has; empty: none
         std::string client;          ///< the key or the address, by which the request is counted
-        HttpResult<void> admission;  ///< why the request is refused, if it is
+        HttpResult<void> admission;  ///< success, or the reason to refuse the request
         std::string signer;          ///< name of the key that signed the URL; empty: none
     };
 

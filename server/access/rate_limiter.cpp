@@ -32,7 +32,7 @@ RateLimiter::Bucket& RateLimiter::bucket_of_locked(const std::string& client, Cl
         buckets_.splice(buckets_.begin(), buckets_, found->second);
         return buckets_.front();
     }
-    if (buckets_.size() >= most_clients_) {
+    if (buckets_.size() >= max_clients_) {
         by_client_.erase(buckets_.back().client);
         buckets_.pop_back();
     }

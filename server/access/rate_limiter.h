@@ -23,8 +23,7 @@ public:
         std::size_t burst = 20;  ///< capacity of a bucket, in tokens
     };
 
-    explicit RateLimiter(const Rate& rate, std::size_t most_clients = 65'536)
-        : rate_(rate), most_clients_(most_clients) {}
+    explicit RateLimiter(const Rate& rate, std::size_t max_clients = 65'536) : rate_(rate), max_clients_(max_clients) {}
 
     /// @returns  0 if the request may pass, otherwise the number of seconds until a token is available
     std::chrono::seconds take(const std::string& client, Clock::time_point now = Clock::now());
@@ -41,7 +40,7 @@ private:
     Bucket& bucket_of_locked(const std::string& client, Clock::time_point now);
 
     const Rate rate_;
-    const std::size_t most_clients_;
+    const std::size_t max_clients_;
 
     mutable std::mutex mutex_;   ///< guards the members below
     std::list<Bucket> buckets_;  ///< most recent client first

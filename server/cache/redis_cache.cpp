@@ -69,7 +69,7 @@ std::nullopt_t RedisCache::drop_damaged(const std::string& key) {
     return std::nullopt;
 }
 
-void RedisCache::keep(const std::string& name, const api::Answer& answer) {
+void RedisCache::store(const std::string& name, const api::Answer& answer) {
     if (answer.body.size() > kLargest) return;
     const std::string key = std::string(kPrefix) + name;
     const std::string sites = text_of(answer.sites);

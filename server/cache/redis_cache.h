@@ -26,7 +26,7 @@ public:
     std::optional<api::Answer> find(const std::string& name);
 
     /// Stores an answer of at most `kLargest` bytes. Larger ones would delay other calls.
-    void keep(const std::string& name, const api::Answer& answer);
+    void store(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;
 

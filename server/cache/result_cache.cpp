@@ -13,7 +13,7 @@ constexpr std::size_t kOverhead = 512;
 }  // namespace
 
 std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
-    if (most_ == 0 && !shared_) return nullptr;  // a miss is not counted without a cache
+    if (max_bytes_ == 0 && !shared_) return nullptr;  // a miss is not counted without a cache
     auto answer = find_here(name);
     if (!answer && shared_) {
         if (auto shared = shared_->find(name)) {
@@ -34,9 +34,9 @@ std::shared_ptr<const api::Answer> ResultCache::find_here(const std::string& nam
     return found->second->answer;
 }
 
-void ResultCache::keep(const std::string& name, const api::Answer& answer) {
-    if (shared_) shared_->keep(name, answer);
-    if (answer.body.size() > most_ / 4) return;
+void ResultCache::store(const std::string& name, const api::Answer& answer) {
+    if (shared_) shared_->store(name, answer);
+    if (answer.body.size() > max_bytes_ / 4) return;
     try {
         keep_here(name, std::make_shared<const api::Answer>(answer));
     } catch (const std::bad_alloc&) {
@@ -46,13 +46,13 @@ void ResultCache::keep(const std::string& name, const api::Answer& answer) {
 
 void ResultCache::keep_here(const std::string& name, std::shared_ptr<const api::Answer> answer) {
     const std::size_t bytes = answer->body.size() + name.size() + kOverhead;
-    if (bytes <= most_ / 4) add(name, std::move(answer), bytes);
+    if (bytes <= max_bytes_ / 4) add(name, std::move(answer), bytes);
 }
 
 void ResultCache::add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes) {
     const std::lock_guard lock(mutex_);
     if (by_name_.contains(name)) return;
-    while (load_.bytes + bytes > most_) {
+    while (load_.bytes + bytes > max_bytes_) {
         load_.bytes -= entries_.back().bytes;
         by_name_.erase(entries_.back().name);
         entries_.pop_back();

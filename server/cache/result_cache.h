@@ -32,7 +32,7 @@ public:
 
     /// @param bytes   capacity of the local cache; 0: no local cache
     /// @param shared  Redis, which must outlive this object; null: none
-    explicit ResultCache(std::size_t bytes, RedisClient* shared = nullptr) : most_(bytes) {
+    explicit ResultCache(std::size_t bytes, RedisClient* shared = nullptr) : max_bytes_(bytes) {
         if (shared != nullptr) shared_.emplace(*shared);
     }
 
@@ -40,10 +40,10 @@ public:
     std::shared_ptr<const api::Answer> find(const std::string& name);
 
     /// Stores a copy unless it would take more than a quarter of the capacity: one answer must not evict all others.
-    void keep(const std::string& name, const api::Answer& answer);
+    void store(const std::string& name, const api::Answer& answer);
 
     /// Size limit of stored bodies, in bytes.
-    std::size_t largest() const { return std::max(most_ / 4, shared_ ? RedisCache::kLargest : 0); }
+    std::size_t largest() const { return std::max(max_bytes_ / 4, shared_ ? RedisCache::kLargest : 0); }
 
     Load load() const;
 
@@ -58,7 +58,7 @@ private:
     void keep_here(const std::string& name, std::shared_ptr<const api::Answer> answer);
     void add(const std::string& name, std::shared_ptr<const api::Answer> answer, std::size_t bytes);
 
-    const std::size_t most_;
+    const std::size_t max_bytes_;
     std::optional<RedisCache> shared_;
     mutable std::mutex mutex_;  ///< guards the members below
     std::list<Entry> entries_;  ///< most recently used first

@@ -87,9 +87,9 @@ private:
 
     /// Checks the head of a reply, so that a damaged process cannot exhaust the server's memory.
     bool makes_sense() const {
-        constexpr std::uint64_t kMost = std::uint64_t{4} << 30;
+        constexpr std::uint64_t kMax = std::uint64_t{4} << 30;
         return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
-               std::ranges::all_of(reply_.sizes, [](std::uint64_t size) { return size <= kMost; });
+               std::ranges::all_of(reply_.sizes, [](std::uint64_t size) { return size <= kMax; });
     }
 
     Reply reply_;
@@ -135,7 +135,7 @@ public:
     /// Whether the process is still computing an answer that the receiver has rejected.
     bool is_abandoned() const { return abandoned_; }
 
-    Outcome hold(Call call, const ComputeRequest& request) {
+    Outcome run(Call call, const ComputeRequest& request) {
         const std::array<std::string_view, Call::kTexts> texts = {request.path, request.query, request.content_type,
                                                                   request.accept, request.body};
         for (std::size_t i = 0; i < texts.size(); ++i) call.sizes[i] = texts[i].size();
@@ -147,7 +147,7 @@ public:
         while (true) {
             std::array<pollfd, 3> polled = {
                 {{process_.channel.get(), POLLIN, 0}, {process_.events.get(), POLLIN, 0}, {stopped_.get(), POLLIN, 0}}};
-            if (poll(polled.data(), polled.size(), milliseconds_until(give_up_)) == 0) {
+            if (poll(polled.data(), polled.size(), milliseconds_until(end_at_)) == 0) {
                 end();
                 return tl::unexpected(NoReply{.overdue = true, .death = {}});
             }
@@ -196,13 +196,13 @@ private:
     Result<void> begin(const Reply& reply) {
         timings_ = reply.timings;
         head_ = answer_of(reply);
-        return delivery_.taker == nullptr ? Result<void>() : delivery_.taker->begin(*head_);
+        return delivery_.sink == nullptr ? Result<void>() : delivery_.sink->begin(*head_);
     }
 
     Result<void> take_piece() {
         if (!head_) return failure(ErrorCode::Internal, "a piece of a body arrived before its head");
         const std::string piece = reader_.take_text(2);
-        if (delivery_.taker != nullptr) return delivery_.taker->take(piece);
+        if (delivery_.sink != nullptr) return delivery_.sink->write(piece);
         head_->body += piece;
         return {};
     }
@@ -217,7 +217,7 @@ private:
         if (!head_) return failure(ErrorCode::Internal, "the body of the answer did not arrive");
         answer.coding = head_->coding;
         answer.body = std::move(head_->body);
-        answer.streamed = delivery_.taker != nullptr;
+        answer.streamed = delivery_.sink != nullptr;
         return answer;
     }
 
@@ -243,10 +243,10 @@ private:
         eventfd_t read_away = 0;
         eventfd_read(stopped_.get(), &read_away);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
-        if (!give_up_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
+        if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
         const auto& [limits, to_stop, to_leave] = box_.options_;
         const Clock::duration longest = delivery_.unwanted.stop_requested() ? to_leave : Clock::duration(to_stop);
-        give_up_ = std::min(give_up_.value_or(Clock::time_point::max()), Clock::now() + longest);
+        end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
     /// Receives a message of the events socket. An order to the decoder is passed on. The only other message reports
@@ -287,21 +287,21 @@ private:
     api::Timings& timings_;
     const UniqueFd stopped_;  ///< readable once a stop was requested
     ReplyReader reader_;
-    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no taker
+    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no sink
     bool abandoned_ = false;
-    std::optional<Clock::time_point> give_up_;
+    std::optional<Clock::time_point> end_at_;
     std::optional<ChildEnd> death_;
 };
 
 Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch launch, const Options& options,
-                                                      Relay relay, SupervisedProgram::Tell tell) {
+                                                      Relay relay, SupervisedProgram::Report report) {
     const auto greet = [](int socket) {
         std::byte ready{};
         return receive_message(socket, {&ready, 1}) == 1;
     };
     auto threads = SharedNumber::create(1);
     if (!threads) return tl::unexpected(std::move(threads.error()));
-    auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(tell));
+    auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(report));
     if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
     return std::unique_ptr<ComputeBox>(
         new ComputeBox(*std::move(fork_server), *std::move(threads), options, std::move(relay)));
@@ -326,7 +326,7 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         auto process = take_process(nice, control.stop);
         if (!process) return tl::unexpected(std::move(process.error()));
         Conversation conversation(*this, *process, delivery, control, timings);
-        auto outcome = conversation.hold(call, request);
+        auto outcome = conversation.run(call, request);
         if (outcome) {
             if (conversation.is_abandoned())
                 conversation.end();
@@ -337,8 +337,8 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
         const bool was_left = outcome.error().overdue && delivery.unwanted.stop_requested();
         if (!was_left) ++(outcome.error().overdue ? overdue_ : crashes_);
         if (was_left || control.stop.stop_requested()) return failure(ErrorCode::Stopped, describe(outcome.error()));
-        const bool is_told = conversation.has_begun() && delivery.taker != nullptr;
-        if (again || is_told || !outcome.error().is_killed())
+        const bool is_streaming = conversation.has_begun() && delivery.sink != nullptr;
+        if (again || is_streaming || !outcome.error().is_killed())
             return failure(ErrorCode::Internal, describe(outcome.error()));
     }
 }

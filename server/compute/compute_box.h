@@ -40,14 +40,14 @@ public:
         api::Limits limits;
         std::chrono::seconds to_stop{5};  ///< time limit from a request to stop until the computation ends
 
-        /// The same time limit if nobody waits for the answer any more. It is short, because ending the process costs
-        /// little: starting another one takes about a millisecond, and freeing 3 GB a quarter of a second.
+        /// The same time limit if nobody waits for the answer any more. The limit is short, because ending the process
+        /// costs little: another process starts in about a millisecond, and freeing 3 GB takes a quarter of a second.
         std::chrono::milliseconds to_leave{50};
     };
 
     /// Starts the fork server. Errors: Internal.
     static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
-                                                     Relay relay, SupervisedProgram::Tell tell);
+                                                     Relay relay, SupervisedProgram::Report report);
 
     ~ComputeBox();
 
@@ -104,7 +104,7 @@ private:
     SharedNumber threads_;  ///< limit of each computation
 
     std::mutex mutex_;
-    std::map<int, std::vector<Process>> idle_;  ///< by nice value; guarded by the mutex
+    std::map<int, std::vector<Process>> idle_;  ///< idle processes by nice value; guarded by the mutex
 
     const std::unique_ptr<SupervisedProgram> fork_server_;
 };

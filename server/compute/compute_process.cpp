@@ -105,16 +105,16 @@ private:
 class LentThreads : public Executor {
 public:
     /// @param lent  number of threads, including the caller's; must outlive this object
-    explicit LentThreads(const NumberOfOthers& lent)
+    explicit LentThreads(const SharedNumberReader& lent)
         : threads_([this, &lent] { return lent_ = Clock::now() - start_ < kAlone ? 1 : lent.load(1); }) {}
 
     void run(std::size_t count, const std::function<void(std::size_t)>& task) override {
         threads_.run(count, task);
-        most_ = std::max(most_, std::min(count, lent_));
+        max_used_ = std::max(max_used_, std::min(count, lent_));
     }
 
     /// The largest number of threads that worked at the same time.
-    std::size_t most() const { return most_; }
+    std::size_t max_used() const { return max_used_; }
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -125,7 +125,7 @@ private:
 
     const Clock::time_point start_ = Clock::now();
     std::size_t lent_ = 1;
-    std::size_t most_ = 1;
+    std::size_t max_used_ = 1;
     ThreadExecutor threads_;
 };
 
@@ -160,7 +160,7 @@ bool send_answer(int channel, Reply reply, const api::Answer& answer) {
 }
 
 /// Sends the pieces of a large body.
-class PieceSender : public api::BodyTaker {
+class PieceSender : public api::BodySink {
 public:
     /// @param timings  timings of the current computation, which are sent with the head
     PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
@@ -172,7 +172,7 @@ public:
         return check(send_answer(channel_, reply, head));
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         Reply reply;
         reply.kind = Reply::Kind::Piece;
         std::array<std::string_view, Reply::kTexts> texts;
@@ -202,7 +202,7 @@ Result<api::Answer> answer(const Task& task, const Computer& compute, const api:
     }
 }
 
-void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const NumberOfOthers& lent,
+void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder, const SharedNumberReader& lent,
               int channel) {
     const auto deaths = decoder.deaths();
     const double before = processor_time();
@@ -217,7 +217,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
                           &threads};
     const auto result = answer(task, compute, decoder.functions(), control, reply.timings, channel);
     reply.timings.processor = processor_time() - before;
-    reply.timings.threads = static_cast<std::uint32_t>(threads.most());
+    reply.timings.threads = static_cast<std::uint32_t>(threads.max_used());
     reply.decoder_deaths = decoder.deaths() - deaths;
     if (!result) {
         reply.kind = Reply::Kind::Failure;
@@ -232,7 +232,7 @@ void reply_to(const Task& task, const Computer& compute, DecoderClient& decoder,
 }  // namespace
 
 void run_compute_process(ComputeFiles files, const Computer& compute) {
-    const NumberOfOthers lent(files.threads);
+    const SharedNumberReader lent(files.threads);
     Inbox inbox(files.channel.get());
     DecoderClient decoder(
         [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });

@@ -67,7 +67,7 @@ private:
         if (!files.channel || !files.events || !files.threads) return;
         const pid_t process = fork();
         if (process == 0) become(order, std::move(files));
-        if (process < 0) return tell(files.events, {errno, 0});
+        if (process < 0) return report_end(files.events, {errno, 0});
         children_.push_back({process, std::move(files.events)});
     }
 
@@ -92,12 +92,12 @@ private:
         for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
             const auto child = std::ranges::find(children_, process, &Child::process);
             if (child == children_.end()) continue;
-            tell(child->events, {0, status});
+            report_end(child->events, {0, status});
             children_.erase(child);
         }
     }
 
-    static void tell(const UniqueFd& events, const ChildEnd& death) {
+    static void report_end(const UniqueFd& events, const ChildEnd& death) {
         // The receiver may have ended already.
         static_cast<void>(send_message(events.get(), bytes_of(death)));
     }

@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Connections in addition to those whose requests are computed or queued: for health checks, refusals and slow
-/// clients.
+/// Number of connections for health checks, refusals and slow clients, in addition to the connections whose requests
+/// are computed or queued.
 constexpr std::size_t kSpareConnections = 512;
 
 /// Additional connections for health checks and metrics when all others are taken.
@@ -41,7 +41,7 @@ struct Draft {
     std::optional<std::size_t> cache;
     std::optional<std::vector<std::string>> cors_origins;
     std::optional<std::vector<std::string>> allowed_hosts;
-    std::map<std::string_view, ChosenValue> given;  ///< by flag
+    std::map<std::string_view, ChosenValue> given;  ///< given values by flag
 };
 
 /// Applies a value.
@@ -67,22 +67,22 @@ std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t 
 }
 
 std::string set_bytes(std::size_t& target, std::string_view text, std::uint64_t low = 1) {
-    constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+    constexpr std::uint64_t kMax = std::uint64_t{1} << 40;
     int shift = 0;
     if (text.ends_with("KiB")) shift = 10;
     if (text.ends_with("MiB")) shift = 20;
     if (text.ends_with("GiB")) shift = 30;
     if (shift > 0) text.remove_suffix(3);
     const auto number = api::parse_number<std::uint64_t>(text);
-    if (!number || *number < low || *number > (kMost >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
+    if (!number || *number < low || *number > (kMax >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
     target = static_cast<std::size_t>(*number << shift);
     return {};
 }
 
 std::string set_seconds(std::chrono::milliseconds& target, std::string_view text) {
-    constexpr double kMostSeconds = 86'400;
+    constexpr double kMaxSeconds = 86'400;
     const auto seconds = api::parse_number<double>(text);
-    if (!seconds || !(*seconds >= 0.001) || *seconds > kMostSeconds) return "a number of seconds from 0.001 to 86400";
+    if (!seconds || !(*seconds >= 0.001) || *seconds > kMaxSeconds) return "a number of seconds from 0.001 to 86400";
     target = std::chrono::milliseconds(static_cast<std::int64_t>(*seconds * 1000));
     return {};
 }
@@ -152,9 +152,9 @@ std::string set_trusted_proxies(Draft& draft, std::string_view text) {
 }
 
 std::string set_rate(Draft& draft, std::string_view text) {
-    constexpr double kMost = 1e6;
+    constexpr double kMax = 1e6;
     const auto rate = api::parse_number<double>(text);
-    if (!rate || !(*rate >= 0) || *rate > kMost) return "a number of requests per second from 0 to 1000000";
+    if (!rate || !(*rate >= 0) || *rate > kMax) return "a number of requests per second from 0 to 1000000";
     draft.config.rate.per_second = *rate;
     return {};
 }

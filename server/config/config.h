@@ -58,7 +58,7 @@ struct Config {
 /// A flag's value and its origin.
 struct ChosenValue {
     std::string_view flag;
-    std::string value;        ///< as given, but without the password of a URL; empty: no value
+    std::string value;        ///< value as given, but without the password of a URL; empty: no value
     std::string_view origin;  ///< name of the flag or the variable; empty: the default
 };
 

@@ -64,11 +64,11 @@ Result<DescriptorPlan> share_descriptors(const Config& config, std::size_t allow
 
 std::string describe(const DescriptorPlan& plan) {
     const Capacity::Limits& limits = plan.capacity;
-    std::string room = std::to_string(limits.connections) + " connections, " + std::to_string(limits.reserve) +
-                       " in reserve, " + std::to_string(limits.streams) + " streams";
-    if (plan.fits()) return room;
+    std::string limits_text = std::to_string(limits.connections) + " connections, " + std::to_string(limits.reserve) +
+                              " in reserve, " + std::to_string(limits.streams) + " streams";
+    if (plan.fits()) return limits_text;
     return "the limit of open files (ulimit -n) is " + std::to_string(plan.allowed) + ", " +
-           std::to_string(plan.wanted) + " are wanted: at most " + room;
+           std::to_string(plan.wanted) + " are wanted: at most " + limits_text;
 }
 
 }  // namespace ccdt::server

@@ -10,7 +10,8 @@
 
 namespace ccdt::server {
 
-Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell) {
+Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch launch,
+                                                      SupervisedProgram::Report report) {
     // Helpers that are started later report the same confinement.
     const auto confinement = std::make_shared<Confinement>();
     const auto greet = [confinement, once = std::make_shared<std::once_flag>()](int socket) {
@@ -19,7 +20,7 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch 
         std::call_once(*once, [&] { *confinement = hello.confinement; });
         return true;
     };
-    auto helper = SupervisedProgram::start("decoder", std::move(launch), greet, std::move(tell));
+    auto helper = SupervisedProgram::start("decoder", std::move(launch), greet, std::move(report));
     if (!helper) return tl::unexpected(std::move(helper.error()));
     return std::unique_ptr<DecoderBox>(new DecoderBox(*std::move(helper), confinement));
 }

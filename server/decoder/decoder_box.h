@@ -25,7 +25,8 @@ class DecoderBox {
 public:
     /// Starts the helper. The destructor ends the helper and all its children. Errors: Internal.
     /// @param launch  starts a process that calls run_decoder_helper
-    static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch, SupervisedProgram::Tell tell);
+    static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch,
+                                                     SupervisedProgram::Report report);
 
     /// Waits until the helper is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return helper_->wait_until_ready(stop); }

@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Limit of the time that a child may take, as a multiple of its limit of processor time.
-constexpr int kMostPerProcessorTime = 3;
+constexpr int kMaxPerProcessorTime = 3;
 
 /// Reasons why there is no reply.
 struct NoReply {
@@ -94,21 +94,21 @@ using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_t
 /// Sends one order to a helper, and waits for the reply.
 /// @param text  text of the order
 template <class Reply>
-tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::Hand& hand, std::string_view bytes,
+tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
                                                   const Order::Text& text, const std::stop_token& stop) {
-    const auto most = static_cast<std::size_t>(text.most);
+    const auto max_size = static_cast<std::size_t>(text.max_size);
     auto outcome = make_sockets(SOCK_SEQPACKET);
-    Order order{text, make_file(bytes), Reply::make_file(most), {}};
+    Order order{text, make_file(bytes), Reply::make_file(max_size), {}};
     if (!outcome || !order.file || !order.reply) return tl::unexpected(not_started());
     order.outcome = std::move(outcome->theirs);
-    if (!hand(order, stop))
+    if (!pass_order(order, stop))
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
     order.outcome.reset();  // only the helper may keep this end: it closes when the helper ends
     // Returning closes our end of the socket, which ends the child.
     const std::chrono::milliseconds to_begin(text.patience_ms);
-    const auto to_end = to_begin + kMostPerProcessorTime * text.limits.time;
+    const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
     if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop)) return tl::unexpected(*none);
-    const Reply reply(order.reply, most);
+    const Reply reply(order.reply, max_size);
     if (!reply) return tl::unexpected(not_started());
     auto result = reply.read();
     if (!result) return tl::unexpected(NoReply{NoReply::Reason::Died});
@@ -140,22 +140,22 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
 /// @param longest_wait  time for which the order waits for a helper and for a child
 /// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
-ResultOf<Reply> decode_by(const DecoderClient::Hand& hand, std::string_view bytes, Order::Text text,
+ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
                           const std::stop_token& stop, std::chrono::milliseconds longest_wait,
                           std::atomic<std::uint64_t>& deaths) {
     using Reason = NoReply::Reason;
     text.bytes = bytes.size();
-    std::optional<Clock::time_point> give_up;
+    std::optional<Clock::time_point> retry_until;
     while (true) {
-        const Clock::duration patience = give_up ? *give_up - Clock::now() : longest_wait;
+        const Clock::duration patience = retry_until ? *retry_until - Clock::now() : longest_wait;
         text.patience_ms = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
-        auto reply = ask_helper<Reply>(hand, bytes, text, stop);
+        auto reply = ask_helper<Reply>(pass_order, bytes, text, stop);
         if (reply) return *std::move(reply);
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
-        if (!give_up) give_up = Clock::now() + longest_wait;
+        if (!retry_until) retry_until = Clock::now() + longest_wait;
         // The file is not the cause if a helper has ended.
-        if (reason != Reason::OrderLost || Clock::now() > *give_up)
+        if (reason != Reason::OrderLost || Clock::now() > *retry_until)
             return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
     }
 }
@@ -181,11 +181,11 @@ template <class AnyPicture>
 Result<AnyPicture> DecoderClient::decode_to(std::string_view bytes, const api::Reading& reading,
                                             const std::stop_token& stop) {
     Order::Text text;
-    text.most = reading.max_pixels;
+    text.max_size = reading.max_pixels;
     text.product = std::is_same_v<AnyPicture, ColourPicture> ? Order::Product::Colour : Order::Product::Grey;
     text.reduce = reading.reduce;
     text.limits = limits_(bytes, reading.max_pixels);
-    return decode_by<ReplyMemory<AnyPicture>>(hand_, bytes, text, stop, longest_wait_, deaths_);
+    return decode_by<ReplyMemory<AnyPicture>>(pass_order_, bytes, text, stop, longest_wait_, deaths_);
 }
 
 Result<Picture> DecoderClient::decode(std::string_view bytes, const api::Reading& reading,
@@ -204,11 +204,11 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
         return failure(ErrorCode::Malformed,
                        "object must be a name of at most " + std::to_string(Order::kLongestName) + " bytes", "object");
     Order::Text text;
-    text.most = reading.max_bytes;
+    text.max_size = reading.max_bytes;
     text.product = Order::Product::Map;
     reading.object.copy(text.object.data(), reading.object.size());
     text.limits = shapefile_limits(reading.max_bytes);
-    return decode_by<ReplyText>(hand_, archive, text, stop, longest_wait_, deaths_);
+    return decode_by<ReplyText>(pass_order_, archive, text, stop, longest_wait_, deaths_);
 }
 
 api::Decode DecoderClient::functions() {

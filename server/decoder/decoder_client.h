@@ -37,15 +37,15 @@ public:
     using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;
 
     /// Passes an order on to a helper; returns false if no helper is available in time.
-    using Hand = std::function<bool(const Order& order, const std::stop_token& stop)>;
+    using PassOrder = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
     /// Time that an order may wait for a helper, and then for a child to begin. If the order is lost because its helper
-    /// has ended, repetitions may begin within the same time from that loss.
+    /// has ended, it may be repeated until the same time has passed since the loss.
     static constexpr std::chrono::milliseconds kLongestWait{5000};
 
-    explicit DecoderClient(Hand hand, LimitsOf limits = decoder_limits,
+    explicit DecoderClient(PassOrder pass_order, LimitsOf limits = decoder_limits,
                            std::chrono::milliseconds longest_wait = kLongestWait)
-        : hand_(std::move(hand)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
+        : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
 
     /// Decodes a file; the result is identical to that of decoding in this process. A stop ends the decoding at once.
     /// If an order was lost because its helper ended, the order is repeated.
@@ -73,7 +73,7 @@ private:
     template <class AnyPicture>
     Result<AnyPicture> decode_to(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop);
 
-    const Hand hand_;
+    const PassOrder pass_order_;
     const LimitsOf limits_;
     const std::chrono::milliseconds longest_wait_;
     std::atomic<std::uint64_t> deaths_ = 0;

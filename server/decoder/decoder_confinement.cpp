@@ -103,7 +103,7 @@ void enter_namespaces(Confinement& confinement) {
     }
 }
 
-void give_up_rights(Confinement& confinement) {
+void drop_privileges(Confinement& confinement) {
     confinement.error(Layer::Root) =
         confinement.has(Layer::Mounts) ? error_of(empty_root()) : confinement.error(Layer::Mounts);
     empty_bounding_set();

@@ -28,7 +28,7 @@ struct Confinement {
     static constexpr std::size_t kLayers = 10;
 
     std::uint32_t user = 0;                      ///< user id of the processes
-    std::array<std::int32_t, kLayers> errors{};  ///< by layer: 0 if it is in force, otherwise the errno of the failure
+    std::array<std::int32_t, kLayers> errors{};  ///< [layers] 0 if in force, else the errno of the failure
 
     std::int32_t& error(Layer layer) { return errors[static_cast<std::size_t>(layer)]; }
     bool has(Layer layer) const { return errors[static_cast<std::size_t>(layer)] == 0; }
@@ -47,6 +47,6 @@ void enter_namespaces(Confinement& confinement);
 
 /// Replaces the root directory by an empty one, drops all capabilities, and changes from root to nobody. Records what
 /// is in force. Must be called after enter_namespaces.
-void give_up_rights(Confinement& confinement);
+void drop_privileges(Confinement& confinement);
 
 }  // namespace ccdt::server

@@ -180,7 +180,7 @@ private:
 
     /// Reports why nothing can be decoded, as errno, and ends the process. The picture is not the cause. Called in the
     /// child.
-    [[noreturn]] static void give_up(int outcome) {
+    [[noreturn]] static void fail(int outcome) {
         const Outcome told{.fork_error = errno, .ended = 1};
         send(outcome, &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
         _exit(kFailed);
@@ -188,7 +188,7 @@ private:
 
     template <class AnyPicture>
     [[noreturn]] void decode(Order order, const Decoder::To<AnyPicture>& decode_file) const {
-        const auto max_pixels = static_cast<std::size_t>(order.text.most);
+        const auto max_pixels = static_cast<std::size_t>(order.text.max_size);
         ReplyMemory<AnyPicture> reply(order.reply, max_pixels);
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
             const auto result = decode_file(bytes, {max_pixels, text.reduce},
@@ -198,7 +198,7 @@ private:
     }
 
     [[noreturn]] void decode_map(Order order) const {
-        const auto max_bytes = static_cast<std::size_t>(order.text.most);
+        const auto max_bytes = static_cast<std::size_t>(order.text.max_size);
         ReplyText reply(order.reply, max_bytes);
         carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
             if (!decoder_.map) return false;
@@ -216,11 +216,11 @@ private:
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
         const auto size = static_cast<std::size_t>(order.text.bytes);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
-        if (!reply || (size > 0 && file == MAP_FAILED)) give_up(order.outcome.get());
+        if (!reply || (size > 0 && file == MAP_FAILED)) fail(order.outcome.get());
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
-        const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.most));
-        if (!sandbox_.enter(order.text.limits, mapped)) give_up(STDOUT_FILENO);
+        const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.max_size));
+        if (!sandbox_.enter(order.text.limits, mapped)) fail(STDOUT_FILENO);
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const Outcome done;
         if (!decode_bytes(bytes, order.text) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
@@ -235,8 +235,9 @@ private:
     std::vector<pollfd> polled_;
 };
 
-/// Waits for all children, and ends as the helper did. The helper is the first child to end except the starter. Without
-/// a PID namespace, the children of the helper become children of this process, and are waited for as well.
+/// Waits for all children, and ends with the exit status of the helper. The helper is the first child to end except the
+/// starter. Without a PID namespace, the children of the helper become children of this process, and are waited for as
+/// well.
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
     std::optional<int> end;
@@ -284,15 +285,15 @@ void pause_shortly() {
     nanosleep(&pause, nullptr);
 }
 
-/// Does in advance what decoding does only once per process. Libraries start threads for this and detach them. If this
+/// Does the one-time work of decoding in advance. Libraries start threads for this work and detach them. If this
 /// process forked while one of these threads holds a lock, the lock would stay held in all children. So the function
 /// waits for the threads to end.
 void warm_up(const Decoder& decoder) {
     if (!decoder.warm_up) return;
-    constexpr int kMostPauses = 500;
+    constexpr int kMaxPauses = 500;
     const auto before = count_threads();
     decoder.warm_up();
-    for (int pauses = 0; count_threads() > before && pauses < kMostPauses; ++pauses) pause_shortly();
+    for (int pauses = 0; count_threads() > before && pauses < kMaxPauses; ++pauses) pause_shortly();
 }
 
 /// Prepares the helper, and runs it until the server has ended.
@@ -305,7 +306,7 @@ bool be_helper(const Decoder& decoder) {
     const Sandbox sandbox;
     confinement.error(Layer::Landlock) = sandbox.landlock_error();
     confinement.error(Layer::Calls) = sandbox.filter_error();
-    give_up_rights(confinement);
+    drop_privileges(confinement);
     const Hello hello{confinement};
     if (send(kOrders, &hello, sizeof(hello), MSG_NOSIGNAL) != static_cast<ssize_t>(sizeof(hello))) return false;
     Helper(decoder, sandbox).run();

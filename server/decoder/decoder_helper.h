@@ -21,9 +21,9 @@ struct Decoder {
     using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
                                              const api::TakeText& take)>;
 
-    To<Picture> grey;               ///< as api::decode_image
-    To<ColourPicture> colour;       ///< as api::decode_colour_image
-    std::function<void()> warm_up;  ///< does in advance what decoding does only once per process; may be empty
+    To<Picture> grey;               ///< the function of api::decode_image
+    To<ColourPicture> colour;       ///< the function of api::decode_colour_image
+    std::function<void()> warm_up;  ///< does the one-time work of decoding in advance; may be empty
     ToMap map = {};                 ///< empty: maps are not decoded
 };
 

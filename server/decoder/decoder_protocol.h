@@ -23,7 +23,7 @@ namespace ccdt::server {
 
 /// First message from the helper, sent once it is ready.
 struct Hello {
-    Confinement confinement;  ///< of the helper and its children
+    Confinement confinement;  ///< confinement of the helper and its children
 };
 
 /// Message from the server to the helper: a file to decode.
@@ -35,8 +35,8 @@ struct Order {
     static constexpr std::size_t kLongestName = 1000;
 
     struct Text {
-        std::uint64_t bytes = 0;  ///< size of the file
-        std::uint64_t most = 0;   ///< maximum number of pixels of the picture or bytes of the map
+        std::uint64_t bytes = 0;     ///< size of the file
+        std::uint64_t max_size = 0;  ///< maximum number of pixels of the picture or bytes of the map
         Product product = Product::Grey;
         std::int32_t reduce = 1;                         ///< see api::Reading
         std::array<char, kLongestName + 1> object = {};  ///< see api::ShapefileReading; padded with zeros

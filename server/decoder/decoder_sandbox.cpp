@@ -85,10 +85,10 @@ std::vector<sock_filter> compile(scmp_filter_ctx context) {
 
 /// Lowers a limit, unless it is lower already.
 /// @param margin  amount by which the hard limit is larger
-bool limit(__rlimit_resource resource, rlim_t most, rlim_t margin = 0) {
+bool limit(__rlimit_resource resource, rlim_t soft, rlim_t margin = 0) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
-    const rlimit both{std::min(most, now.rlim_max), std::min(most + margin, now.rlim_max)};
+    const rlimit both{std::min(soft, now.rlim_max), std::min(soft + margin, now.rlim_max)};
     return setrlimit(resource, &both) == 0;
 }
 

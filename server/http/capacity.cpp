@@ -10,15 +10,15 @@
 namespace ccdt::server {
 namespace {
 
-/// Time for which an idle connection is not closed for a new one, which waits as long for the slot. So a client that
-/// has just connected can send its first request.
+/// Time for which an idle connection is not closed to make way for a new one. The new connection waits for the slot
+/// meanwhile. So a client that has just connected can send its first request.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Time for the head of a request to arrive before its connection may be closed for a new one: enough for several
-/// packets, one of which is lost.
+/// Time for which the rest of a request head may be missing before its connection is closed to make way for a new one:
+/// enough for several packets, one of which is lost.
 constexpr std::chrono::milliseconds kLeastForHead{300};
 
-/// Time that new connections wait for closed ones to release their slots, and time after which one more connection is
+/// Time that new connections wait for closed ones to release their slots, and time after which another connection is
 /// closed. Only a busy machine needs so long.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
@@ -58,7 +58,7 @@ bool Capacity::close_first_idle() {
     return true;
 }
 
-/// Finds the idle connection that may be closed first, in one class or in any.
+/// Finds the first idle connection of the given class, or of any class, that has no unread bytes.
 Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<ConnectionClass> connection_class) {
     return std::ranges::find_if(idle_, [connection_class](const auto& entry) {
         const Idle& idle = entry.second;
@@ -186,10 +186,10 @@ bool ConnectionSlot::count_by(const std::string& address) {
     return true;
 }
 
-void HeldBytes::resize(std::size_t bytes) {
+void CountedBytes::resize(std::size_t bytes) {
     if (capacity_ == nullptr) return;
-    if (bytes > bytes_) capacity_->hold(bytes - bytes_);
-    if (bytes < bytes_) capacity_->release(bytes_ - bytes);
+    if (bytes > bytes_) capacity_->add_bytes(bytes - bytes_);
+    if (bytes < bytes_) capacity_->remove_bytes(bytes_ - bytes);
     bytes_ = bytes;
 }
 

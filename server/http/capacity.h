@@ -33,9 +33,9 @@ public:
         std::size_t connections = 512;               ///< common slots
         std::size_t reserve = 128;                   ///< slots in reserve, in addition
         std::size_t streams = 1024;                  ///< slots for streams, in addition
-        std::size_t refused = 256;                   ///< refused clients that get time to read why
+        std::size_t refused = 256;                   ///< refused clients that may stay to read the reason
         std::size_t per_address = 64;                ///< connections of one address, in all classes; 0: no limit
-        std::size_t bytes = std::size_t{256} << 20;  ///< of bodies being read and answers being written
+        std::size_t bytes = std::size_t{256} << 20;  ///< limit of bodies being read and answers being written
     };
 
     struct Counts {
@@ -50,8 +50,8 @@ public:
 
     const Limits& limits() const { return limits_; }
 
-    void hold(std::size_t bytes) { bytes_ += bytes; }
-    void release(std::size_t bytes) { bytes_ -= bytes; }
+    void add_bytes(std::size_t bytes) { bytes_ += bytes; }
+    void remove_bytes(std::size_t bytes) { bytes_ -= bytes; }
 
     /// Whether no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
@@ -66,8 +66,8 @@ public:
 
     Counts counts() const;
 
-    /// Closes the idle connection that may be closed first, in any class.
-    /// @returns  false if none is idle
+    /// Closes the idle connection that comes first in IdleConnections, of any class.
+    /// @returns  false if no connection is idle
     bool close_first_idle();
 
 private:
@@ -81,7 +81,7 @@ private:
         int socket = -1;
         bool has_begun = false;  ///< part of a request head has arrived; the request can still be answered
     };
-    /// Idle connections by the time from which each may be closed for a new one.
+    /// Idle connections, sorted by the time from which each may be closed to make way for a new one.
     using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
     IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
@@ -129,12 +129,13 @@ public:
     /// The current class. May be called by the thread that calls move_to().
     ConnectionClass connection_class() const { return class_; }
 
-    /// Moves the slot to the class that the current request needs. For Reserve, any class will do.
+    /// Moves the slot to the class that the current request needs. A connection of any class may serve the requests of
+    /// Reserve.
     /// @returns  false if that class is full; the slot then stays where it was
     bool move_to(ConnectionClass connection_class);
 
-    /// Marks the connection as idle unless it is already. The socket must stay open until `end_idle`. Until then it may
-    /// be shut down to make way for another connection, unless it has unread bytes.
+    /// Marks the connection as idle, if it is not idle already. The socket must stay open until `end_idle`. Until then
+    /// it may be shut down to make way for another connection, unless it has unread bytes.
     /// @param head_begun  time at which an incomplete request head began; none: no request has begun. A connection with
     ///                    an incomplete head has more time, and its socket is shut down for receiving only
     void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
@@ -143,7 +144,7 @@ public:
     /// Whether the socket was shut down to make way for another connection.
     bool is_closed() const;
 
-    /// From now on, counts the connection for another address; for none if `address` is empty.
+    /// Counts the connection for another address from now on, or for no address if `address` is empty.
     /// @returns  false if that address is at its limit; the connection then counts as before
     bool count_by(const std::string& address);
 
@@ -154,7 +155,8 @@ private:
     std::string address_;
     Entry entry_ = Entry::Full;
     ConnectionClass class_ = ConnectionClass::Common;
-    bool closed_ = false;  ///< the socket was shut down for another; guarded by the capacity's mutex
+    bool closed_ = false;  ///< whether the socket was shut down to make way for another connection; guarded by the
+                           ///< capacity's mutex
     std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
 
@@ -178,13 +180,13 @@ private:
 };
 
 /// Bytes that a connection takes, released by the destructor.
-class HeldBytes {
+class CountedBytes {
 public:
     /// @param capacity  null: nothing is counted
-    explicit HeldBytes(Capacity* capacity) : capacity_(capacity) {}
-    ~HeldBytes() { resize(0); }
-    HeldBytes(const HeldBytes&) = delete;
-    HeldBytes& operator=(const HeldBytes&) = delete;
+    explicit CountedBytes(Capacity* capacity) : capacity_(capacity) {}
+    ~CountedBytes() { resize(0); }
+    CountedBytes(const CountedBytes&) = delete;
+    CountedBytes& operator=(const CountedBytes&) = delete;
 
     void resize(std::size_t bytes);
 

@@ -20,7 +20,7 @@ using std::chrono::milliseconds;
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk's size or a trailer
-constexpr std::size_t kMostFraming = 8;      ///< maximum of framing bytes per body byte, beyond the first kLargestHead
+constexpr std::size_t kMaxFraming = 8;       ///< maximum of framing bytes per body byte, beyond the first kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
 constexpr std::size_t kTrustedBytes = 1 << 20;  ///< bytes of a body after which its announced length is trusted
@@ -60,11 +60,11 @@ bool may_break_a_line(char c) {
 Connection::Connection(int socket, const Patience& patience, Capacity* capacity, ConnectionSlot* slot)
     : socket_(socket), patience_(patience), capacity_(capacity), slot_(slot), peer_(peer_of(socket)), client_(peer_) {}
 
-bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& give_up) {
+bool Connection::wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop) {
     bytes_in_ = 0;
     bytes_out_ = 0;
     if (!unread_.empty()) return true;
-    return wait_for_bytes(give_up) && fill([] { return Clock::now() + kWaitStep; });
+    return wait_for_bytes(should_stop) && fill([] { return Clock::now() + kWaitStep; });
 }
 
 HttpResult<void> Connection::read_proxy_header() {
@@ -124,7 +124,7 @@ bool Connection::client_gone() const {
 }
 
 bool Connection::write(std::string_view bytes) {
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     held.resize(bytes.size());
     Transfer answer{Clock::now(), Clock::now(), 0};
     while (!bytes.empty() && !too_slow_) {
@@ -166,12 +166,12 @@ void Connection::Transfer::move_to(std::uint64_t total) {
 }
 
 /// Waits for the first byte or the end of a connection, which counts as idle meanwhile.
-/// @returns  false if `give_up` returned true
-bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const {
+/// @returns  false if `should_stop` returned true
+bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const {
     const IdleTime idle(slot_, socket_);
     const auto start = Clock::now();
     while (!wait_for(socket_, POLLIN, Clock::now() + kWaitStep)) {
-        if (give_up(duration_cast<Milliseconds>(Clock::now() - start))) return false;
+        if (should_stop(duration_cast<Milliseconds>(Clock::now() - start))) return false;
     }
     return true;
 }
@@ -224,7 +224,7 @@ Connection::Fill Connection::fill_head() {
 }
 
 /// Receives more of a body. `body` is the part that has arrived.
-HttpResult<void> Connection::fill(const std::string& body, HeldBytes& held) {
+HttpResult<void> Connection::fill(const std::string& body, CountedBytes& held) {
     body_.move_to(body.size());
     held.resize(body.size());
     if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
@@ -282,7 +282,7 @@ HttpResult<void> Connection::append(std::string& body, std::uint64_t size, const
 
 HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
     std::string body;
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
     return body;
 }
@@ -291,7 +291,7 @@ HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
 /// because chunks may be small.
 HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
     std::string body;
-    HeldBytes held(capacity_);
+    CountedBytes held(capacity_);
     const Fill fill_up = [&] { return fill(body, held); };
     const auto before = bytes_in_;
     while (true) {
@@ -301,7 +301,7 @@ HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
         if (*size > limit - body.size()) return too_large(limit);
         const auto read = append(body, *size, fill_up).and_then([&] { return skip_chunk_end(fill_up); });
         if (!read) return tl::unexpected(read.error());
-        if (bytes_in_ - before > body.size() * (1 + kMostFraming) + kLargestHead)
+        if (bytes_in_ - before > body.size() * (1 + kMaxFraming) + kLargestHead)
             return problem(400, "the chunks are too small for their framing");
     }
     if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());

@@ -39,9 +39,9 @@ public:
                         ConnectionSlot* slot = nullptr);
 
     /// Waits for the first byte of the next request.
-    /// @param give_up  called about five times a second with the time waited so far
-    /// @returns        false if the client closed the connection, or `give_up` returned true
-    bool wait_for_request(const std::function<bool(Milliseconds waited)>& give_up);
+    /// @param should_stop  called about five times a second with the time waited so far
+    /// @returns        false if the client closed the connection, or `should_stop` returned true
+    bool wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop);
 
     /// Reads the PROXY header. If there is one, the client that it names becomes the peer. Requires that the first
     /// bytes have arrived.
@@ -78,7 +78,7 @@ public:
     /// memory.
     void close_gently();
 
-    /// Has the connection reset when it is closed, so that the client does not mistake a partial answer for a whole
+    /// Arranges that closing resets the connection, so that the client does not mistake a partial answer for a whole
     /// one.
     void reset() { resets_ = true; }
 
@@ -91,7 +91,7 @@ public:
     /// The client or proxy that connected.
     const Peer& peer() const { return peer_; }
 
-    /// The sender of the current request: the peer or, if that is a trusted proxy, the client that it names.
+    /// The sender of the current request: the peer or, if the peer is a trusted proxy, the client that the proxy names.
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
@@ -105,7 +105,7 @@ public:
     /// Name of the API key of the current request; empty: none.
     const std::string& key() const { return key_; }
 
-    std::uint64_t bytes_in() const { return bytes_in_; }  ///< of the current request
+    std::uint64_t bytes_in() const { return bytes_in_; }  ///< bytes received for the current request
     std::uint64_t bytes_out() const { return bytes_out_; }
 
 private:
@@ -136,12 +136,12 @@ private:
     };
 
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
-    bool wait_for_bytes(const std::function<bool(Milliseconds waited)>& give_up) const;
+    bool wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const;
     Clock::time_point deadline(const Transfer& transfer) const;
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);
     Fill fill_head();
-    HttpResult<void> fill(const std::string& body, HeldBytes& held);
+    HttpResult<void> fill(const std::string& body, CountedBytes& held);
     HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
     HttpResult<std::string_view> read_line(const Fill& fill_up);
     HttpResult<void> append(std::string& body, std::uint64_t size, const Fill& fill_up);
@@ -160,7 +160,7 @@ private:
     std::string client_name_;
     std::string key_;
     Unread unread_;
-    Transfer body_;            ///< of the current request
+    Transfer body_;            ///< progress of the current request's body
     std::uint64_t heads_ = 0;  ///< number of heads that were read or attempted
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client received an answer too slowly

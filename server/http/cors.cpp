@@ -41,7 +41,6 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
     if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
     // Caches must not give the answer for one origin to another one. So Vary is also needed in answers without
     // permission.
-    // permission.
     std::vector<Header> headers{{"Vary", "Origin"}};
     if (!allows_origin(allowed, origin)) return headers;
     headers.push_back({"Access-Control-Allow-Origin", std::string(origin)});

@@ -26,8 +26,8 @@ std::optional<std::string_view> host_of_authority(std::string_view authority);
 /// answered.
 ///
 /// A stranger's page can reach a server on loopback by a name of the stranger's domain that resolves to 127.0.0.1 (DNS
-/// rebinding). To the browser, such a request goes to the page's own origin. The server recognises it by the name in
-/// Host.
+/// rebinding). The browser considers such a request as going to the page's own origin. The server recognises it by the
+/// name in Host.
 /// @param allowed  hosts in lower case without port and brackets, kLoopback, or kAny
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
 

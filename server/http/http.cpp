@@ -16,8 +16,8 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";  ///< separates scheme and authority
 constexpr std::size_t kLongestTarget = 8'192;
 
-/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy might use
-/// a different one than the server. Content-Length and Transfer-Encoding are checked where they are read.
+/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy and the
+/// server might use different ones. Content-Length and Transfer-Encoding are checked where they are read.
 constexpr std::array<std::string_view, 6> kSingleFields{
     "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
 
@@ -249,10 +249,10 @@ HttpResult<Request> parse_head(std::string_view head) {
 }
 
 HttpResult<std::uint64_t> parse_chunk_size(std::string_view line) {
-    constexpr std::size_t kMostDigits = 16;
+    constexpr std::size_t kMaxDigits = 16;
     const auto digits = line.substr(0, std::min(line.find_first_of("; \t"), line.size()));
     const auto size = api::parse_number<std::uint64_t>(digits, 16);
-    if (!size || digits.size() > kMostDigits) return problem(400, "a chunk's size is malformed");
+    if (!size || digits.size() > kMaxDigits) return problem(400, "a chunk's size is malformed");
     if (!are_extensions(line.substr(digits.size()))) return problem(400, "a chunk's extensions are malformed");
     return *size;
 }

@@ -38,8 +38,8 @@ constexpr milliseconds kTimeToRead{500};
 /// Pause after accepting failed because of missing descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Time that a new connection waits until the end of an idle connection frees a thread.
-constexpr milliseconds kTimeToMakeRoom{500};
+/// Time that a new connection waits for the thread of an idle connection that was closed.
+constexpr milliseconds kTimeToFreeThread{500};
 
 /// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
 constexpr milliseconds kHandshake{2};
@@ -59,7 +59,7 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task and contains its failure, most likely for lack of memory, so that only one client is affected.
+/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So only one client is affected.
 template <class Task>
 void contain(const Task& task) {
     try {
@@ -115,14 +115,14 @@ bool is_fatal(int accept_error) {
 /// the client might lose the answer. Nothing is read from these sockets.
 class RefusedClients {
 public:
-    /// @param most  maximum number of sockets
-    explicit RefusedClients(std::size_t most) : most_(most) {}
+    /// @param max_sockets  limit of sockets that are kept open
+    explicit RefusedClients(std::size_t max_sockets) : max_sockets_(max_sockets) {}
 
     bool empty() const { return sockets_.empty(); }
 
     void add(UniqueFd socket) {
         sockets_.push_back({std::move(socket), Clock::now()});
-        if (sockets_.size() > most_) sockets_.pop_front();
+        if (sockets_.size() > max_sockets_) sockets_.pop_front();
     }
 
     void close_old() {
@@ -135,7 +135,7 @@ private:
         Clock::time_point since;
     };
 
-    const std::size_t most_;
+    const std::size_t max_sockets_;
     std::deque<Entry> sockets_;
 };
 
@@ -203,7 +203,7 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
 /// Gives a connection its thread, which then owns the socket. If the system has no more threads, an idle connection is
 /// closed to free its thread.
 bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
-    const auto end = Clock::now() + kTimeToMakeRoom;
+    const auto end = Clock::now() + kTimeToFreeThread;
     while (true) {
         slot->begin_idle(socket);
         if (threads.run([this, socket, slot] { serve_socket(UniqueFd(socket), *slot); })) return true;
@@ -248,19 +248,19 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
     AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
     // A new connection is expected to send a request soon.
     auto longest = patience_.header;
-    const auto give_up = [&](milliseconds waited) {
+    const auto should_stop = [&](milliseconds waited) {
         const bool idles_elsewhere = slot.connection_class() != ConnectionClass::Common;
         const bool pressed = capacity_.is_pressed() || idles_elsewhere || (draining_ && busy_ == 0);
         return waited >= (pressed ? std::min(longest, kIdleUnderPressure) : longest);
     };
-    if (proxies_.include(connection.peer()) && connection.wait_for_request(give_up)) {
+    if (proxies_.include(connection.peer()) && connection.wait_for_request(should_stop)) {
         const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
             answer(connection, writer, {}, told, true);
             return;
         }
     }
-    for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(give_up); --left) {
+    for (std::size_t left = kRequestsPerConnection; left > 0 && connection.wait_for_request(should_stop); --left) {
         const Counted busy(busy_);
         auto request = connection.read_head();
         const auto received =

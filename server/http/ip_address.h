@@ -23,10 +23,10 @@ public:
     bool is_version_4() const;
     std::string text() const;
 
-    /// Returns the addresses that count as one client, as text: an IPv4 address, or a 64-bit IPv6 network.
+    /// Returns, as text, the range of addresses that counts as one client: an IPv4 address, or a 64-bit IPv6 network.
     std::string of_one_client() const;
 
-    /// Whether the first `bits` of the 128 bits are equal. In IPv4 addresses, 96 bits precede the address.
+    /// Whether the first `bits` of the 128 bits are equal. An IPv4 address follows 96 other bits.
     bool shares(const IpAddress& other, int bits) const;
 
 private:

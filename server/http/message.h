@@ -25,7 +25,7 @@ struct Request {
     std::string target;           ///< as sent
     std::string resource;         ///< path and query as sent, without scheme and host
     std::string path;             ///< percent-decoded
-    std::string query;            ///< as sent, without the question mark
+    std::string query;            ///< query as sent, without the question mark
     std::string authority;        ///< host and port of the target, or else of the Host header; empty: neither has one
     std::vector<Header> headers;  ///< in order, values as sent
     std::optional<std::uint64_t> content_length;

@@ -14,7 +14,7 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kBlankLine = "\r\n\r\n";
 constexpr std::size_t kLongestBoundary = 70;
 constexpr std::size_t kLargestHeaders = 16'384;  ///< limit for one part
-constexpr std::size_t kMostParts = 1'000;
+constexpr std::size_t kMaxParts = 1'000;
 
 /// Whether a text is a valid boundary: RFC 2046, section 5.1.1.
 bool is_boundary(std::string_view text) {
@@ -74,7 +74,7 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
     }
     std::vector<FormPart> parts;
     while (body.substr(at, 2) != "--") {
-        if (parts.size() == kMostParts) return problem(400, "the form has more than 1000 parts");
+        if (parts.size() == kMaxParts) return problem(400, "the form has more than 1000 parts");
         const auto begin = skip_headers(body, at);
         if (!begin) return tl::unexpected(begin.error());
         auto name = part_name(body.substr(at, *begin - at));

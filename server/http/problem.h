@@ -17,7 +17,7 @@ namespace ccdt::server {
 /// Errors, which `problem` converts.
 struct Problem {
     int status = 500;
-    Error error;                       ///< as the client sees it
+    Error error;                       ///< the error as the client sees it
     std::vector<Header> headers = {};  ///< additional headers of the answer
     std::string cause = {};            ///< cause of an internal failure, for the log
 };

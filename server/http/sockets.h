@@ -20,7 +20,7 @@ namespace ccdt::server {
 /// The other end of a connection, or a client that a proxy names.
 struct Peer {
     std::string name = "-";            ///< address and, if known, port, for the log
-    std::string address = {};          ///< as in IpAddress::of_one_client(), by which limits count; empty: none
+    std::string address = {};          ///< result of IpAddress::of_one_client(), by which limits count; empty: none
     std::optional<IpAddress> ip = {};  ///< none: the peer has no IP address, or it is unknown
     bool is_local = false;             ///< connected over a Unix socket
 };
@@ -52,10 +52,10 @@ public:
 
     /// Refuses new connections; connections made before can still be accepted. May be called from any thread.
     ///
-    /// Shutting the socket down instead would reset the connections in the backlog, whose requests may have arrived
-    /// already. A load balancer could not know that no server has read these requests. For TCP, a client that tries to
-    /// connect meanwhile tries again after a second, and then finds that nobody listens. On Unix sockets this function
-    /// has no effect: new clients wait until `shut_down`.
+    /// The socket is not shut down, because that would reset the connections in the backlog, whose requests may have
+    /// arrived already. A load balancer could not know that no server has read these requests. For TCP, a client that
+    /// tries to connect meanwhile tries again after a second, and then finds that nobody listens. On Unix sockets this
+    /// function has no effect: new clients wait until `shut_down`.
     void refuse_newcomers() const;
 
     /// Resets connections that still wait to be accepted; further attempts to connect fail.

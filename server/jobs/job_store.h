@@ -28,7 +28,7 @@ public:
 /// Stores jobs: their requests and, after the end, their results. Also keeps the queue, and records which server runs
 /// which job.
 ///
-/// A server claims a job before it runs it. The claim holds for a limited time, the lease, which `hold` renews. Once
+/// A server claims a job before it runs it. The claim holds for a limited time, the lease, which `renew` extends. Once
 /// the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
 /// (`Job::claim`). A call with an older number than the latest reports that the job is lost, and changes nothing. So
 /// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
@@ -40,18 +40,18 @@ public:
 class JobStore {
 public:
     /// Whether a job was added, or why not.
-    enum class Added { Accepted, QueueFull, NoRoom };
+    enum class Added { Accepted, QueueFull, StoreFull };
 
     /// The state of a claim: it is still valid, the job was cancelled, or another server has claimed the job.
     enum class Owned { Still, Cancelled, Lost };
 
-    struct Hold {
+    struct Renewal {
         Owned owned = Owned::Still;
         Time now;
     };
 
     /// The part of a result that the store already has.
-    struct Taken {
+    struct StoredPart {
         std::size_t pieces = 0;
         std::size_t bytes = 0;
     };
@@ -91,23 +91,23 @@ public:
 
     /// Renews the lease of a claimed job, and stores its state: waiting or running. The first call with the status
     /// Running sets the time of the start.
-    virtual Result<Hold> hold(const Job& job) = 0;
+    virtual Result<Renewal> renew(const Job& job) = 0;
 
     /// Returns a claimed job to the front of the queue; the start is not counted.
-    virtual Result<void> give_back(const Job& job) = 0;
+    virtual Result<void> requeue(const Job& job) = 0;
 
     /// Appends a piece to the result of a claimed job, and frees space as `add` does (LimitExceeded). May be repeated
     /// after an error. If the claim ends in any other way than by `finish` with a result, the pieces are deleted.
-    /// @param before  what this claim has stored already
+    /// @param before  the part of the result that this claim has stored already
     /// @param piece   1 to kPiece bytes
     /// @returns       false if the job was lost or cancelled
-    virtual Result<bool> take(const Job& job, const Taken& before, std::string_view piece) = 0;
+    virtual Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) = 0;
 
     /// Stores the end of a claimed job: deletes its request, keeps its result. For a result, frees space as `add` does
     /// (LimitExceeded); the end of a job without a result needs no space. May be repeated after an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
-    virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) = 0;
+    virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) = 0;
     Result<std::optional<Time>> finish(const Job& job, std::string_view result) { return finish(job, result, {}); }
 
     /// Cancels a job that has not ended.
@@ -131,7 +131,7 @@ public:
 
     /// Removes some of the expired jobs.
     /// @returns  whether there may be more
-    virtual Result<bool> forget() = 0;
+    virtual Result<bool> remove_expired() = 0;
 
     virtual Result<Load> load() = 0;
 
@@ -149,7 +149,7 @@ public:
     }
 
     /// @param result  bytes received so far
-    static tl::unexpected<Error> no_room_for(std::size_t result) {
+    static tl::unexpected<Error> no_space_for(std::size_t result) {
         return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
                                                      " bytes, for which there is no room (job-bytes)");
     }

@@ -21,19 +21,19 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 
 /// Maximum number of starts of a job that no server finishes. A computation cannot crash the server, so this guards
 /// against unforeseen faults.
-constexpr int kMostStarts = 3;
+constexpr int kMaxStarts = 3;
 
 /// Longest time until the server notices that the lease of another server has expired, or that the store can be reached
 /// again.
 constexpr std::chrono::milliseconds kLook{1000};
 
 /// Interval at which a run's progress is stored.
-constexpr std::chrono::milliseconds kTell{100};
+constexpr std::chrono::milliseconds kProgressInterval{100};
 
 /// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job, even before it is
 /// deleted.
-constexpr std::chrono::milliseconds kLeastForgetting{100};
-constexpr std::chrono::milliseconds kMostForgetting{60'000};
+constexpr std::chrono::milliseconds kMinRemovalInterval{100};
+constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
 /// Makes an id of 128 unpredictable bits, because the id is all that is needed to read the result.
 std::string new_id() {
@@ -100,7 +100,7 @@ JobEnd not_stored(Job job, const Error& error) {
     return end;
 }
 
-HttpResult<std::string> kept(Result<std::optional<std::string>> result) {
+HttpResult<std::string> existing(Result<std::optional<std::string>> result) {
     if (!result) return store_problem(result.error());
     if (!*result) return problem(410, "the result was dropped to make room for others (job-bytes)");
     return **std::move(result);
@@ -110,14 +110,14 @@ HttpResult<std::string> kept(Result<std::optional<std::string>> result) {
 
 /// Stores a result while it is written, except for the last piece. While the store cannot be reached, the computation
 /// waits.
-class Jobs::ResultWriter : public api::BodyTaker {
+class Jobs::ResultWriter : public api::BodySink {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
         : store_(store), job_(job), stop_(std::move(stop)) {}
 
     Result<void> begin(const api::Answer& /*head*/) override { return {}; }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         while (!piece.empty()) {
             const auto more = piece.substr(0, JobStore::kPiece - last_.size());
             last_ += more;
@@ -129,22 +129,22 @@ public:
     }
 
     /// The part of the result that is stored, the part after it, and the error if storing failed.
-    const JobStore::Taken& taken() const { return taken_; }
+    const JobStore::StoredPart& stored() const { return stored_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
 
 private:
     Result<void> store() {
-        auto stored = store_.take(job_, taken_, last_);
+        auto stored = store_.append_piece(job_, stored_, last_);
         while (!stored && stored.error().code == ErrorCode::Stopped && wait())
-            stored = store_.take(job_, taken_, last_);
+            stored = store_.append_piece(job_, stored_, last_);
         if (!stored) {
             if (stored.error().code != ErrorCode::Stopped) error_ = stored.error();
             return tl::unexpected(stored.error());
         }
         if (!*stored) return failure(ErrorCode::Stopped, "the job was claimed by another server");
-        ++taken_.pieces;
-        taken_.bytes += last_.size();
+        ++stored_.pieces;
+        stored_.bytes += last_.size();
         last_.clear();
         return {};
     }
@@ -161,7 +161,7 @@ private:
     JobStore& store_;
     const Job job_;
     const std::stop_token stop_;
-    JobStore::Taken taken_;
+    JobStore::StoredPart stored_;
     std::string last_;
     std::optional<Error> error_;
 };
@@ -183,7 +183,7 @@ Jobs::~Jobs() {
     drain();
     store_.listen(nullptr);
     std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return handed_ == 0; });
+    idle_.wait(lock, [this] { return in_pool_ == 0; });
 }
 
 void Jobs::start() {
@@ -217,7 +217,7 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
     if (!added) return store_problem(added.error());
     if (*added == JobStore::Added::QueueFull)
         return busy(429, "too many jobs are waiting (job-queue)", pool_.backlog());
-    if (*added == JobStore::Added::NoRoom)
+    if (*added == JobStore::Added::StoreFull)
         return busy(429, "waiting jobs take all the storage (job-bytes)", pool_.backlog());
     return {};
 }
@@ -225,7 +225,7 @@ HttpResult<void> Jobs::add(Job& job, const ComputeRequest& request) {
 void Jobs::hand_out(const std::stop_token& closing) {
     const auto pause = std::min(kLook, std::max(limits_.lease / 2, std::chrono::milliseconds(1)));
     while (!closing.stop_requested()) {
-        while (hand_one()) {
+        while (claim_next()) {
         }
         std::unique_lock lock(mutex_);
         wake_claimer_.wait_for(lock, closing, pause, [this] { return has_work_; });
@@ -233,36 +233,36 @@ void Jobs::hand_out(const std::stop_token& closing) {
     }
 }
 
-/// Claims a job if one of the pool's workers is available for it.
+/// Claims a job if the pool has a worker for it.
 /// @returns  whether there may be another job
-bool Jobs::hand_one() {
+bool Jobs::claim_next() {
     {
         const std::lock_guard lock(mutex_);
-        if (!started_ || draining_ || handed_ + count_left_locked() >= at_once_) return false;
+        if (!started_ || draining_ || in_pool_ + count_unstored_locked() >= at_once_) return false;
     }
     // A job that is too large for this server has to fail if no other server shares the store.
     auto job = store_.claim(store_.is_shared() ? pool_.memory().total() : std::numeric_limits<std::size_t>::max());
     if (!job || !*job) return false;
-    hand(**std::move(job));
+    submit(**std::move(job));
     return true;
 }
 
 /// Counts the jobs whose ends could not be stored yet.
-std::size_t Jobs::count_left_locked() const {
-    const auto count = std::ranges::count_if(runs_, [](const auto& run) { return run.second->left.has_value(); });
+std::size_t Jobs::count_unstored_locked() const {
+    const auto count = std::ranges::count_if(runs_, [](const auto& run) { return run.second->unstored.has_value(); });
     return static_cast<std::size_t>(count);
 }
 
 /// Passes a claimed job to the pool.
-void Jobs::hand(Job job) {
+void Jobs::submit(Job job) {
     std::optional<Problem> failure;
-    if (job.starts > kMostStarts)
+    if (job.starts > kMaxStarts)
         failure = Problem{500, {ErrorCode::Internal, "the server ended each time it ran this job", {}}};
     if (job.cost.memory > pool_.memory().total())
         failure = Problem{413, {ErrorCode::LimitExceeded, "this server has too little memory for this job", {}}};
     const auto run = std::make_shared<Run>();
     run->job = std::move(job);
-    run->held = Clock::now();
+    run->renewed = Clock::now();
     {
         const std::lock_guard lock(mutex_);
         if (draining_ && !survives_) failure = shut_down();
@@ -270,8 +270,8 @@ void Jobs::hand(Job job) {
         if (run->job.starts > 1) ++counts_.repeated;
         run->settling = failure.has_value();
         if (!draining_ && !failure) {
-            ++handed_;
-            run->handed = pool_.submit_always(
+            ++in_pool_;
+            run->pool_id = pool_.submit_always(
                 run->job.client, [this, run](const std::stop_token& stop) { this->run(run, stop); }, run->job.cost);
             return;
         }
@@ -279,7 +279,7 @@ void Jobs::hand(Job job) {
     if (failure)
         settle(run, {{}, failed(run->job, *std::move(failure))});
     else
-        give_back(run);
+        requeue(run);
 }
 
 void Jobs::run(const RunPointer& run, const std::stop_token& stop) {
@@ -295,7 +295,7 @@ void Jobs::run(const RunPointer& run, const std::stop_token& stop) {
 
 /// Updates the counts when a job has left the pool, so that another one can be claimed.
 void Jobs::release_locked() {
-    --handed_;
+    --in_pool_;
     has_work_ = true;
     wake_claimer_.notify_all();
     idle_.notify_all();
@@ -312,26 +312,27 @@ bool Jobs::begin(const RunPointer& run) {
         job = run->job;
         stop = run->stop;
     }
-    if (stop == Stop::Shutdown) give_back(run);
+    if (stop == Stop::Shutdown) requeue(run);
     if (stop != Stop::None) return false;
     job.status = JobStatus::Running;
-    const auto held = store_.hold(job);
+    const auto renewal = store_.renew(job);
     const std::lock_guard lock(mutex_);
-    if (run->settling || (held && !keep_locked(run, held->owned))) return false;
+    if (run->settling || (renewal && !check_owned_locked(run, renewal->owned))) return false;
     // If the store fails, the job runs nevertheless: no other server can claim the job before the lease expires.
     run->job.status = JobStatus::Running;
     run->job.started =
-        held ? held->now : std::max(time_now(), job.created);  // the store's clock, which set job.created, may be ahead
-    run->held = Clock::now();
-    run->deadline = run->held + limits_.timeout;
-    news_ = true;
+        renewal ? renewal->now
+                : std::max(time_now(), job.created);  // the store's clock, which set job.created, may be ahead
+    run->renewed = Clock::now();
+    run->deadline = run->renewed + limits_.timeout;
+    runs_changed_ = true;
     wake_timekeeper_.notify_all();
     return true;
 }
 
 /// Gives up a run if this server no longer owns the job.
 /// @returns  false if the run was given up
-bool Jobs::keep_locked(const RunPointer& run, JobStore::Owned owned) {
+bool Jobs::check_owned_locked(const RunPointer& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || run->settling) return true;
     if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
     drop_locked(run);
@@ -345,12 +346,12 @@ void Jobs::drop_locked(const RunPointer& run) {
         run->stop = Stop::Gone;
         return;
     }
-    run->gone.request_stop();
+    run->unneeded.request_stop();
     stop_locked(*run, Stop::Gone);
-    forget_locked(run);
+    erase_locked(run);
 }
 
-void Jobs::forget_locked(const RunPointer& run) {
+void Jobs::erase_locked(const RunPointer& run) {
     const auto found = runs_.find(run->job.id);
     if (found != runs_.end() && found->second == run) runs_.erase(found);
 }
@@ -359,7 +360,7 @@ void Jobs::forget_locked(const RunPointer& run) {
 /// @returns  true if it had not started
 bool Jobs::stop_locked(Run& run, Stop why) {
     run.stop = why;
-    if (!run.handed || pool_.cancel(*run.handed) != WorkerPool::Cancelled::Queued) return false;
+    if (!run.pool_id || pool_.cancel(*run.pool_id) != WorkerPool::Cancelled::Queued) return false;
     release_locked();
     return true;
 }
@@ -371,7 +372,7 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     stages.queue = Milliseconds(*run->job.started - run->job.created).count();
     auto request = store_.request(run->job.id);
     if (!request && request.error().code == ErrorCode::Stopped) {
-        give_back(run);
+        requeue(run);
         return std::nullopt;
     }
     ResultWriter writer(store_, run->job, stop);
@@ -379,10 +380,10 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     try {
         const Control control{stop, [&](const Progress& progress) { note(run, progress); }};
         answer = whole_request(std::move(request)).and_then([&](const ComputeRequest& whole) {
-            return compute_(whole, {.taker = &writer, .unwanted = run->gone.get_token()}, control, stages.work);
+            return compute_(whole, {.sink = &writer, .unwanted = run->unneeded.get_token()}, control, stages.work);
         });
         if (answer && !answer->streamed) {
-            if (auto taken = writer.take(answer->body); !taken) answer = tl::unexpected(taken.error());
+            if (auto written = writer.write(answer->body); !written) answer = tl::unexpected(written.error());
         }
     } catch (const std::exception& exception) {
         answer = failure(ErrorCode::Internal, exception.what());
@@ -393,7 +394,7 @@ std::optional<Jobs::End> Jobs::compute(const RunPointer& run, const std::stop_to
     const bool whole = answer ? !answer->partial : answer.error().code != ErrorCode::Stopped;
     if (run->stop == Stop::Shutdown && !whole) {
         lock.unlock();
-        give_back(run);
+        requeue(run);
         return std::nullopt;
     }
     run->settling = true;
@@ -419,8 +420,8 @@ Jobs::End Jobs::end_of(Job job, Result<api::Answer> answer, ResultWriter& writer
     job.partial = answer->partial;
     job.headers = answer_headers(*answer);
     std::string result = writer.take_last();
-    job.result_bytes = writer.taken().bytes + result.size();
-    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.taken()};
+    job.result_bytes = writer.stored().bytes + result.size();
+    return {std::move(result), {std::move(job), stages, Computed{answer->sites, answer->pixels}, {}}, writer.stored()};
 }
 
 void Jobs::note(const RunPointer& run, const Progress& progress) {
@@ -428,29 +429,29 @@ void Jobs::note(const RunPointer& run, const Progress& progress) {
     if (run->settling || run->stop == Stop::Gone) return;
     run->job.progress = {progress.done(), progress.iteration, progress.variation};
     if (const auto followed = find_followed_locked(run->job.id)) advance_locked(*followed, run->job);
-    if (!std::exchange(run->told, false)) return;
-    news_ = true;
+    if (!std::exchange(run->progress_stored, false)) return;
+    runs_changed_ = true;
     wake_timekeeper_.notify_all();
 }
 
 /// Returns a job to the store, for the next process or another server.
-void Jobs::give_back(const RunPointer& run) {
-    (void)store_.give_back(run->job);  // if this fails, the job runs again when its lease expires
+void Jobs::requeue(const RunPointer& run) {
+    (void)store_.requeue(run->job);  // if this fails, the job runs again when its lease expires
     const std::lock_guard lock(mutex_);
-    forget_locked(run);
+    erase_locked(run);
 }
 
 /// Stores the end of a job, informs followers, and writes the log. The caller must have set `settling`.
 void Jobs::settle(const RunPointer& run, End end) {
     const auto stored = store_end(end);
-    Job& job = end.told.job;
+    Job& job = end.summary.job;
     {
         const std::lock_guard lock(mutex_);
         if (!stored && stored.error().code == ErrorCode::Stopped) {
-            run->left = std::move(end);
+            run->unstored = std::move(end);
             return;
         }
-        forget_locked(run);
+        erase_locked(run);
         if (stored && *stored) {
             job.finished = **stored;
             publish_locked(job);
@@ -459,17 +460,17 @@ void Jobs::settle(const RunPointer& run, End end) {
             return;
         }
     }
-    if (!stored && end.told.cause.empty()) end.told.cause = stored.error().message;
-    logger_(end.told);
+    if (!stored && end.summary.cause.empty()) end.summary.cause = stored.error().message;
+    logger_(end.summary);
 }
 
 /// Stores the end of a job. If the result cannot be stored, the job is stored as failed, which needs no space.
 Result<std::optional<Time>> Jobs::store_end(End& end) {
-    auto stored = store_.finish(end.told.job, end.result, end.before);
-    const bool has_result = end.told.job.result_bytes > 0;
+    auto stored = store_.finish(end.summary.job, end.result, end.before);
+    const bool has_result = end.summary.job.result_bytes > 0;
     if (stored || !has_result || stored.error().code == ErrorCode::Stopped) return stored;
-    end = {{}, not_stored(std::move(end.told.job), stored.error())};
-    return store_.finish(end.told.job, {});
+    end = {{}, not_stored(std::move(end.summary.job), stored.error())};
+    return store_.finish(end.summary.job, {});
 }
 
 /// Informs followers of the end of a job.
@@ -506,11 +507,11 @@ void Jobs::add_latest(Job& job) const {
 }
 
 HttpResult<std::string> Jobs::result(const std::string& id) {
-    return kept(store_.result(id));
+    return existing(store_.result(id));
 }
 
 HttpResult<std::string> Jobs::piece(const std::string& id, std::size_t number) {
-    return kept(store_.piece(id, number));
+    return existing(store_.piece(id, number));
 }
 
 HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
@@ -565,8 +566,8 @@ void Jobs::missed() {
         followed->stale = true;
         followed->changed.notify_all();
     }
-    for (const auto& [id, run] : runs_) run->told = false;
-    has_work_ = news_ = true;
+    for (const auto& [id, run] : runs_) run->progress_stored = false;
+    has_work_ = runs_changed_ = true;
     wake_claimer_.notify_all();
     wake_timekeeper_.notify_all();
 }
@@ -670,7 +671,7 @@ void Jobs::drain() {
     }
     for (const auto& run : left) {
         if (survives_)
-            give_back(run);
+            requeue(run);
         else
             settle(run, {{}, failed(run->job, shut_down())});
     }
@@ -693,25 +694,25 @@ Jobs::Counts Jobs::counts() const {
 }
 
 void Jobs::keep_time(const std::stop_token& closing) {
-    const auto forgetting = std::clamp(limits_.ttl, kLeastForgetting, kMostForgetting);
-    auto next_forgetting = Clock::now();
+    const auto interval = std::clamp(limits_.ttl, kMinRemovalInterval, kMaxRemovalInterval);
+    auto next_removal = Clock::now();
     auto settled = Clock::now();
     while (!closing.stop_requested()) {
-        if (next_forgetting <= Clock::now()) {
-            while (store_.forget().value_or(false)) {
+        if (next_removal <= Clock::now()) {
+            while (store_.remove_expired().value_or(false)) {
             }
-            next_forgetting = Clock::now() + forgetting;
+            next_removal = Clock::now() + interval;
         }
         if (settled + kLook <= Clock::now()) {
-            settle_what_is_left();
+            store_remaining_ends();
             settled = Clock::now();
         }
         renew_leases();
         std::unique_lock lock(mutex_);
-        const auto next_settling = count_left_locked() > 0 ? settled + kLook : next_forgetting;
-        const auto until = std::min({next_forgetting, next_settling, stop_overdue_locked(), next_renewal_locked()});
-        wake_timekeeper_.wait_until(lock, closing, until, [this] { return news_; });
-        news_ = false;
+        const auto next_settling = count_unstored_locked() > 0 ? settled + kLook : next_removal;
+        const auto until = std::min({next_removal, next_settling, stop_overdue_locked(), next_renewal_locked()});
+        wake_timekeeper_.wait_until(lock, closing, until, [this] { return runs_changed_; });
+        runs_changed_ = false;
     }
 }
 
@@ -732,7 +733,7 @@ Jobs::Clock::time_point Jobs::stop_overdue_locked() {
 /// Computes when to renew a run's lease or store its progress.
 Jobs::Clock::time_point Jobs::next_renewal_locked(const Run& run) const {
     const auto renewal = std::max(limits_.lease / 3, std::chrono::milliseconds(1));
-    return run.held + (run.told ? renewal : std::min(kTell, renewal));
+    return run.renewed + (run.progress_stored ? renewal : std::min(kProgressInterval, renewal));
 }
 
 Jobs::Clock::time_point Jobs::next_renewal_locked() const {
@@ -747,29 +748,29 @@ void Jobs::renew_leases() {
         const std::lock_guard lock(mutex_);
         for (const auto& [id, run] : runs_)
             if (next_renewal_locked(*run) <= Clock::now()) due.emplace_back(run, run->job);
-        for (const auto& [run, job] : due) run->told = true;
+        for (const auto& [run, job] : due) run->progress_stored = true;
     }
     for (const auto& [run, job] : due) {
-        const auto held = store_.hold(job);
+        const auto renewal = store_.renew(job);
         const std::lock_guard lock(mutex_);
-        run->held = Clock::now();
-        if (held)
-            keep_locked(run, held->owned);
+        run->renewed = Clock::now();
+        if (renewal)
+            check_owned_locked(run, renewal->owned);
         else
-            run->told = false;
+            run->progress_stored = false;
     }
 }
 
 /// Tries again to store the ends of jobs that could not be stored before.
-void Jobs::settle_what_is_left() {
-    std::vector<std::pair<RunPointer, End>> left;
+void Jobs::store_remaining_ends() {
+    std::vector<std::pair<RunPointer, End>> remaining;
     {
         const std::lock_guard lock(mutex_);
         for (const auto& [id, run] : runs_)
-            if (auto end = std::exchange(run->left, std::nullopt)) left.emplace_back(run, *std::move(end));
+            if (auto end = std::exchange(run->unstored, std::nullopt)) remaining.emplace_back(run, *std::move(end));
     }
-    for (auto& [run, end] : left) settle(run, std::move(end));
-    if (left.empty()) return;
+    for (auto& [run, end] : remaining) settle(run, std::move(end));
+    if (remaining.empty()) return;
     work();  // there may be capacity for other jobs
 }
 

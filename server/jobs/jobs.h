@@ -40,10 +40,10 @@ struct JobEnd {
 /// Runs jobs: requests whose clients do not wait.
 ///
 /// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. A job waits in the
-/// queue of the store, which is fair between clients. When the job is next and the pool has room for it, it is claimed
-/// and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers, fewer jobs
-/// than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store, each runs
-/// the jobs that it has claimed, and answers requests about all jobs.
+/// queue of the store, which is fair between clients. When the job is next and the pool can accept it, the job is
+/// claimed and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers,
+/// fewer jobs than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store,
+/// each runs the jobs that it has claimed, and answers requests about all jobs.
 ///
 /// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
@@ -104,10 +104,10 @@ public:
     public:
         /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last
         /// one the end. If another server runs the job, some iterations may be skipped.
-        /// @returns  none if there is no new state by then
+        /// @returns  none if there is no new state by `until`
         std::optional<Job> next(Clock::time_point until);
 
-        /// Makes the next call of next() ask the store, from which the job may have disappeared without a notification.
+        /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
         void look_again();
 
         /// Whether there will be no further states: the job has ended or no longer exists.
@@ -140,22 +140,22 @@ private:
     /// The end of a job, to be stored.
     struct End {
         std::string result;
-        JobEnd told;
-        JobStore::Taken before = {};  ///< part of the result that the store already has, before `result`
+        JobEnd summary;
+        JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
     };
     class ResultWriter;
 
     /// A job that this server has claimed.
     struct Run {
         Job job;
-        std::optional<WorkerPool::JobId> handed;  ///< id of the job in the pool; none: not in the pool
+        std::optional<WorkerPool::JobId> pool_id;  ///< id of the job in the pool; none: not in the pool
         std::optional<Clock::time_point> deadline;
         Stop stop = Stop::None;
-        std::stop_source gone;    ///< stopped once nobody needs the result
-        Clock::time_point held;   ///< time of the latest attempt to renew the lease
-        bool told = true;         ///< the store has the latest progress
-        bool settling = false;    ///< set by the thread that stores the job's end; no other thread does so
-        std::optional<End> left;  ///< an end that could not be stored yet
+        std::stop_source unneeded;    ///< stopped once nobody needs the result
+        Clock::time_point renewed;    ///< time of the latest attempt to renew the lease
+        bool progress_stored = true;  ///< the store has the latest progress
+        bool settling = false;        ///< set by the thread that stores the job's end; no other thread does so
+        std::optional<End> unstored;  ///< an end that could not be stored yet
     };
     using RunPointer = std::shared_ptr<Run>;
 
@@ -176,24 +176,24 @@ private:
 
     HttpResult<void> add(Job& job, const ComputeRequest& request);
     void hand_out(const std::stop_token& closing);
-    bool hand_one();
-    void hand(Job job);
+    bool claim_next();
+    void submit(Job job);
     void run(const RunPointer& run, const std::stop_token& stop);
     bool begin(const RunPointer& run);
     std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
     End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
     void note(const RunPointer& run, const Progress& progress);
-    void give_back(const RunPointer& run);
+    void requeue(const RunPointer& run);
     void settle(const RunPointer& run, End end);
     Result<std::optional<Time>> store_end(End& end);
     void fail_all();
 
     bool stop_locked(Run& run, Stop why);
-    bool keep_locked(const RunPointer& run, JobStore::Owned owned);
+    bool check_owned_locked(const RunPointer& run, JobStore::Owned owned);
     void drop_locked(const RunPointer& run);
-    void forget_locked(const RunPointer& run);
+    void erase_locked(const RunPointer& run);
     void release_locked();
-    std::size_t count_left_locked() const;
+    std::size_t count_unstored_locked() const;
 
     void add_latest(Job& job) const;
     FollowedPointer find_followed_locked(const std::string& id) const;
@@ -207,7 +207,7 @@ private:
     Clock::time_point next_renewal_locked(const Run& run) const;
     Clock::time_point next_renewal_locked() const;
     void renew_leases();
-    void settle_what_is_left();
+    void store_remaining_ends();
 
     const JobLimits limits_;
     JobStore& store_;
@@ -221,11 +221,11 @@ private:
     std::condition_variable idle_;
     std::condition_variable_any wake_claimer_;
     std::condition_variable_any wake_timekeeper_;
-    bool has_work_ = false;  ///< the claimer should look for a job in the store
-    bool news_ = false;      ///< the timekeeper should look at the runs again
+    bool has_work_ = false;      ///< the claimer should look for a job in the store
+    bool runs_changed_ = false;  ///< runs have changed since the timekeeper last looked at them
     std::map<std::string, RunPointer> runs_;
     mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
-    std::size_t handed_ = 0;  ///< number of jobs in the pool
+    std::size_t in_pool_ = 0;  ///< number of jobs in the pool
     Counts counts_;
     bool started_ = false;
     bool draining_ = false;

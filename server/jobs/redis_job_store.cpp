@@ -18,16 +18,16 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size, in bytes, of a body that is sent within the call that uses it, which saves one round trip and one wait
-/// for the disk. Larger bodies are sent by earlier calls, because within that call Redis would copy them several more
-/// times and serve nobody else meanwhile.
+/// Maximum size, in bytes, of a body that is sent within the call that uses it. That saves one round trip and one wait
+/// for the disk. Larger bodies are sent by separate calls before, because a call that uses a body copies it several
+/// more times, and Redis serves nobody else meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
 /// Seconds after which unused pieces expire.
 constexpr std::string_view kPiecesKept = "600";
 
 /// Number of jobs that one call deletes; more would delay other calls.
-constexpr std::int64_t kForgottenAtOnce = 100;
+constexpr std::int64_t kRemovedAtOnce = 100;
 
 /// The first version whose scripts have flags.
 constexpr int kLeastVersion = 7;
@@ -46,13 +46,13 @@ RedisScript script(std::string_view flags, std::string_view text) {
 const RedisScript kIsFull = script(kReads, redis_scripts::is_full);
 const RedisScript kAdd = script("", redis_scripts::add);
 const RedisScript kClaim = script(kAnyway, redis_scripts::claim);
-const RedisScript kHold = script(kAnyway, redis_scripts::hold);
-const RedisScript kGiveBack = script(kAnyway, redis_scripts::give_back);
+const RedisScript kRenew = script(kAnyway, redis_scripts::renew);
+const RedisScript kRequeue = script(kAnyway, redis_scripts::requeue);
 const RedisScript kFinish = script(kAnyway, redis_scripts::finish);
 const RedisScript kCancel = script(kAnyway, redis_scripts::cancel);
 const RedisScript kRemove = script(kAnyway, redis_scripts::remove);
 const RedisScript kFind(kReads, {redis_scripts::common, redis_scripts::find});
-const RedisScript kForget = script(kAnyway, redis_scripts::forget);
+const RedisScript kRemoveExpired = script(kAnyway, redis_scripts::remove_expired);
 const RedisScript kLoad = script(kReads, redis_scripts::load);
 const RedisScript kRepair(kAnyway, {redis_scripts::common, redis_scripts::repair});
 
@@ -162,14 +162,14 @@ RedisJobStore::RedisJobStore(RedisClient& client, const JobLimits& limits, Notes
       subscription_(client.address(), std::string(kPrefix) + "news", callbacks()) {}
 
 RedisSubscription::Callbacks RedisJobStore::callbacks() {
-    return {.message = [this](std::string_view message) { tell(message); },
+    return {.message = [this](std::string_view message) { forward(message); },
             .begun =
                 [this] {
                     notes_.info("jobs are stored in Redis at " + client_.address().name());
                     for (const auto& fault : find_faults(client_).value_or(std::vector<std::string>()))
                         notes_.warning(fault);
                     subscribed_since_ = Clock::now();
-                    news_.tell([](JobListener& listener) { listener.missed(); });
+                    notifier_.notify([](JobListener& listener) { listener.missed(); });
                 },
             .ended =
                 [this](const Error& error) {
@@ -179,15 +179,15 @@ RedisSubscription::Callbacks RedisJobStore::callbacks() {
 }
 
 void RedisJobStore::listen(JobListener* listener) {
-    news_.listen(listener);
+    notifier_.listen(listener);
     if (subscribed_since_.load() != Clock::time_point::max())
-        news_.tell([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
+        notifier_.notify([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
 }
 
-void RedisJobStore::tell(std::string_view news) {
-    const auto what = api::take_until(news, " ");
-    const std::string id(news);
-    news_.tell([&](JobListener& listener) {
+void RedisJobStore::forward(std::string_view message) {
+    const auto what = api::take_until(message, " ");
+    const std::string id(message);
+    notifier_.notify([&](JobListener& listener) {
         if (what == "work") listener.work();
         if (what == "changed") listener.changed(id);
         if (what == "stop") listener.stop(id);
@@ -264,7 +264,8 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
 
 /// Sends fields, and a body in pieces, to a temporary key, which expires unless it is renamed.
 /// @param before  pieces that were sent already, and their size
-Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before) {
+Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body,
+                                   const StoredPart& before) {
     const std::string key = key_of_pieces(job);
     const std::string size = std::to_string(before.bytes + body.size());
     fields.insert(fields.begin(), {"HSET", key, "size", size});
@@ -329,8 +330,8 @@ Result<std::optional<Job>> RedisJobStore::job_of(const std::string& id, const Re
 }
 
 Result<bool> RedisJobStore::is_full(std::string_view client) {
-    const std::string most = std::to_string(limits_.waiting);
-    return run(kIsFull, {client, most}).map([](const RedisReply& reply) { return reply.number != 0; });
+    const std::string limit = std::to_string(limits_.waiting);
+    return run(kIsFull, {client, limit}).map([](const RedisReply& reply) { return reply.number != 0; });
 }
 
 Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& request) {
@@ -344,10 +345,10 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     }
     const std::string bytes = std::to_string(bytes_of_job(bytes_of(request)));
     const std::string waiting = std::to_string(limits_.waiting);
-    const std::string most = std::to_string(limits_.bytes);
+    const std::string limit = std::to_string(limits_.bytes);
     const std::string memory = std::to_string(job.cost.memory);
     const std::string seconds = text_of(job.cost.seconds);
-    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, most,
+    RedisCommand arguments{job.id,    pieces,     bytes,  waiting, limit,
                            job.owner, job.client, memory, seconds, job.traceparent};
     const std::string size = std::to_string(request.body.size());
     const std::string digest = pieces.empty() ? digest_of_piece(job.id, 0, request.body) : "";
@@ -359,18 +360,18 @@ Result<JobStore::Added> RedisJobStore::add(Job& job, const ComputeRequest& reque
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
     if (reply->items[0].text == "full") return Added::QueueFull;
-    if (reply->items[0].text == "no room") return Added::NoRoom;
+    if (reply->items[0].text == "store full") return Added::StoreFull;
     const auto created = api::parse_number<std::int64_t>(reply->items.back().text);
     job.created = Time(std::chrono::milliseconds(created.value_or(0)));
     return Added::Accepted;
 }
 
 Result<std::optional<Job>> RedisJobStore::claim(std::size_t memory) {
-    const std::string most = std::to_string(memory);
+    const std::string limit = std::to_string(memory);
     const std::string lease = text_of(limits_.lease);
     const auto since = subscribed_since_.load();
     const bool all_had_time = since < Clock::now() && Clock::now() - since >= limits_.lease;
-    const auto reply = run(kClaim, {most, lease, all_had_time ? "1" : "0"});
+    const auto reply = run(kClaim, {limit, lease, all_had_time ? "1" : "0"});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 2) return std::nullopt;
     return job_of(reply->items[0].text, reply->items[1]);
@@ -393,31 +394,31 @@ Result<std::optional<ComputeRequest>> RedisJobStore::request(const std::string& 
     return ComputeRequest{items[0].text, items[1].text, items[2].text, items[3].text, **std::move(body)};
 }
 
-Result<JobStore::Hold> RedisJobStore::hold(const Job& job) {
+Result<JobStore::Renewal> RedisJobStore::renew(const Job& job) {
     const std::string claim = std::to_string(job.claim);
     const std::string lease = text_of(limits_.lease);
     const std::string fraction = text_of(job.progress.fraction);
     const std::string iteration = text_of(job.progress.iteration);
     const std::string variation = job.progress.variation ? text_of(*job.progress.variation) : "";
-    const auto reply = run(kHold, {job.id, claim, lease, name_of(job.status), fraction, iteration, variation});
+    const auto reply = run(kRenew, {job.id, claim, lease, name_of(job.status), fraction, iteration, variation});
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.size() != 2) return not_understood("job " + job.id);
     const std::string& owned = reply->items[0].text;
     const auto now = api::parse_number<std::int64_t>(reply->items[1].text);
-    return Hold{owned == "still"       ? Owned::Still
-                : owned == "cancelled" ? Owned::Cancelled
-                                       : Owned::Lost,
-                Time(std::chrono::milliseconds(now.value_or(0)))};
+    return Renewal{owned == "still"       ? Owned::Still
+                   : owned == "cancelled" ? Owned::Cancelled
+                                          : Owned::Lost,
+                   Time(std::chrono::milliseconds(now.value_or(0)))};
 }
 
-Result<void> RedisJobStore::give_back(const Job& job) {
+Result<void> RedisJobStore::requeue(const Job& job) {
     const std::string claim = std::to_string(job.claim);
-    return run(kGiveBack, {job.id, claim}).map([](const RedisReply&) {});
+    return run(kRequeue, {job.id, claim}).map([](const RedisReply&) {});
 }
 
-Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::string_view piece) {
+Result<bool> RedisJobStore::append_piece(const Job& job, const StoredPart& before, std::string_view piece) {
     const std::size_t whole = before.bytes + piece.size();
-    if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    if (bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
     const std::string pieces = key_of_pieces(job), known = key_of("job", job.id),
                       leases = std::string(kPrefix) + "leases";
     const std::string number = std::to_string(before.pieces), name = name_of_digest(before.pieces);
@@ -431,9 +432,9 @@ Result<bool> RedisJobStore::take(const Job& job, const Taken& before, std::strin
     return owned && (*replies)[3].kind != RedisReply::Kind::Nothing;
 }
 
-Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result, const Taken& before) {
+Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_view result, const StoredPart& before) {
     const std::size_t whole = before.bytes + result.size();
-    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
+    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
     const std::string pieces = result.size() > kSmall || before.pieces > 0 ? key_of_pieces(job) : "";
     if (!pieces.empty()) {
         if (const auto uploaded = upload(job, {}, result, before); !uploaded) return tl::unexpected(uploaded.error());
@@ -446,16 +447,16 @@ Result<std::optional<Time>> RedisJobStore::finish(const Job& job, std::string_vi
     const std::string claim = std::to_string(job.claim);
     const std::string size = std::to_string(whole);
     const std::string bytes = std::to_string(bytes_of_job(whole));
-    const std::string most = std::to_string(limits_.bytes);
+    const std::string limit = std::to_string(limits_.bytes);
     const bool goes_along = pieces.empty();
     const std::string digest = goes_along ? digest_of_piece(job.id, 0, result) : "";
-    RedisCommand arguments{job.id, claim, pieces, size, bytes, most, goes_along ? result : "", digest};
+    RedisCommand arguments{job.id, claim, pieces, size, bytes, limit, goes_along ? result : "", digest};
     const auto fields = fields_of_end(job);
     arguments.insert(arguments.end(), fields.begin(), fields.end());
     const auto reply = run(kFinish, arguments);
     if (!reply) return tl::unexpected(reply.error());
     if (reply->items.empty()) return not_understood("job " + job.id);
-    if (reply->items[0].text == "no room") return no_room_for(whole);
+    if (reply->items[0].text == "store full") return no_space_for(whole);
     if (reply->items[0].text == "lost") return std::nullopt;
     const auto finished = api::parse_number<std::int64_t>(reply->items.back().text);
     return Time(std::chrono::milliseconds(finished.value_or(0)));
@@ -479,10 +480,12 @@ Result<std::optional<std::string>> RedisJobStore::piece(const std::string& id, s
     return read_piece(key_of("result", id), id, number);
 }
 
-Result<bool> RedisJobStore::forget() {
+Result<bool> RedisJobStore::remove_expired() {
     const std::string ttl = text_of(limits_.ttl);
-    const std::string most = std::to_string(kForgottenAtOnce);
-    return run(kForget, {ttl, most}).map([](const RedisReply& reply) { return reply.number == kForgottenAtOnce; });
+    const std::string limit = std::to_string(kRemovedAtOnce);
+    return run(kRemoveExpired, {ttl, limit}).map([](const RedisReply& reply) {
+        return reply.number == kRemovedAtOnce;
+    });
 }
 
 Result<JobStore::Load> RedisJobStore::load() {

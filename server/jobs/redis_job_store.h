@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_news.h"
+#include "server/jobs/job_notifier.h"
 #include "server/jobs/job_store.h"
 #include "server/redis/redis_client.h"
 #include "server/redis/redis_subscription.h"
@@ -55,16 +55,16 @@ public:
     Result<Added> add(Job& job, const ComputeRequest& request) override;
     Result<std::optional<Job>> claim(std::size_t memory) override;
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
-    Result<Hold> hold(const Job& job) override;
-    Result<void> give_back(const Job& job) override;
-    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override;
+    Result<Renewal> renew(const Job& job) override;
+    Result<void> requeue(const Job& job) override;
+    Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) override;
     using JobStore::finish;
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) override;
     Result<std::optional<Job>> cancel(const std::string& id) override;
     Result<bool> remove(const std::string& id) override;
     Result<std::optional<Job>> find(const std::string& id) override;
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;
-    Result<bool> forget() override;
+    Result<bool> remove_expired() override;
     Result<Load> load() override;
     void listen(JobListener* listener) override;
     std::uint64_t damages() const override { return client_.counts().damages; }
@@ -74,7 +74,7 @@ private:
 
     Result<RedisReply> run(const RedisScript& script, const RedisCommand& arguments);
     void repair();
-    Result<void> upload(const Job& job, RedisCommand fields, std::string_view body, const Taken& before);
+    Result<void> upload(const Job& job, RedisCommand fields, std::string_view body, const StoredPart& before);
     Result<std::optional<std::string>> download(const std::string& key, const std::string& id, std::string first,
                                                 std::size_t size);
     Result<RedisReply> read(const std::string& key, RedisCommand command);
@@ -82,12 +82,12 @@ private:
     tl::unexpected<Error> damaged(const std::string& key);
     Result<std::optional<Job>> job_of(const std::string& id, const Result<RedisReply>& reply) const;
     RedisSubscription::Callbacks callbacks();
-    void tell(std::string_view news);
+    void forward(std::string_view message);
 
     const JobLimits limits_;
     const Notes notes_;
     RedisClient& client_;
-    JobNews news_;
+    JobNotifier notifier_;
     std::atomic<Clock::time_point> subscribed_since_ = Clock::time_point::max();
     std::atomic<Clock::time_point> next_repair_ = Clock::time_point::min();
     RedisSubscription subscription_;  ///< last, because it uses the other members

@@ -67,10 +67,10 @@ void Database::write_body(const char* table, std::int64_t row, std::string_view 
     check(sqlite3_blob_write(blob.get(), body.data(), static_cast<int>(body.size()), 0));
 }
 
-std::string Database::read_body(const char* table, std::int64_t row, std::size_t most) {
+std::string Database::read_body(const char* table, std::int64_t row, std::size_t max_bytes) {
     const Blob blob = open_body(table, row, false);
     const auto size = static_cast<std::size_t>(sqlite3_blob_bytes(blob.get()));
-    if (size > most) throw SqliteError(SQLITE_CORRUPT, "a body is longer than when it was written");
+    if (size > max_bytes) throw SqliteError(SQLITE_CORRUPT, "a body is longer than when it was written");
     std::string body(size, '\0');
     check(sqlite3_blob_read(blob.get(), body.data(), static_cast<int>(body.size()), 0));
     return body;

@@ -46,8 +46,8 @@ public:
     /// Writes the blob `body` of a row without an intermediate copy. The blob must already have the size of `body`.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
-    /// @param most  limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
-    std::string read_body(const char* table, std::int64_t row, std::size_t most);
+    /// @param max_bytes  limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
+    std::string read_body(const char* table, std::int64_t row, std::size_t max_bytes);
 
 private:
     friend class Statement;

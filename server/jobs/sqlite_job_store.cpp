@@ -25,14 +25,14 @@ constexpr std::int64_t kApplication = 0x63636474;
 constexpr std::int64_t kVersion = 1;
 
 /// Bytes on disk that the log keeps, so that jobs can be deleted when the disk is full. Deleting a result of 36 MiB
-/// needs 0.1 MB in the log; returning `kGivenBack` pages needs 4.2 MB.
+/// needs 0.1 MB in the log; returning `kFreePages` pages needs 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
 /// Number of free pages that the database keeps. If it has more, this many pages are returned to the disk at a time.
-constexpr std::int64_t kGivenBack = 1024;
+constexpr std::int64_t kFreePages = 1024;
 
 /// Number of jobs that one call deletes; more would delay other calls.
-constexpr std::size_t kForgottenAtOnce = 100;
+constexpr std::size_t kRemovedAtOnce = 100;
 
 constexpr const char* kFile = "/jobs.sqlite";
 
@@ -199,14 +199,14 @@ Result<void> make_file(const std::string& folder, const std::string& path) {
 
 }  // namespace
 
-/// A job with its row and the bytes that it takes.
-struct SqliteJobStore::Kept {
+/// A stored job, its row, and the bytes that it takes.
+struct SqliteJobStore::StoredJob {
     Job job;
     std::int64_t row = 0;
     std::size_t bytes = 0;
 
     /// Throws SQLITE_CORRUPT if the row does not match its digest.
-    static Kept at(const Statement& row) {
+    static StoredJob at(const Statement& row) {
         if (!is_sound(row)) damaged(kDamagedJob);
         return {job_at(row), row.integer(kRow), static_cast<std::size_t>(row.integer(kBytes))};
     }
@@ -331,10 +331,10 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
 
 /// Runs a function that frees space, even if the disk is full.
 template <class Do>
-auto SqliteJobStore::free_room(Do act) -> Result<decltype(act())> {
+auto SqliteJobStore::run_freeing(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
     if (!done && done.error().code == ErrorCode::LimitExceeded) done = attempt(act);  // attempt() has emptied the log
-    if (done) give_back();
+    if (done) return_free_pages();
     return done;
 }
 
@@ -349,7 +349,7 @@ void SqliteJobStore::cut_log() {
 }
 
 /// Allocates space in the database file for data that is about to be written to the log.
-void SqliteJobStore::take_room(std::size_t bytes) {
+void SqliteJobStore::allocate_space(std::size_t bytes) {
     constexpr std::int64_t kOthers = 64;  // pages of jobs and indices
     const auto page = database_.value_of("PRAGMA page_size");
     const auto more = number_of(bytes) / page + kOthers - database_.value_of("PRAGMA freelist_count");
@@ -358,12 +358,12 @@ void SqliteJobStore::take_room(std::size_t bytes) {
 }
 
 /// Moves the last pages to free pages before them, and truncates the file.
-void SqliteJobStore::give_back() {
+void SqliteJobStore::return_free_pages() {
     const auto free_pages = [this] { return database_.value_of("PRAGMA freelist_count"); };
     const auto step = [&] {
         const auto before = free_pages();
-        if (before <= kGivenBack) return false;
-        database_.execute(("PRAGMA incremental_vacuum(" + std::to_string(kGivenBack) + ")").c_str());
+        if (before <= kFreePages) return false;
+        database_.execute(("PRAGMA incremental_vacuum(" + std::to_string(kFreePages) + ")").c_str());
         database_.execute("PRAGMA wal_checkpoint(RESTART)");
         return free_pages() < before;
     };
@@ -375,25 +375,25 @@ void SqliteJobStore::give_back() {
 void SqliteJobStore::queue_unfinished() {
     Statement query(database_, select_jobs("WHERE finished IS NULL ORDER BY row").c_str());
     while (query.step()) {
-        const Job job = Kept::at(query).job;
+        const Job job = StoredJob::at(query).job;
         queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory});
     }
 }
 
 Result<bool> SqliteJobStore::is_full(std::string_view client) {
     const std::lock_guard lock(mutex_);
-    return !has_room_for(client);
+    return !accepts_job_of(client);
 }
 
-bool SqliteJobStore::has_room_for(std::string_view client) const {
+bool SqliteJobStore::accepts_job_of(std::string_view client) const {
     return queue_.size() < limits_.waiting || (queue_.size() < 2 * limits_.waiting && !queue_.has(client));
 }
 
 Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& request) {
     const std::size_t bytes = bytes_of_job(bytes_of(request));
-    const std::lock_guard room(room_);
+    const std::lock_guard space_lock(space_mutex_);
     if (is_full(job.client).value()) return Added::QueueFull;
-    if (!make_room(bytes)) return Added::NoRoom;
+    if (!free_space(bytes)) return Added::StoreFull;
     auto added = attempt([&] {
         if (look_up(job.id)) return Added::Accepted;
         job.created = time_now();
@@ -401,16 +401,16 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
         queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory});
         return Added::Accepted;
     });
-    if (added == Added::Accepted) news_.tell([](JobListener& listener) { listener.work(); });
+    if (added == Added::Accepted) notifier_.notify([](JobListener& listener) { listener.work(); });
     return added;
 }
 
 /// Frees space: drops the oldest results and, if that is not enough, removes the jobs that finished first.
-bool SqliteJobStore::make_room(std::size_t bytes) {
+bool SqliteJobStore::free_space(std::size_t bytes) {
     const auto is_enough = [&] { return bytes_ + bytes <= limits_.bytes; };
     const auto drop = [&] {
-        if (free_room([this] { return drop_oldest_result(); }).value_or(false)) return true;
-        return free_room([this] { return remove_finished(Time::max(), 1); }).value_or(0) > 0;
+        if (run_freeing([this] { return drop_oldest_result(); }).value_or(false)) return true;
+        return run_freeing([this] { return remove_finished(Time::max(), 1); }).value_or(0) > 0;
     };
     while (!is_enough() && drop()) {
     }
@@ -419,7 +419,7 @@ bool SqliteJobStore::make_room(std::size_t bytes) {
 
 /// Adds a job that does not exist yet.
 void SqliteJobStore::insert(const Job& job, const ComputeRequest& request, std::size_t bytes) {
-    take_room(bytes);
+    allocate_space(bytes);
     Transaction transaction(database_);
     Statement(database_,
               "INSERT INTO jobs (id, owner, client, memory, seconds, status, starts, created, fraction, iteration, "
@@ -468,16 +468,16 @@ void SqliteJobStore::take_back_lost() {
 /// @returns  none if the job cannot be run, because its data is damaged
 std::optional<Job> SqliteJobStore::begin(Queue::Entry entry) {
     try {
-        auto kept = look_up(entry.item.id);
-        if (!kept) return std::nullopt;
-        Job& job = kept->job;
+        auto stored = look_up(entry.item.id);
+        if (!stored) return std::nullopt;
+        Job& job = stored->job;
         job.status = JobStatus::Queued;
         job.started.reset();
         job.progress = {};
         ++job.starts;
         Transaction transaction(database_);
-        const std::size_t left = std::min(remove_pieces(kept->row), kept->bytes);  // stored by the previous claim
-        update(job, kept->row, kept->bytes - left);
+        const std::size_t left = std::min(remove_pieces(stored->row), stored->bytes);  // stored by the previous claim
+        update(job, stored->row, stored->bytes - left);
         transaction.commit();
         release(left);
         job.claim = ++last_claim_;
@@ -499,7 +499,7 @@ SqliteJobStore::Claimed* SqliteJobStore::find_claimed(const Job& job) {
     return found == claimed_.end() || found->second.job.claim != job.claim ? nullptr : &found->second;
 }
 
-Result<JobStore::Hold> SqliteJobStore::hold(const Job& job) {
+Result<JobStore::Renewal> SqliteJobStore::renew(const Job& job) {
     auto held = attempt([&] {
         const Time now = time_now();
         if (Claimed* claimed = find_claimed(job)) {
@@ -507,29 +507,29 @@ Result<JobStore::Hold> SqliteJobStore::hold(const Job& job) {
             if (job.status == JobStatus::Running && !claimed->job.started) claimed->job.started = now;
             claimed->job.status = job.status;
             claimed->job.progress = job.progress;
-            return Hold{Owned::Still, now};
+            return Renewal{Owned::Still, now};
         }
-        const auto kept = look_up(job.id);
-        return Hold{kept && kept->job.status == JobStatus::Cancelled ? Owned::Cancelled : Owned::Lost, now};
+        const auto stored = look_up(job.id);
+        return Renewal{stored && stored->job.status == JobStatus::Cancelled ? Owned::Cancelled : Owned::Lost, now};
     });
-    if (held && held->owned == Owned::Still) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    if (held && held->owned == Owned::Still) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });
     return held;
 }
 
-Result<void> SqliteJobStore::give_back(const Job& job) {
+Result<void> SqliteJobStore::requeue(const Job& job) {
     auto given = attempt([&] {
         Claimed* claimed = find_claimed(job);
         if (claimed == nullptr) return;
         queue_.put_back(std::move(claimed->entry));
         claimed_.erase(job.id);
-        auto kept = look_up(job.id);
-        if (!kept) return;
-        --kept->job.starts;
+        auto stored = look_up(job.id);
+        if (!stored) return;
+        --stored->job.starts;
         Transaction transaction(database_);
-        update(kept->job, kept->row, kept->bytes);
+        update(stored->job, stored->row, stored->bytes);
         transaction.commit();
     });
-    news_.tell([&](JobListener& listener) {
+    notifier_.notify([&](JobListener& listener) {
         listener.changed(job.id);
         listener.work();
     });
@@ -544,64 +544,65 @@ void SqliteJobStore::withdraw(const std::string& id) {
 
 /// @returns  none if there is no such job
 template <class Value>
-std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const char* which, const Value& value) {
+std::optional<SqliteJobStore::StoredJob> SqliteJobStore::look_up(const char* which, const Value& value) {
     Statement query(database_, select_jobs(which).c_str(), value);
     if (!query.step()) return std::nullopt;
-    return Kept::at(query);
+    return StoredJob::at(query);
 }
 
 /// Looks up a job by its id. The id is compared, because a damaged index may lead to the row of another job.
-std::optional<SqliteJobStore::Kept> SqliteJobStore::look_up(const std::string& id) {
-    auto kept = look_up("WHERE id = ?", id);
-    if (kept && kept->job.id != id) damaged("an index of the store is damaged");
-    return kept;
+std::optional<SqliteJobStore::StoredJob> SqliteJobStore::look_up(const std::string& id) {
+    auto stored = look_up("WHERE id = ?", id);
+    if (stored && stored->job.id != id) damaged("an index of the store is damaged");
+    return stored;
 }
 
-std::optional<SqliteJobStore::Sealed<ComputeRequest>> SqliteJobStore::request_of(const Kept& kept) {
+std::optional<SqliteJobStore::Sealed<ComputeRequest>> SqliteJobStore::request_of(const StoredJob& stored) {
     Statement query(database_, "SELECT path, query, content_type, accept, digest FROM questions WHERE row = ?",
-                    kept.row);
+                    stored.row);
     if (!query.step()) return std::nullopt;
     return Sealed<ComputeRequest>{{query.text(0), query.text(1), query.text(2), query.text(3),
-                                   database_.read_body("questions", kept.row, kept.bytes)},
+                                   database_.read_body("questions", stored.row, stored.bytes)},
                                   query.text(4)};
 }
 
-std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::piece_of(const Kept& kept, std::size_t number) {
-    Statement query(database_, "SELECT row, digest FROM results WHERE job = ? AND number = ?", kept.row,
+std::optional<SqliteJobStore::Sealed<std::string>> SqliteJobStore::piece_of(const StoredJob& stored,
+                                                                            std::size_t number) {
+    Statement query(database_, "SELECT row, digest FROM results WHERE job = ? AND number = ?", stored.row,
                     number_of(number));
     if (!query.step()) return std::nullopt;
-    return Sealed<std::string>{database_.read_body("results", query.integer(0), kept.bytes), query.text(1)};
+    return Sealed<std::string>{database_.read_body("results", query.integer(0), stored.bytes), query.text(1)};
 }
 
 /// Finds a job with its current state. The database does not have the state of running jobs.
-std::optional<SqliteJobStore::Kept> SqliteJobStore::find_kept(const std::string& id) {
-    auto kept = look_up(id);
-    if (!kept) return std::nullopt;
-    Job& job = kept->job;
-    if (job.finished) return *job.finished + limits_.ttl <= time_now() ? std::nullopt : std::move(kept);
+std::optional<SqliteJobStore::StoredJob> SqliteJobStore::find_stored(const std::string& id) {
+    auto stored = look_up(id);
+    if (!stored) return std::nullopt;
+    Job& job = stored->job;
+    if (job.finished) return *job.finished + limits_.ttl <= time_now() ? std::nullopt : std::move(stored);
     const auto claimed = claimed_.find(id);
     if (claimed != claimed_.end()) {
         job = claimed->second.job;
-        return kept;
+        return stored;
     }
     job.status = JobStatus::Queued;
     job.started.reset();
     job.progress = {};
-    return kept;
+    return stored;
 }
 
 Result<std::optional<Job>> SqliteJobStore::find(const std::string& id) {
     return attempt([&]() -> std::optional<Job> {
-        auto kept = find_kept(id);
-        if (!kept) return std::nullopt;
-        return std::move(kept->job);
+        auto stored = find_stored(id);
+        if (!stored) return std::nullopt;
+        return std::move(stored->job);
     });
 }
 
 Result<std::optional<ComputeRequest>> SqliteJobStore::request(const std::string& id) {
     return attempt([&]() -> std::optional<ComputeRequest> {
-        const auto kept = look_up(id);
-        auto request = kept ? request_of(*kept) : std::nullopt;
+        const auto stored = look_up(id);
+        auto request = stored ? request_of(*stored) : std::nullopt;
         if (!request) return std::nullopt;
         if (request->digest != digest_of(id, request->value)) damaged("the stored request is damaged");
         return std::move(request->value);
@@ -610,9 +611,9 @@ Result<std::optional<ComputeRequest>> SqliteJobStore::request(const std::string&
 
 Result<std::optional<std::string>> SqliteJobStore::piece(const std::string& id, std::size_t number) {
     return attempt([&]() -> std::optional<std::string> {
-        const auto kept = look_up(id);
-        if (!kept || kept->job.result_bytes == 0 || kept->job.dropped) return std::nullopt;
-        auto piece = piece_of(*kept, number);
+        const auto stored = look_up(id);
+        if (!stored || stored->job.result_bytes == 0 || stored->job.dropped) return std::nullopt;
+        auto piece = piece_of(*stored, number);
         if (!piece || piece->digest != digest_of_piece(id, number, piece->value))
             damaged("the stored result is damaged");
         return std::move(piece->value);
@@ -643,83 +644,84 @@ void SqliteJobStore::update(const Job& job, std::int64_t row, std::size_t bytes)
     seal(row);
 }
 
-Result<bool> SqliteJobStore::take(const Job& job, const Taken& before, std::string_view piece) {
+Result<bool> SqliteJobStore::append_piece(const Job& job, const StoredPart& before, std::string_view piece) {
     const std::size_t whole = before.bytes + piece.size();
-    if (bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
-    const std::lock_guard room(room_);
-    if (!make_room(piece.size())) return no_room_for(whole);
+    if (bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
+    const std::lock_guard space_lock(space_mutex_);
+    if (!free_space(piece.size())) return no_space_for(whole);
     return attempt([&] {
-        const auto kept = find_claimed(job) != nullptr ? look_up(job.id) : std::nullopt;
-        if (!kept) return false;
-        take_room(piece.size());
+        const auto stored = find_claimed(job) != nullptr ? look_up(job.id) : std::nullopt;
+        if (!stored) return false;
+        allocate_space(piece.size());
         Transaction transaction(database_);
-        insert_piece(*kept, before.pieces, piece);
-        Statement(database_, "UPDATE jobs SET bytes = ? WHERE row = ?", number_of(kept->bytes + piece.size()),
-                  kept->row)
+        insert_piece(*stored, before.pieces, piece);
+        Statement(database_, "UPDATE jobs SET bytes = ? WHERE row = ?", number_of(stored->bytes + piece.size()),
+                  stored->row)
             .run();
-        seal(kept->row);
+        seal(stored->row);
         transaction.commit();
         bytes_ += piece.size();
         return true;
     });
 }
 
-Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result, const Taken& before) {
+Result<std::optional<Time>> SqliteJobStore::finish(const Job& job, std::string_view result, const StoredPart& before) {
     const std::size_t whole = before.bytes + result.size();
-    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_room_for(whole);
-    const std::lock_guard room(room_);
-    if (!result.empty() && !make_room(result.size())) return no_room_for(whole);
+    if (whole > 0 && bytes_of_job(whole) > limits_.bytes) return no_space_for(whole);
+    const std::lock_guard space_lock(space_mutex_);
+    if (!result.empty() && !free_space(result.size())) return no_space_for(whole);
     auto finished = attempt([&]() -> std::optional<Time> {
         const Claimed* claimed = find_claimed(job);
-        const auto kept = claimed != nullptr ? look_up(job.id) : std::nullopt;
-        if (!kept) return std::nullopt;
+        const auto stored = claimed != nullptr ? look_up(job.id) : std::nullopt;
+        if (!stored) return std::nullopt;
         Job ended = job;
         ended.finished = time_now();
         ended.result_bytes = whole;
-        exchange(ended, *kept, result, before);
+        exchange(ended, *stored, result, before);
         claimed_.erase(job.id);
         return ended.finished;
     });
-    if (finished && *finished) news_.tell([&](JobListener& listener) { listener.changed(job.id); });
+    if (finished && *finished) notifier_.notify([&](JobListener& listener) { listener.changed(job.id); });
     return finished;
 }
 
 /// Replaces the request of a job by its result, if there is one.
 /// @param before  part of the result that is stored already
-void SqliteJobStore::exchange(const Job& job, const Kept& kept, std::string_view result, const Taken& before) {
+void SqliteJobStore::exchange(const Job& job, const StoredJob& stored, std::string_view result,
+                              const StoredPart& before) {
     const std::size_t after = bytes_of_job(before.bytes + result.size());
-    take_room(bytes_of_job(result.size()));
+    allocate_space(bytes_of_job(result.size()));
     Transaction transaction(database_);
-    remove_question(kept.row);
-    if (before.pieces == 0) remove_pieces(kept.row);
-    if (!result.empty()) insert_piece(kept, before.pieces, result);
-    update(job, kept.row, after);
+    remove_question(stored.row);
+    if (before.pieces == 0) remove_pieces(stored.row);
+    if (!result.empty()) insert_piece(stored, before.pieces, result);
+    update(job, stored.row, after);
     transaction.commit();
     bytes_ += after;
-    release(kept.bytes);
+    release(stored.bytes);
     if (result.size() > kReserve / 2) cut_log();
 }
 
-void SqliteJobStore::insert_piece(const Kept& kept, std::size_t number, std::string_view piece) {
-    Statement(database_, "INSERT INTO results (job, number, body, digest) VALUES (?, ?, zeroblob(?), ?)", kept.row,
-              number_of(number), number_of(piece.size()), digest_of_piece(kept.job.id, number, piece))
+void SqliteJobStore::insert_piece(const StoredJob& stored, std::size_t number, std::string_view piece) {
+    Statement(database_, "INSERT INTO results (job, number, body, digest) VALUES (?, ?, zeroblob(?), ?)", stored.row,
+              number_of(number), number_of(piece.size()), digest_of_piece(stored.job.id, number, piece))
         .run();
     database_.write_body("results", database_.last_row(), piece);
 }
 
 Result<std::optional<Job>> SqliteJobStore::cancel(const std::string& id) {
-    auto cancelled = free_room([&]() -> std::optional<Job> {
-        auto kept = find_kept(id);
-        if (!kept || kept->job.finished) return std::nullopt;
-        Job job = std::move(kept->job);
+    auto cancelled = run_freeing([&]() -> std::optional<Job> {
+        auto stored = find_stored(id);
+        if (!stored || stored->job.finished) return std::nullopt;
+        Job job = std::move(stored->job);
         job.status = JobStatus::Cancelled;
         job.finished = time_now();
-        exchange(job, *kept, {}, {});
+        exchange(job, *stored, {}, {});
         withdraw(id);
         return job;
     });
     if (cancelled && *cancelled) {
-        news_.tell([&](JobListener& listener) {
+        notifier_.notify([&](JobListener& listener) {
             listener.stop(id);
             listener.changed(id);
         });
@@ -762,7 +764,7 @@ std::size_t SqliteJobStore::remove_row(std::int64_t row) {
 }
 
 Result<bool> SqliteJobStore::remove(const std::string& id) {
-    return free_room([&] {
+    return run_freeing([&] {
         Transaction transaction(database_);
         std::optional<std::int64_t> row;
         if (Statement query(database_, "SELECT row FROM jobs WHERE id = ?", id); query.step()) row = query.integer(0);
@@ -777,11 +779,11 @@ Result<bool> SqliteJobStore::remove(const std::string& id) {
 
 /// Removes some of the jobs that had finished by `by`, oldest first.
 /// @returns  number of removed jobs
-std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
+std::size_t SqliteJobStore::remove_finished(Time by, std::size_t max_jobs) {
     Transaction transaction(database_);
     std::vector<std::int64_t> rows;
     Statement query(database_, "SELECT row FROM jobs WHERE finished <= ? ORDER BY finished LIMIT ?", number_of(by),
-                    number_of(most));
+                    number_of(max_jobs));
     while (query.step()) rows.push_back(query.integer(0));
     std::size_t bytes = 0;
     for (const auto row : rows) bytes += remove_row(row);
@@ -790,13 +792,13 @@ std::size_t SqliteJobStore::remove_finished(Time by, std::size_t most) {
     return rows.size();
 }
 
-Result<bool> SqliteJobStore::forget() {
-    const auto remove = [this](std::size_t most) {
-        return free_room([&] { return remove_finished(time_now() - limits_.ttl, most); });
+Result<bool> SqliteJobStore::remove_expired() {
+    const auto remove = [this](std::size_t max_jobs) {
+        return run_freeing([&] { return remove_finished(time_now() - limits_.ttl, max_jobs); });
     };
-    auto removed = remove(kForgottenAtOnce);
+    auto removed = remove(kRemovedAtOnce);
     if (!removed && removed.error().code == ErrorCode::LimitExceeded) removed = remove(1);
-    return removed.map([](std::size_t count) { return count == kForgottenAtOnce; });
+    return removed.map([](std::size_t count) { return count == kRemovedAtOnce; });
 }
 
 Result<JobStore::Load> SqliteJobStore::load() {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "server/jobs/job_limits.h"
-#include "server/jobs/job_news.h"
+#include "server/jobs/job_notifier.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/sqlite.h"
 #include "server/work/fair_queue.h"
@@ -41,18 +41,18 @@ public:
     Result<Added> add(Job& job, const ComputeRequest& request) override;
     Result<std::optional<Job>> claim(std::size_t memory) override;
     Result<std::optional<ComputeRequest>> request(const std::string& id) override;
-    Result<Hold> hold(const Job& job) override;
-    Result<void> give_back(const Job& job) override;
-    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override;
+    Result<Renewal> renew(const Job& job) override;
+    Result<void> requeue(const Job& job) override;
+    Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) override;
     using JobStore::finish;
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override;
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) override;
     Result<std::optional<Job>> cancel(const std::string& id) override;
     Result<bool> remove(const std::string& id) override;
     Result<std::optional<Job>> find(const std::string& id) override;
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override;
-    Result<bool> forget() override;
+    Result<bool> remove_expired() override;
     Result<Load> load() override;
-    void listen(JobListener* listener) override { news_.listen(listener); }
+    void listen(JobListener* listener) override { notifier_.listen(listener); }
     std::uint64_t damages() const override { return damages_; }
 
 private:
@@ -72,7 +72,7 @@ private:
         Clock::time_point until;
     };
 
-    struct Kept;
+    struct StoredJob;
     template <class T>
     struct Sealed;
 
@@ -83,11 +83,11 @@ private:
     auto attempt(Do act) -> Result<decltype(act())>;
 
     template <class Do>
-    auto free_room(Do act) -> Result<decltype(act())>;
+    auto run_freeing(Do act) -> Result<decltype(act())>;
 
     void cut_log();
-    void take_room(std::size_t bytes);
-    void give_back();
+    void allocate_space(std::size_t bytes);
+    void return_free_pages();
 
     void check_file();
     void create_tables();
@@ -96,24 +96,24 @@ private:
     void seal(std::int64_t row);
 
     template <class Value>
-    std::optional<Kept> look_up(const char* which, const Value& value);
-    std::optional<Kept> look_up(const std::string& id);
-    std::optional<Sealed<ComputeRequest>> request_of(const Kept& kept);
-    std::optional<Sealed<std::string>> piece_of(const Kept& kept, std::size_t number);
+    std::optional<StoredJob> look_up(const char* which, const Value& value);
+    std::optional<StoredJob> look_up(const std::string& id);
+    std::optional<Sealed<ComputeRequest>> request_of(const StoredJob& stored);
+    std::optional<Sealed<std::string>> piece_of(const StoredJob& stored, std::size_t number);
 
     void queue_unfinished();
-    bool has_room_for(std::string_view client) const;
-    bool make_room(std::size_t bytes);
+    bool accepts_job_of(std::string_view client) const;
+    bool free_space(std::size_t bytes);
     bool drop_oldest_result();
-    std::size_t remove_finished(Time by, std::size_t most);
+    std::size_t remove_finished(Time by, std::size_t max_jobs);
     void insert(const Job& job, const ComputeRequest& request, std::size_t bytes);
     void take_back_lost();
     std::optional<Job> begin(Queue::Entry entry);
     Claimed* find_claimed(const Job& job);
     void withdraw(const std::string& id);
-    void exchange(const Job& job, const Kept& kept, std::string_view result, const Taken& before);
-    void insert_piece(const Kept& kept, std::size_t number, std::string_view piece);
-    std::optional<Kept> find_kept(const std::string& id);
+    void exchange(const Job& job, const StoredJob& stored, std::string_view result, const StoredPart& before);
+    void insert_piece(const StoredJob& stored, std::size_t number, std::string_view piece);
+    std::optional<StoredJob> find_stored(const std::string& id);
 
     void update(const Job& job, std::int64_t row, std::size_t bytes);
     void remove_question(std::int64_t row);
@@ -123,8 +123,8 @@ private:
     void release(std::size_t bytes);
 
     const JobLimits limits_;
-    JobNews news_;
-    std::mutex room_;  ///< held while space is freed and used; locked before `mutex_`
+    JobNotifier notifier_;
+    std::mutex space_mutex_;  ///< held while space is freed and used; locked before `mutex_`
 
     std::mutex mutex_;  ///< guards the members from here to `last_claim_`
     Database database_;

@@ -35,8 +35,8 @@ private:
     std::shared_ptr<spdlog::logger> logger_;
 };
 
-/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. Of the query, the line contains
-/// only known options, because clients may have put an API key there, under any name.
+/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. The line contains only known
+/// options of the query, because the query may contain an API key under any name.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);

@@ -148,7 +148,7 @@ struct Metrics::Families {
     Gauge& cache_bytes = make_gauge(registry, "ccdt_cache_bytes", "Size of the cached answers.");
     Gauge& memory = make_gauge(registry, "process_resident_memory_bytes", "Resident memory.");
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
-    Gauge& most_descriptors = make_gauge(registry, "process_max_fds", "Maximum number of open file descriptors.");
+    Gauge& max_descriptors = make_gauge(registry, "process_max_fds", "Maximum number of open file descriptors.");
 
     std::mutex mutex;  ///< guards the update of counters by raise()
 
@@ -260,7 +260,7 @@ std::string Metrics::text(const WorkerPool::Load& load) const {
     all.overdue.Set(load.overdue_seconds);
     all.memory.Set(static_cast<double>(resident_bytes()));
     all.descriptors.Set(static_cast<double>(open_descriptors()));
-    all.most_descriptors.Set(static_cast<double>(most_descriptors()));
+    all.max_descriptors.Set(static_cast<double>(max_descriptors()));
     return prometheus::TextSerializer().Serialize(all.registry.Collect());
 }
 

@@ -15,7 +15,7 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kMostFiles = 4;
+constexpr std::size_t kMaxFiles = 4;
 
 /// Maximum size of texts that are joined and sent by one call.
 constexpr std::size_t kShortText = 16'384;
@@ -27,14 +27,14 @@ struct Envelope {
         message.msg_iovlen = 1;
     }
 
-    void make_room(std::size_t count) {
-        assert(count <= kMostFiles);
+    void set_file_count(std::size_t count) {
+        assert(count <= kMaxFiles);
         message.msg_control = count > 0 ? files.data() : nullptr;
         message.msg_controllen = count > 0 ? CMSG_SPACE(count * sizeof(int)) : 0;
     }
 
     iovec body;
-    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kMostFiles * sizeof(int))> files{};
+    alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(kMaxFiles * sizeof(int))> files{};
     msghdr message{};
 };
 
@@ -60,7 +60,7 @@ namespace {
 bool send_with(int flags, int socket, std::span<const std::byte> bytes, std::span<const int> files) {
     // sendmsg does not write to the bytes, but takes a pointer to non-const.
     Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
-    envelope.make_room(files.size());
+    envelope.set_file_count(files.size());
     if (!files.empty()) {
         cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
         header->cmsg_level = SOL_SOCKET;
@@ -100,14 +100,14 @@ bool is_answered(const UniqueFd& answer) {
 
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files) {
     Envelope envelope(bytes.data(), bytes.size());
-    envelope.make_room(files.size());
+    envelope.set_file_count(files.size());
     ssize_t received = 0;
     do received = ::recvmsg(socket, &envelope.message, MSG_CMSG_CLOEXEC);
     while (received < 0 && errno == EINTR);
     if (received <= 0) return 0;
     const cmsghdr* const header = CMSG_FIRSTHDR(&envelope.message);
     if (header != nullptr && header->cmsg_type == SCM_RIGHTS) {
-        std::array<int, kMostFiles> numbers{};
+        std::array<int, kMaxFiles> numbers{};
         const std::size_t count = std::min((header->cmsg_len - CMSG_LEN(0)) / sizeof(int), files.size());
         std::memcpy(numbers.data(), CMSG_DATA(header), count * sizeof(int));
         for (std::size_t i = 0; i < count; ++i) files[i] = UniqueFd(numbers[i]);

@@ -16,7 +16,7 @@ namespace ccdt::server {
 /// Messages between processes of one machine, through sockets. No function raises SIGPIPE; interrupted calls are
 /// repeated.
 
-/// The two ends of a connection.
+/// The two connected sockets of a pair.
 struct SocketPair {
     UniqueFd ours;
     UniqueFd theirs;

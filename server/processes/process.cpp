@@ -84,7 +84,7 @@ std::size_t open_descriptors() {
     return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator())) - 1;
 }
 
-std::size_t most_descriptors() {
+std::size_t max_descriptors() {
     rlimit limit{};
     return getrlimit(RLIMIT_NOFILE, &limit) == 0 ? limit.rlim_cur : 0;
 }

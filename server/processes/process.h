@@ -25,6 +25,6 @@ void give_back_freed_memory();
 void share_heap_among_threads();
 
 std::size_t open_descriptors();
-std::size_t most_descriptors();
+std::size_t max_descriptors();
 
 }  // namespace ccdt::server

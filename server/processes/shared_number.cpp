@@ -67,9 +67,9 @@ std::uint32_t SharedNumber::load() const {
     return number_in(page_).load(std::memory_order_relaxed);
 }
 
-NumberOfOthers::NumberOfOthers(const UniqueFd& file) : page_(file, PROT_READ) {}
+SharedNumberReader::SharedNumberReader(const UniqueFd& file) : page_(file, PROT_READ) {}
 
-std::uint32_t NumberOfOthers::load(std::uint32_t otherwise) const {
+std::uint32_t SharedNumberReader::load(std::uint32_t otherwise) const {
     return page_.get() == nullptr ? otherwise : number_in(page_).load(std::memory_order_relaxed);
 }
 

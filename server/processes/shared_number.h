@@ -44,11 +44,11 @@ private:
     SharedPage page_;
 };
 
-/// A number that another process writes.
-class NumberOfOthers {
+/// Reads a SharedNumber of another process.
+class SharedNumberReader {
 public:
     /// @param file  see SharedNumber::file; may be closed afterwards
-    explicit NumberOfOthers(const UniqueFd& file);
+    explicit SharedNumberReader(const UniqueFd& file);
 
     /// @returns  `otherwise` if the memory could not be mapped
     std::uint32_t load(std::uint32_t otherwise) const;

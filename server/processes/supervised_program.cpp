@@ -43,22 +43,22 @@ int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::ti
 }  // namespace
 
 Result<std::unique_ptr<SupervisedProgram>> SupervisedProgram::start(std::string name, Launch launch, Greet greet,
-                                                                    Tell tell) {
+                                                                    Report report) {
     UniqueFd closing(eventfd(0, EFD_CLOEXEC));
     if (!closing) return cannot_start(name, std::strerror(errno));
     std::unique_ptr<SupervisedProgram> kept(new SupervisedProgram(std::move(name), std::move(launch), std::move(greet),
-                                                                  std::move(tell), std::move(closing)));
+                                                                  std::move(report), std::move(closing)));
     auto running = kept->launch();
     if (!running) return tl::unexpected(std::move(running.error()));
     kept->watcher_ = std::jthread(&SupervisedProgram::watch, kept.get(), *std::move(running));
     return kept;
 }
 
-SupervisedProgram::SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing)
+SupervisedProgram::SupervisedProgram(std::string name, Launch launch, Greet greet, Report report, UniqueFd closing)
     : name_(std::move(name)),
       launch_(std::move(launch)),
       greet_(std::move(greet)),
-      tell_(std::move(tell)),
+      report_(std::move(report)),
       closing_(std::move(closing)) {}
 
 SupervisedProgram::~SupervisedProgram() {
@@ -101,7 +101,7 @@ std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backof
         auto running = launch();
         const auto ready = running.and_then([this](Running& started) { return await(started); });
         if (ready) return *std::move(running);
-        tell_(ready.error().message);
+        report_(ready.error().message);
         lived = {};
     }
 }
@@ -118,7 +118,7 @@ void SupervisedProgram::watch(Running running) {
         set_socket(nullptr);
         responsive_ = true;
         ++restarts_;
-        tell_("the " + name_ + " " + running.program.wait() + ", and is started again");
+        report_("the " + name_ + " " + running.program.wait() + ", and is started again");
         auto next = launch_again(backoff, Clock::now() - running.started);
         if (!next) return;
         running = *std::move(next);
@@ -133,18 +133,18 @@ void SupervisedProgram::watch(Running running) {
 /// @returns  false once the program must not be restarted any more
 bool SupervisedProgram::attend(const Running& running) {
     UniqueFd answer;
-    auto give_up = Clock::time_point::max();
+    auto unresponsive_at = Clock::time_point::max();
     while (true) {
         const int news = wait_for_any({running.program.ended(), closing_.get(), answer.get()}, Clock::now() + kPause);
         if (news >= 0 && news != answer.get()) return news != closing_.get();
         if (news < 0) {
-            give_up = std::min(give_up, Clock::now() + kLongestSilence);
+            unresponsive_at = std::min(unresponsive_at, Clock::now() + kLongestSilence);
             if (!answer) answer = send_probe(running.socket->get());
-            if (Clock::now() >= give_up) set_responsive(false);
+            if (Clock::now() >= unresponsive_at) set_responsive(false);
             continue;
         }
         if (is_answered(answer)) {
-            give_up = Clock::time_point::max();
+            unresponsive_at = Clock::time_point::max();
             set_responsive(true);
         }
         answer.reset();
@@ -154,7 +154,7 @@ bool SupervisedProgram::attend(const Running& running) {
 void SupervisedProgram::set_responsive(bool responsive) {
     if (responsive_.exchange(responsive) == responsive) return;
     if (!responsive) ++silences_;
-    tell_("the " + name_ + (responsive ? " answers again" : " does not answer"));
+    report_("the " + name_ + (responsive ? " answers again" : " does not answer"));
 }
 
 void SupervisedProgram::set_socket(Socket socket) {

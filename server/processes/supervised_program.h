@@ -36,12 +36,13 @@ public:
     using Greet = std::function<bool(int socket)>;
 
     /// Reports when the program ends, stops responding or responds again. Takes a message; called from any thread.
-    using Tell = std::function<void(const std::string&)>;
+    using Report = std::function<void(const std::string&)>;
 
     /// Starts the program, which may need some time to load its libraries. Callers that need the program wait. Errors:
     /// Internal.
     /// @param name  name for messages
-    static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet, Tell tell);
+    static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet,
+                                                            Report report);
 
     /// Ends the program.
     ~SupervisedProgram();
@@ -55,7 +56,7 @@ public:
 
     /// Returns the socket to the program, and waits while the program is restarted. The deadline does not limit the
     /// wait for the first start.
-    /// @param lost  socket whose program is known to have ended, and which is not returned again; null: none
+    /// @param lost  socket of a program that has ended, which is not returned again; null: none
     /// @returns     none if there was no program by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 
@@ -78,7 +79,7 @@ private:
         Clock::time_point started;
     };
 
-    SupervisedProgram(std::string name, Launch launch, Greet greet, Tell tell, UniqueFd closing);
+    SupervisedProgram(std::string name, Launch launch, Greet greet, Report report, UniqueFd closing);
 
     Result<Running> launch() const;
     Result<void> await(Running& running);
@@ -92,7 +93,7 @@ private:
     const std::string name_;
     const Launch launch_;
     const Greet greet_;
-    const Tell tell_;
+    const Report report_;
     const UniqueFd closing_;  ///< readable once the program must not be restarted any more
     std::atomic<std::uint64_t> restarts_ = 0;
     std::atomic<std::uint64_t> silences_ = 0;

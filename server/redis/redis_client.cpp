@@ -8,10 +8,10 @@ namespace ccdt::server {
 namespace {
 
 /// Maximum number of connections. More have no use, because Redis runs one command at a time.
-constexpr std::size_t kMostConnections = 16;
+constexpr std::size_t kMaxConnections = 16;
 
 constexpr std::chrono::milliseconds kLeastPause{50};
-constexpr std::chrono::milliseconds kMostPause{1'000};
+constexpr std::chrono::milliseconds kMaxPause{1'000};
 
 /// Errors of a Redis that cannot run commands now, but may recover or be replaced by another server.
 constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
@@ -32,7 +32,7 @@ class RedisClient::Permit {
 public:
     Permit(RedisClient& client, Clock::time_point deadline) : client_(client) {
         std::unique_lock lock(client_.mutex_);
-        has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMostConnections; });
+        has_ = client_.free_.wait_until(lock, deadline, [&] { return client_.in_use_ < kMaxConnections; });
         if (has_) ++client_.in_use_;
     }
     ~Permit() {
@@ -107,7 +107,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     if (!permit) return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": too many calls at once");
     if (auto connection = take_idle()) {
         auto replies = connection->run(commands, deadline);
-        if (replies) keep(std::move(connection));
+        if (replies) put_back(std::move(connection));
         if (replies) return replies;
         drop_idle();  // the other idle connections were probably lost, too
         if (Clock::now() >= deadline) return late(replies.error());
@@ -116,7 +116,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     if (!connection) return tl::unexpected(std::move(connection.error()));
     auto replies = (*connection)->run(commands, deadline);
     if (!replies) return late(replies.error());
-    keep(*std::move(connection));
+    put_back(*std::move(connection));
     return replies;
 }
 
@@ -128,7 +128,7 @@ tl::unexpected<Error> RedisClient::late(const Error& error) {
 }
 
 void RedisClient::pause_locked(const Error& error) {
-    pause_ = std::clamp(2 * pause_, kLeastPause, kMostPause);
+    pause_ = std::clamp(2 * pause_, kLeastPause, kMaxPause);
     retry_ = Clock::now() + pause_;
     away_ = error;
 }
@@ -159,7 +159,7 @@ Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline)
     return connection;
 }
 
-void RedisClient::keep(Connection connection) {
+void RedisClient::put_back(Connection connection) {
     const std::lock_guard lock(mutex_);
     idle_.push_back(std::move(connection));
 }

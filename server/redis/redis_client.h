@@ -77,7 +77,7 @@ private:
     void pause_locked(const Error& error);
     Connection take_idle();
     Result<Connection> connect(Clock::time_point deadline);
-    void keep(Connection connection);
+    void put_back(Connection connection);
     void drop_idle();
 
     const RedisAddress address_;
@@ -90,7 +90,7 @@ private:
     std::vector<Connection> idle_;
     Clock::time_point retry_;  ///< no attempt to connect before this time
     std::chrono::milliseconds pause_{0};
-    Error away_;  ///< why Redis could not be reached
+    Error away_;  ///< the error of the latest failed attempt to reach Redis
     Counts counts_;
 };
 

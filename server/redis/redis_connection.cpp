@@ -220,7 +220,7 @@ Result<void> RedisConnection::send_bytes(std::string_view bytes, Clock::time_poi
     return {};
 }
 
-/// @returns  the received bytes; empty if none have arrived by then
+/// @returns  the received bytes; empty if none have arrived by `until`
 Result<std::string_view> RedisConnection::receive_bytes(Clock::time_point until) {
     if (!wait(POLLIN, until)) return std::string_view();
     received_.resize(kReadAtOnce);

@@ -26,9 +26,9 @@ struct RedisReply {
     enum class Kind { Nothing, Text, Number, List, Error };
 
     Kind kind = Kind::Nothing;
-    std::string text;               ///< also of an error
+    std::string text;               ///< text of a string, of a status or of an error
     std::int64_t number = 0;        ///< 0 for anything but a number
-    std::vector<RedisReply> items;  ///< of a list
+    std::vector<RedisReply> items;  ///< the members of a list
 
     bool is_error(std::string_view code) const { return kind == Kind::Error && text.starts_with(code); }
 };
@@ -52,7 +52,7 @@ public:
     Result<void> send(const RedisCommand& command, Clock::time_point deadline);
 
     /// Waits for the next reply or message.
-    /// @returns  none if nothing has arrived by then
+    /// @returns  none if nothing has arrived by `until`
     Result<std::optional<RedisReply>> receive(Clock::time_point until);
 
     /// Sends commands, and waits for the reply to each.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kDeadline{2'000};
 constexpr std::chrono::milliseconds kLeastPause{50};
-constexpr std::chrono::milliseconds kMostPause{1'000};
+constexpr std::chrono::milliseconds kMaxPause{1'000};
 
 /// Interval at which the thread checks whether it should end.
 constexpr std::chrono::milliseconds kPollInterval{100};
@@ -41,7 +41,7 @@ void RedisSubscription::listen(const std::stop_token& closing) {
         std::mutex mutex;
         std::unique_lock lock(mutex);
         std::condition_variable_any().wait_for(lock, closing, pause, [] { return false; });
-        pause = std::min(2 * pause, kMostPause);
+        pause = std::min(2 * pause, kMaxPause);
     }
 }
 

@@ -30,7 +30,8 @@ constexpr std::chrono::milliseconds kPollInterval{20};
 /// Time that a computation may take after the deadline to stop and to write a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of the pictures in the folder: whatever a file contains, it is parsed neither as JSON nor as a form.
+/// Content type of the pictures in the folder. With this type, a file is parsed neither as JSON nor as a form, whatever
+/// it contains.
 constexpr const char* kPicture = "image/*";
 
 /// Minimum body size, in bytes, of requests that certainly are not short.
@@ -55,7 +56,7 @@ bool is_encoding(const Header& header) {
 }
 
 /// Records why a computation was cancelled.
-tl::unexpected<Problem> give_up(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
+tl::unexpected<Problem> cancelled(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
     return why;
 }
@@ -143,9 +144,9 @@ private:
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection, and copies the body for the cache unless it is too
+/// Passes a large body from its computation to the connection. Also copies the body for the cache, unless it is too
 /// large.
-class Computing::TeeWriter : public api::BodyTaker {
+class Computing::TeeWriter : public api::BodySink {
 public:
     /// @param largest  size limit of cached bodies, in bytes
     TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
@@ -161,7 +162,7 @@ public:
         return {};
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         if (copy_ && copy_->body.size() + piece.size() <= largest_) {
             copy_->body += piece;
         } else {
@@ -257,7 +258,7 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
     if (!product->pipe && !answer.partial)
-        cache_.keep(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
+        cache_.store(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
     Response response = response_of(std::move(answer), asked->name, incoming.record);
     if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
@@ -301,7 +302,7 @@ std::string Computing::cache_owner(const Connection& connection) const {
 std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
-    auto lease = pool_.memory().take(answer->body.size());
+    auto lease = pool_.memory().reserve(answer->body.size());
     if (!lease) return std::nullopt;
     incoming.record.cached = true;
     Response response = response_of(*answer, name, incoming.record);
@@ -333,7 +334,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
 /// Reserves memory for a request until the request is done.
 HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
-    auto lease = waiting_memory_.take(size);
+    auto lease = waiting_memory_.reserve(size);
     if (!lease) return busy(429, "too many large requests are waiting");
     return *std::move(lease);
 }
@@ -403,8 +404,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. Writes to the record the stages up to now, including the total
-/// time that this task and earlier ones of the request have waited in the queue.
+/// Has a worker run a task, and waits for the result. Writes the stages so far to the record. They include the total
+/// time that this task and earlier tasks of the request have waited in the queue.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {
@@ -443,16 +444,16 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
         if (incoming.connection.client_gone()) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
+            return cancelled(problem(kClientGone, "the client closed the connection"), "client_gone", incoming.record);
         }
         if (abandoned_) {
             pending.abandon();
             pool_.cancel(job);
-            return give_up(busy(503, "the server is shutting down"), "shutdown", incoming.record);
+            return cancelled(busy(503, "the server is shutting down"), "shutdown", incoming.record);
         }
         if (Clock::now() < limit.deadline) continue;
         if (pool_.cancel(job) == WorkerPool::Cancelled::Queued)
-            return give_up(busy(503, "no worker was free in time"), "deadline", incoming.record);
+            return cancelled(busy(503, "no worker was free in time"), "deadline", incoming.record);
         if (!pending.wait_until(limit.deadline + limit.grace)) return too_slow(incoming.record);
     }
     return {};
@@ -471,11 +472,11 @@ HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& aske
         own.stop = tee.stop().get_token();
         auto answer =
             compute_(asked->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
-        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.keep(key, *tee.copy());
+        if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.store(key, *tee.copy());
         tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {
             const std::size_t size = whole.body.size();
-            return ComputedAnswer{std::move(whole), pool_.memory().hold(size)};
+            return ComputedAnswer{std::move(whole), pool_.memory().reserve_unconditionally(size)};
         });
     };
     return run_in_worker(std::move(task), cost, incoming, limit);
@@ -493,9 +494,9 @@ tl::unexpected<Problem> Computing::too_large(std::size_t bytes) const {
 }
 
 tl::unexpected<Problem> Computing::too_slow(Record& record) const {
-    return give_up(problem(504, "the computation took longer than the timeout of " +
-                                    std::to_string(config_.timeout.count()) + " ms (timeout)"),
-                   "deadline", record);
+    return cancelled(problem(504, "the computation took longer than the timeout of " +
+                                      std::to_string(config_.timeout.count()) + " ms (timeout)"),
+                     "deadline", record);
 }
 
 }  // namespace ccdt::server

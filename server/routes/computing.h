@@ -37,8 +37,8 @@ public:
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
-    /// Answers a request for one of the server's pictures as if the picture had been sent with these options in the
-    /// query.
+    /// Answers a request for one of the server's pictures. The answer is the same as for a request that sends the
+    /// picture, with these options in the query.
     HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
                                 const Incoming& incoming);
 

@@ -74,7 +74,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (job->status != JobStatus::Succeeded) return no_result(*job);
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
     const bool in_pieces = job->result_bytes > kWhole;
-    auto lease = memory_.take(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
+    auto lease = memory_.reserve(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
     auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);
     if (!first) return tl::unexpected(std::move(first.error()));

@@ -78,7 +78,8 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
     return name;
 }
 
-/// Whether a route with the method `of_route` takes a request with this method: the two are equal, or GET and HEAD.
+/// Whether a route for the method `of_route` accepts a request with `method`. The methods are equal, or the
+/// request is HEAD and the route is for GET.
 bool is_taken(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
@@ -380,8 +381,8 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
     if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
 }
 
-/// When a page of another origin is refused for the first time, logs a warning that names the flag to allow it.
-/// Browsers do not show the reason to the user.
+/// Logs a warning when a page of another origin is refused for the first time. The warning names the flag that would
+/// allow the origin, because browsers do not show the reason to users.
 void Routes::warn_of_refused_origin(const Request& request) {
     const auto origin = request.header("Origin").substr(0, kLongestOrigin);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;

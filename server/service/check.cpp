@@ -40,11 +40,11 @@ Found wrong(const Error& error) {
     return {State::Wrong, error.message};
 }
 
-void tell_nobody(const std::string& /*message*/) {}
+void ignore_report(const std::string& /*message*/) {}
 
 Found check_decoder(const Config& /*config*/) {
     const auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
-                                       tell_nobody);
+                                       ignore_report);
     if (!box) return wrong(box.error());
     if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
     const Confinement& confinement = (*box)->confinement();
@@ -54,7 +54,7 @@ Found check_decoder(const Config& /*config*/) {
 Found check_worker(const Config& config) {
     const auto box =
         ComputeBox::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
-                          {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, tell_nobody);
+                          {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, ignore_report);
     if (!box) return wrong(box.error());
     if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
     return {State::Good, std::to_string(config.workers) + " simultaneous computations"};
@@ -88,7 +88,7 @@ Found check_memory(const Config& config) {
 
 Found check_files(const Config& config) {
     allow_open_files(wanted_descriptors(config));
-    const auto plan = share_descriptors(config, most_descriptors());
+    const auto plan = share_descriptors(config, max_descriptors());
     if (!plan) return wrong(plan.error());
     return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
 }

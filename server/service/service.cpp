@@ -21,7 +21,7 @@ Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
                              [&log](const std::string& message) { log.error(message); });
 }
 
-void tell(const Confinement& confinement, const Log& log) {
+void log_confinement(const Confinement& confinement, const Log& log) {
     if (confinement.is_whole())
         log.info(confinement.describe());
     else if (confinement.has(Layer::Calls))
@@ -30,7 +30,7 @@ void tell(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time limit for calls that a request can do without: to the Redis of shared answers or rates.
+/// Time limit for calls to the Redis of shared answers or rates. Requests can be answered without these calls.
 constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
@@ -79,7 +79,7 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
 /// Raises the limit of open files. If that limit stays too low, reduces the limits of connections.
 Result<Config> with_descriptors(Config config, const Log& log) {
     allow_open_files(wanted_descriptors(config));
-    const auto plan = share_descriptors(config, most_descriptors());
+    const auto plan = share_descriptors(config, max_descriptors());
     if (!plan) return tl::unexpected(plan.error());
     if (!plan->fits()) log.warning(describe(*plan));
     config.capacity = plan->capacity;
@@ -176,7 +176,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
 Result<void> Service::wait_until_ready(const std::stop_token& stop) const {
     const auto ready = parts_.decoder->wait_until_ready(stop);
     if (!ready) return ready;
-    tell(parts_.decoder->confinement(), log_);
+    log_confinement(parts_.decoder->confinement(), log_);
     return parts_.computing->wait_until_ready(stop);
 }
 
@@ -206,7 +206,7 @@ Metrics::Watched Service::figures() const {
     computing.decoder_deaths += decoding_.deaths();
     return {.connections = server_.connections(),
             .memory_budget = parts_.memory.total,
-            .memory_reserved = pool_.memory().taken() + waiting_memory_.taken(),
+            .memory_reserved = pool_.memory().reserved() + waiting_memory_.reserved(),
             .decoder_restarts = parts_.decoder->restarts(),
             .decoder_silences = parts_.decoder->silences(),
             .computing = computing,

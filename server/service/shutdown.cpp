@@ -46,7 +46,7 @@ void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
 
 ShutdownDeadline::ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log)
     : timeout_(timeout), abandon_(std::move(abandon)), log_(log), thread_([this](const std::stop_token& ended) {
-          if (wait_for_start(ended)) keep(ended);
+          if (wait_for_start(ended)) enforce(ended);
       }) {}
 
 void ShutdownDeadline::start() {
@@ -60,7 +60,7 @@ bool ShutdownDeadline::wait_for_start(const std::stop_token& ended) {
     return changed_.wait(lock, ended, [this] { return started_; });
 }
 
-void ShutdownDeadline::keep(const std::stop_token& ended) {
+void ShutdownDeadline::enforce(const std::stop_token& ended) {
     const auto time_to_answer = std::min(kTimeToAnswer, timeout_ / 2);
     if (ended_within(timeout_ - time_to_answer, ended)) return;
     log_.info("the time for shutdown is nearly over: unfinished requests are cancelled");

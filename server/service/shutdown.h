@@ -39,7 +39,7 @@ public:
     void start();
 
 private:
-    void keep(const std::stop_token& ended);
+    void enforce(const std::stop_token& ended);
     bool wait_for_start(const std::stop_token& ended);
 
     const std::chrono::milliseconds timeout_;

@@ -9,7 +9,7 @@ namespace ccdt::server {
 Result<void> BodyPipe::push(std::string_view piece) {
     std::unique_lock lock(mutex_);
     const auto start = Clock::now();
-    went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMostHeld; });
+    went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMaxHeld; });
     patience_ -= std::min(patience_, Clock::now() - start);
     if (abandoned_) return failure(ErrorCode::Stopped, "the client no longer receives the answer");
     pieces_.emplace_back(piece);
@@ -23,7 +23,7 @@ void BodyPipe::close(Result<void> outcome, const api::Timings& timings, MemoryBu
     if (closed_) return;
     outcome_ = std::move(outcome);
     timings_ = timings;
-    lease_ = memory.hold(held_);
+    lease_ = memory.reserve_unconditionally(held_);
     closed_ = true;
     came_.notify_one();
 }

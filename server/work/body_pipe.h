@@ -27,7 +27,7 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// Number of buffered bytes at which the worker waits.
-    static constexpr std::size_t kMostHeld = std::size_t{4} << 20;
+    static constexpr std::size_t kMaxHeld = std::size_t{4} << 20;
 
     /// Limit of the worker's total waiting time.
     static constexpr std::chrono::seconds kPatience{5};
@@ -42,7 +42,7 @@ public:
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 
     /// Waits for a piece.
-    /// @returns  none if no piece has arrived by then, or if the body has ended
+    /// @returns  none if no piece has arrived by `until`, or if the body has ended
     std::optional<std::string> pop(Clock::time_point until);
 
     /// Whether the body has ended and all pieces were taken.

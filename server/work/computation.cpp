@@ -26,9 +26,9 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
 }
 
 /// Compresses the pieces of a text and passes them on.
-class CompressingTaker : public api::BodyTaker {
+class CompressingSink : public api::BodySink {
 public:
-    explicit CompressingTaker(api::BodyTaker& next) : next_(next) {}
+    explicit CompressingSink(api::BodySink& next) : next_(next) {}
 
     Result<void> begin(const api::Answer& head) override {
         if (!is_compressible(head.media_type)) return next_.begin(head);
@@ -38,8 +38,8 @@ public:
         return next_.begin(compressed);
     }
 
-    Result<void> take(std::string_view piece) override {
-        return compressor_ ? pass_on(piece, false) : next_.take(piece);
+    Result<void> write(std::string_view piece) override {
+        return compressor_ ? pass_on(piece, false) : next_.write(piece);
     }
 
     /// Ends a body that has begun.
@@ -49,10 +49,10 @@ private:
     Result<void> pass_on(std::string_view piece, bool last) {
         compressed_.clear();
         compressor_->add(piece, last, compressed_);
-        return compressed_.empty() ? Result<void>() : next_.take(compressed_);
+        return compressed_.empty() ? Result<void>() : next_.write(compressed_);
     }
 
-    api::BodyTaker& next_;
+    api::BodySink& next_;
     std::optional<Gzip> compressor_;
     std::string compressed_;
 };
@@ -65,9 +65,9 @@ Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& 
     if (operation == nullptr) return failure(ErrorCode::Internal, "nothing is computed at " + request.path);
     const auto parsed = operation->parse(request, limits);
     if (!parsed) return tl::unexpected(parsed.error());
-    std::optional<CompressingTaker> compressing;
-    if (delivery.compressed && delivery.taker != nullptr) compressing.emplace(*delivery.taker);
-    auto answer = (*parsed)->run(decode, control, timings, compressing ? &*compressing : delivery.taker);
+    std::optional<CompressingSink> compressing;
+    if (delivery.compressed && delivery.sink != nullptr) compressing.emplace(*delivery.sink);
+    auto answer = (*parsed)->run(decode, control, timings, compressing ? &*compressing : delivery.sink);
     if (!answer || !delivery.compressed) return answer;
     if (!answer->streamed) {
         compress(*answer, control.stop, timings);

@@ -15,9 +15,9 @@ namespace ccdt::server {
 
 /// The form of delivery of an answer, in addition to what the request says.
 struct Delivery {
-    bool compressed = false;          ///< compress the body if that is worthwhile
-    api::BodyTaker* taker = nullptr;  ///< receives a large body in pieces; null: the body is returned whole
-    std::stop_token unwanted = {};    ///< stopped once nobody needs the answer, not even a partial one
+    bool compressed = false;        ///< compress the body if that is worthwhile
+    api::BodySink* sink = nullptr;  ///< receives a large body in pieces; null: the body is returned whole
+    std::stop_token unwanted = {};  ///< stopped once nobody needs the answer, not even a partial one
 };
 
 /// Computes the answer to a valid request. May take any time.

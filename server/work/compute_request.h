@@ -8,8 +8,8 @@ namespace ccdt::server {
 /// The parts of an HTTP request that a computed answer depends on.
 struct ComputeRequest {
     std::string path;
-    std::string query;         ///< as sent, plus the fields of a form
-    std::string content_type;  ///< as sent, like `accept`; empty once a form was parsed
+    std::string query;         ///< query as sent, plus the fields of a form
+    std::string content_type;  ///< header as sent, like `accept`; empty once a form was parsed
     std::string accept;
     std::string body;
 };

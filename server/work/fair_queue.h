@@ -74,7 +74,7 @@ public:
         entries_.push_front(std::move(entry));
     }
 
-    /// Removes the first item that passes a test, as if it had never been added.
+    /// Removes the first item that passes a test. The client is not charged for the item.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Item> withdraw(Test test) {
@@ -104,7 +104,7 @@ private:
 
     std::deque<Entry> entries_;
     double virtual_time_ = 0;                                 ///< the highest start tag that was taken
-    std::map<std::string, double, std::less<>> finish_tags_;  ///< by client, if higher than the virtual time
+    std::map<std::string, double, std::less<>> finish_tags_;  ///< finish tags of clients, if above the virtual time
 };
 
 }  // namespace ccdt::server

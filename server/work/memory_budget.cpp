@@ -3,23 +3,23 @@
 
 namespace ccdt::server {
 
-std::optional<MemoryBudget::Lease> MemoryBudget::take(std::size_t bytes) {
-    std::size_t taken = taken_;
+std::optional<MemoryBudget::Lease> MemoryBudget::reserve(std::size_t bytes) {
+    std::size_t reserved = reserved_;
     do {
-        if (bytes > total_ || taken > total_ - bytes) return std::nullopt;
-    } while (!taken_.compare_exchange_weak(taken, taken + bytes));
+        if (bytes > total_ || reserved > total_ - bytes) return std::nullopt;
+    } while (!reserved_.compare_exchange_weak(reserved, reserved + bytes));
     return Lease(this, bytes);
 }
 
-MemoryBudget::Lease MemoryBudget::hold(std::size_t bytes) {
-    taken_ += bytes;
+MemoryBudget::Lease MemoryBudget::reserve_unconditionally(std::size_t bytes) {
+    reserved_ += bytes;
     return {this, bytes};
 }
 
 MemoryBudget::Lease::~Lease() {
     if (budget_ == nullptr || bytes_ == 0) return;
-    budget_->taken_ -= bytes_;
-    if (budget_->tell_) budget_->tell_();
+    budget_->reserved_ -= bytes_;
+    if (budget_->callback_) budget_->callback_();
 }
 
 }  // namespace ccdt::server

@@ -40,22 +40,22 @@ public:
     MemoryBudget& operator=(const MemoryBudget&) = delete;
 
     std::size_t total() const { return total_; }
-    std::size_t taken() const { return taken_; }
+    std::size_t reserved() const { return reserved_; }
 
     /// @returns  none if less than `bytes` is left
-    std::optional<Lease> take(std::size_t bytes);
+    std::optional<Lease> reserve(std::size_t bytes);
 
     /// Reserves unconditionally, for buffers that are already allocated and were part of a larger lease.
-    Lease hold(std::size_t bytes);
+    Lease reserve_unconditionally(std::size_t bytes);
 
     /// Sets a function that is called whenever bytes are released, by the releasing thread. Must be called before the
     /// first reservation.
-    void on_return(std::function<void()> tell) { tell_ = std::move(tell); }
+    void on_release(std::function<void()> callback) { callback_ = std::move(callback); }
 
 private:
     const std::size_t total_;
-    std::atomic<std::size_t> taken_ = 0;
-    std::function<void()> tell_;
+    std::atomic<std::size_t> reserved_ = 0;
+    std::function<void()> callback_;
 };
 
 }  // namespace ccdt::server

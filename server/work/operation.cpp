@@ -60,16 +60,16 @@ bool accepts_partial(const auto& request) {
 }
 
 Result<api::Answer> compute(const api::HalftoneRequest& request, const api::Limits& limits, const api::Decode& decode,
-                            const Control& control, api::Timings& timings, api::BodyTaker* taker) {
-    return api::run_halftone(request, limits, decode, control, timings, taker);
+                            const Control& control, api::Timings& timings, api::BodySink* sink) {
+    return api::run_halftone(request, limits, decode, control, timings, sink);
 }
 Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits& limits, const api::Decode& decode,
-                            const Control& control, api::Timings& timings, api::BodyTaker* taker) {
-    return api::run_sample(request, limits, decode, control, timings, taker);
+                            const Control& control, api::Timings& timings, api::BodySink* sink) {
+    return api::run_sample(request, limits, decode, control, timings, sink);
 }
 Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limits& /*limits*/,
                             const api::Decode& /*decode*/, const Control& control, api::Timings& timings,
-                            api::BodyTaker* /*taker*/) {
+                            api::BodySink* /*sink*/) {
     return api::run_analyze(request, control, timings);
 }
 
@@ -87,8 +87,8 @@ public:
     bool accepts_partial() const override { return server::accepts_partial(request_); }
 
     Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
-                            api::BodyTaker* taker) const override {
-        return compute(request_, limits_, decode, control, timings, taker);
+                            api::BodySink* sink) const override {
+        return compute(request_, limits_, decode, control, timings, sink);
     }
 
 private:

@@ -27,7 +27,7 @@ public:
 
     /// Computes the answer: see Compute.
     virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
-                                    api::BodyTaker* taker) const = 0;
+                                    api::BodySink* sink) const = 0;
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 
@@ -62,7 +62,7 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks everything except the body. Errors: those that the body cannot cause.
+/// Checks everything except the body. Errors: those of parsing that do not depend on the body.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
 /// Whether the body is a zipped shapefile, which only the decoder reads.

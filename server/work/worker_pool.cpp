@@ -21,7 +21,7 @@ constexpr double kLongestBacklog = 3600;
 
 /// Bounds of the ratio of actual to estimated duration. A ratio beyond them means that the job failed early or that its
 /// worker was delayed.
-constexpr double kLeastPace = 0.1, kMostPace = 10;
+constexpr double kLeastPace = 0.1, kMaxPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
     return std::chrono::duration<double>(WorkerPool::Clock::now() - start).count();
@@ -43,7 +43,7 @@ void yield_to_other_threads() {
 WorkerPool::WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory)
     : worker_count_(workers), capacity_(capacity), memory_(memory) {
     assert(workers >= 1);
-    memory_.on_return([this] {
+    memory_.on_release([this] {
         { const std::lock_guard lock(mutex_); }  // otherwise a worker about to wait would miss the notification
         job_waits_.notify_all();
     });
@@ -62,7 +62,7 @@ WorkerPool::~WorkerPool() {
 
 std::optional<WorkerPool::JobId> WorkerPool::submit(const std::string& client, Job job, const api::Cost& cost) {
     const std::lock_guard lock(mutex_);
-    if (!has_room_locked(client, is_short(cost))) return std::nullopt;
+    if (!accepts_locked(client, is_short(cost))) return std::nullopt;
     return push_locked(client, std::move(job), cost);
 }
 
@@ -97,7 +97,7 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
 
 bool WorkerPool::is_full(std::string_view client, bool may_be_short) const {
     const std::lock_guard lock(mutex_);
-    return !has_room_locked(client, false) && !(may_be_short && has_room_locked(client, true));
+    return !accepts_locked(client, false) && !(may_be_short && accepts_locked(client, true));
 }
 
 void WorkerPool::drain() {
@@ -159,9 +159,9 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-/// Whether a queue has room for a job of this client. Jobs that an idle thread will take at once do not count as
+/// Whether a queue accepts another job of this client. Jobs that an idle thread will take at once do not count as
 /// waiting.
-bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
+bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
     const std::size_t free = is_short ? worker_count_ + 1 - running_.size() : worker_count_ - busy;
@@ -175,7 +175,7 @@ bool WorkerPool::has_room_locked(std::string_view client, bool is_short) const {
 std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
     for (Queue* queue : {&long_, &short_}) {
         if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
-        memory = memory_.take(queue->next().item.cost.memory);
+        memory = memory_.reserve(queue->next().item.cost.memory);
         if (memory) return queue->take_next();
     }
     return std::nullopt;
@@ -183,7 +183,7 @@ std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::o
 
 std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
     const auto& running = running_.emplace(job.id, Running{{}, lane, job.cost.seconds, Clock::now()}).first->second;
-    tell_(running_.size());
+    callback_(running_.size());
     return running.stop.get_token();
 }
 
@@ -193,10 +193,10 @@ void WorkerPool::finish_locked(JobId id) {
     const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
     if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
-        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMostPace) - pace_);
+        pace_ += kNewestWeight * (std::clamp(taken, kLeastPace, kMaxPace) - pace_);
     }
     running_.erase(job);
-    tell_(running_.size());
+    callback_(running_.size());
     if (is_idle_locked()) idle_.notify_all();
 }
 
@@ -210,7 +210,7 @@ double WorkerPool::waiting_seconds_locked() const {
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);
         // A running job that already takes longer than the average says more about the present pace than finished jobs.
-        if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMostPace));
+        if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMaxPace));
         expected += std::max(job.expected - gone / pace, 0.0);
     }
     return expected * pace / static_cast<double>(worker_count_);

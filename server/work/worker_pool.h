@@ -25,8 +25,8 @@ namespace ccdt::server {
 /// A fixed number of threads for all computations, with bounded queues.
 ///
 /// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
-/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred jobs waiting, the
-/// only job of another one waits just for the running jobs. Short jobs do not wait for running long ones: they have
+/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred waiting jobs, the
+/// only job of another client waits just for the running jobs. Short jobs do not wait for running long ones: they have
 /// their own queue and one additional thread that runs nothing else.
 ///
 /// A job starts only when its estimated memory is available. Until then, the jobs behind it in the same queue wait,
@@ -83,7 +83,7 @@ public:
 
     /// Sets a function that is called with the number of running jobs whenever that number changes. The function must
     /// return quickly. Must be called before the first job is submitted.
-    void on_change(std::function<void(std::size_t running)> tell) { tell_ = std::move(tell); }
+    void on_change(std::function<void(std::size_t running)> callback) { callback_ = std::move(callback); }
 
     /// The memory budget of running jobs.
     MemoryBudget& memory() { return memory_; }
@@ -109,7 +109,7 @@ private:
     };
     struct Running {
         std::stop_source stop;
-        Lane lane{};          ///< of the thread
+        Lane lane{};          ///< lane of the thread
         double expected = 0;  ///< in seconds
         Clock::time_point started;
         std::optional<Clock::time_point> cancelled = {};
@@ -120,7 +120,7 @@ private:
     void work(Lane lane, const std::stop_token& closing);
     static void run(const Job& job, const std::stop_token& stop);
     JobId push_locked(const std::string& client, Job job, const api::Cost& cost);
-    bool has_room_locked(std::string_view client, bool is_short) const;
+    bool accepts_locked(std::string_view client, bool is_short) const;
     std::size_t waiting_locked() const { return long_.size() + short_.size(); }
     bool is_idle_locked() const { return waiting_locked() == 0 && running_.empty(); }
     std::optional<Waiting> take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory);
@@ -132,7 +132,7 @@ private:
     const std::size_t capacity_;
 
     MemoryBudget memory_;
-    std::function<void(std::size_t running)> tell_ = [](std::size_t) {};
+    std::function<void(std::size_t running)> callback_ = [](std::size_t) {};
 
     mutable std::mutex mutex_;  ///< guards the members from here to `pace_`
     std::condition_variable_any job_waits_;

@@ -140,12 +140,12 @@ TEST(Capabilities, ReportLimits) {
 }
 
 TEST(Capabilities, ReportWhetherServerOffersPictures) {
-    const auto told = [](OfferedPictures pictures) {
+    const auto offered = [](OfferedPictures pictures) {
         return Json::parse(capabilities_json({}, pictures)).at("halftone").at("pictures");
     };
-    EXPECT_EQ(told(OfferedPictures::None), "none");
-    EXPECT_EQ(told(OfferedPictures::Unsigned), "unsigned");
-    EXPECT_EQ(told(OfferedPictures::Signed), "signed");
+    EXPECT_EQ(offered(OfferedPictures::None), "none");
+    EXPECT_EQ(offered(OfferedPictures::Unsigned), "unsigned");
+    EXPECT_EQ(offered(OfferedPictures::Signed), "signed");
 }
 
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {

@@ -51,10 +51,10 @@ double peak_of(const std::function<void()>& work) {
     }
     close(ends[1]);
     std::size_t grown = 0;
-    const bool told = read(ends[0], &grown, sizeof(grown)) == sizeof(grown);
+    const bool received = read(ends[0], &grown, sizeof(grown)) == sizeof(grown);
     close(ends[0]);
     waitpid(child, nullptr, 0);
-    return told ? static_cast<double>(grown) * 1024 : -1;
+    return received ? static_cast<double>(grown) * 1024 : -1;
 }
 
 /// Checks that the memory taken is less than the estimate, and that the estimate is at most `most` times the memory

@@ -114,28 +114,28 @@ TEST(DotMapRequest, CostsMoreForMorePoints) {
 }
 
 TEST(DotMap, WritesTheFeatureOfEachPoint) {
-    const auto told = map(request(R"("sites":"people","per":100)"));
-    ASSERT_EQ(told["points"].size(), 25U);
-    ASSERT_EQ(told["feature"].size(), 25U);
+    const auto json = map(request(R"("sites":"people","per":100)"));
+    ASSERT_EQ(json["points"].size(), 25U);
+    ASSERT_EQ(json["feature"].size(), 25U);
     for (std::size_t i = 0; i < 25; ++i) {
-        const double x = told["points"][i][0];
-        const int feature = told["feature"][i];
+        const double x = json["points"][i][0];
+        const int feature = json["feature"][i];
         EXPECT_TRUE(x > feature && x < feature + 1);
     }
-    EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":20},{"sites":5}])"));
-    EXPECT_EQ(told["sites"], 25);
-    EXPECT_FALSE(told.contains("class"));
-    EXPECT_FALSE(told.contains("repaired"));
+    EXPECT_EQ(json["features"], nlohmann::json::parse(R"([{"id":"west","sites":20},{"sites":5}])"));
+    EXPECT_EQ(json["sites"], 25);
+    EXPECT_FALSE(json.contains("class"));
+    EXPECT_FALSE(json.contains("repaired"));
 }
 
 TEST(DotMap, WritesTheClassOfEachPoint) {
-    const auto told = map(request(R"("classes":["people","dogs"],"per":100)"));
-    EXPECT_EQ(told["features"],
+    const auto json = map(request(R"("classes":["people","dogs"],"per":100)"));
+    EXPECT_EQ(json["features"],
               nlohmann::json::parse(R"([{"id":"west","sites":24,"classes":[20,4]},{"sites":6,"classes":[5,1]}])"));
-    EXPECT_EQ(told["classes"][1]["name"], "dogs");
-    EXPECT_EQ(told["classes"][1]["sites"], 5);
-    ASSERT_EQ(told["class"].size(), 30U);
-    EXPECT_EQ(std::count(told["class"].begin(), told["class"].end(), 1), 5);
+    EXPECT_EQ(json["classes"][1]["name"], "dogs");
+    EXPECT_EQ(json["classes"][1]["sites"], 5);
+    ASSERT_EQ(json["class"].size(), 30U);
+    EXPECT_EQ(std::count(json["class"].begin(), json["class"].end(), 1), 5);
 }
 
 TEST(DotMap, SkipsFeaturesWithoutAreaWithAWarning) {
@@ -144,15 +144,15 @@ TEST(DotMap, SkipsFeaturesWithoutAreaWithAWarning) {
     const std::string none = R"({"type":"Feature","properties":{"people":100},"geometry":null})";
     const std::string nothing = R"({"type":"Feature","properties":{},"geometry":null})";
     const std::string features = collection(square(0, R"({"people":900})") + ',' + flat + ',' + none + ',' + nothing);
-    const auto told = map(request(R"("sites":"people","per":100)", features));
-    EXPECT_EQ(told["sites"], 9);
-    ASSERT_EQ(told["features"].size(), 4U);
-    EXPECT_EQ(told["features"][1]["sites"], 0);
-    ASSERT_EQ(told["warnings"].size(), 3U);
-    EXPECT_EQ(told["warnings"][0]["pointer"], "/geometry/features/3/properties/people");
-    EXPECT_EQ(told["warnings"][1]["pointer"], "/geometry/features/1/geometry/coordinates/0");
-    EXPECT_EQ(told["warnings"][1]["detail"], "the polygon has no area: 3 points left out");
-    EXPECT_EQ(told["warnings"][2]["pointer"], "/geometry/features/2");
+    const auto json = map(request(R"("sites":"people","per":100)", features));
+    EXPECT_EQ(json["sites"], 9);
+    ASSERT_EQ(json["features"].size(), 4U);
+    EXPECT_EQ(json["features"][1]["sites"], 0);
+    ASSERT_EQ(json["warnings"].size(), 3U);
+    EXPECT_EQ(json["warnings"][0]["pointer"], "/geometry/features/3/properties/people");
+    EXPECT_EQ(json["warnings"][1]["pointer"], "/geometry/features/1/geometry/coordinates/0");
+    EXPECT_EQ(json["warnings"][1]["detail"], "the polygon has no area: 3 points left out");
+    EXPECT_EQ(json["warnings"][2]["pointer"], "/geometry/features/2");
 
     const auto rejected = answer(request(R"("sites":"people","per":100,"invalid":"reject")", features));
     ASSERT_FALSE(rejected);
@@ -166,9 +166,9 @@ TEST(DotMap, ReportsRepairs) {
         R"({"type":"Feature","properties":{"people":30},"geometry":{"type":"MultiPolygon","coordinates":)"
         R"([[[[7,0],[8,0],[8,1],[7,1]]],[[[2,0],[4,2],[4,0],[2,2]]]]}})";
     const std::string features = collection(square(0, R"({"people":30})") + ',' + tie);
-    const auto told = map(request(R"("sites":"people")", features));
-    ASSERT_EQ(told["repaired"].size(), 1U);
-    const std::string pointer = told["repaired"][0]["pointer"];
+    const auto json = map(request(R"("sites":"people")", features));
+    ASSERT_EQ(json["repaired"].size(), 1U);
+    const std::string pointer = json["repaired"][0]["pointer"];
     EXPECT_TRUE(pointer.starts_with("/geometry/features/1/geometry/coordinates/1/0")) << pointer;
     EXPECT_EQ(answer(request(R"("sites":"people","invalid":"reject")", features)).error().field, pointer);
 }
@@ -183,32 +183,32 @@ TEST(DotMap, LocatesAFeatureWithoutDensity) {
 
 /// Checks the number of points of an answer, and calls check(x, y) with each.
 template <class Check>
-void check_all(const nlohmann::json& told, std::size_t points, Check check) {
-    ASSERT_EQ(told["points"].size(), points);
-    for (const auto& point : told["points"]) check(point[0].get<double>(), point[1].get<double>());
+void check_all(const nlohmann::json& json, std::size_t points, Check check) {
+    ASSERT_EQ(json["points"].size(), points);
+    for (const auto& point : json["points"]) check(point[0].get<double>(), point[1].get<double>());
 }
 
 TEST(DotMap, ExcludesAvoidedAreas) {
     for (const std::string coordinates : {"plane", "lonlat"}) {
-        const auto told =
+        const auto json =
             map(request(R"("sites":"people","per":10,"avoid":[[[0.5,0.25],[1.5,0.25],[1.5,0.75],[0.5,0.75]]],)"
                         R"("coordinates":")" +
                         coordinates + '"'));
-        EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":50}])"));
-        check_all(told, 250, [](double x, double y) { EXPECT_TRUE(x < 0.5 || x > 1.5 || y < 0.25 || y > 0.75); });
+        EXPECT_EQ(json["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":50}])"));
+        check_all(json, 250, [](double x, double y) { EXPECT_TRUE(x < 0.5 || x > 1.5 || y < 0.25 || y > 0.75); });
     }
 }
 
 TEST(DotMap, ExcludesAvoidedAreasOnAnotherTurnOfTheGlobe) {
-    const auto told = map(request(
+    const auto json = map(request(
         R"("sites":"people","per":10,"coordinates":"lonlat","avoid":[[[360.5,-1],[361.5,-1],[361.5,2],[360.5,2]]])"));
-    check_all(told, 250, [](double x, double) { EXPECT_TRUE(x < 0.5 || x > 1.5); });
+    check_all(json, 250, [](double x, double) { EXPECT_TRUE(x < 0.5 || x > 1.5); });
 }
 
 TEST(DotMap, KeepsTheBufferFromTheOuterBorder) {
-    const auto told = map(request(R"("sites":"people","per":10,"buffer":0.125)"));
+    const auto json = map(request(R"("sites":"people","per":10,"buffer":0.125)"));
     double between = 1;
-    check_all(told, 250, [&](double x, double y) {
+    check_all(json, 250, [&](double x, double y) {
         EXPECT_TRUE(x >= 0.125 && x <= 1.875 && y >= 0.125 && y <= 0.875) << x << ' ' << y;
         between = std::min(between, std::abs(x - 1));
     });
@@ -222,9 +222,9 @@ TEST(DotMap, WarnsOfFeaturesThatAreFullyExcluded) {
     const std::string avoid = R"("sites":"people","per":10,"avoid":[[[1,0],[2,0],[2,1],[1,1]]])";
     for (const std::string& rest : {avoid, avoid + R"(,"buffer":0.1)", avoid + R"(,"coordinates":"lonlat")",
                                     avoid + R"(,"coordinates":"lonlat","buffer":9000)"}) {
-        const auto told = map(request(rest));
-        EXPECT_EQ(told["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":0}])")) << rest;
-        const auto& warning = told["warnings"].back();
+        const auto json = map(request(rest));
+        EXPECT_EQ(json["features"], nlohmann::json::parse(R"([{"id":"west","sites":200},{"sites":0}])")) << rest;
+        const auto& warning = json["warnings"].back();
         EXPECT_EQ(warning["pointer"], "/geometry/features/1") << rest;
         EXPECT_EQ(warning["detail"], "nothing is left of the feature: 50 points left out") << rest;
         EXPECT_EQ(answer(request(rest + R"(,"invalid":"reject")")).error().field, "/geometry/features/1") << rest;
@@ -238,9 +238,9 @@ TEST(DotMap, WarnsOfFeaturesThatAreFullyExcluded) {
 }
 
 TEST(DotMap, ReportsRepairsOfAvoidedAreas) {
-    const auto told = map(request(R"("sites":"people","per":10,"avoid":[[[0.2,0.2],[0.4,0.4],[0.4,0.2],[0.2,0.4]]])"));
-    ASSERT_EQ(told["repaired"].size(), 1U);
-    const std::string pointer = told["repaired"][0]["pointer"];
+    const auto json = map(request(R"("sites":"people","per":10,"avoid":[[[0.2,0.2],[0.4,0.4],[0.4,0.2],[0.2,0.4]]])"));
+    ASSERT_EQ(json["repaired"].size(), 1U);
+    const std::string pointer = json["repaired"][0]["pointer"];
     EXPECT_TRUE(pointer.starts_with("/avoid/0")) << pointer;
 }
 
@@ -260,10 +260,10 @@ TEST(DotMap, IsWrittenInEveryFormat) {
 TEST(DotMap, WritesAFeatureCollectionInGeoJson) {
     const auto result = answer(request(R"("classes":["people","dogs"],"per":100,"format":"geojson")"));
     ASSERT_TRUE(result) << result.error().message;
-    const auto told = nlohmann::json::parse(result->body);
-    EXPECT_EQ(told["type"], "FeatureCollection");
-    ASSERT_EQ(told["features"].size(), 4U);
-    const auto& first = told["features"][0];
+    const auto json = nlohmann::json::parse(result->body);
+    EXPECT_EQ(json["type"], "FeatureCollection");
+    ASSERT_EQ(json["features"].size(), 4U);
+    const auto& first = json["features"][0];
     EXPECT_EQ(first["id"], "west");
     EXPECT_EQ(first["properties"]["feature"], 0);
     EXPECT_EQ(first["properties"]["class"], "people");
@@ -275,8 +275,8 @@ TEST(DotMap, WritesAFeatureCollectionInGeoJson) {
 TEST(DotMap, EscapesClassNames) {
     const std::string features = collection(square(0, R"({"a,\"b\"<&":3,"c":2})"));
     const std::string classes = R"("classes":["a,\"b\"<&","c"])";
-    const auto told = map(request(classes, features));
-    EXPECT_EQ(told["classes"][0]["name"], "a,\"b\"<&");
+    const auto json = map(request(classes, features));
+    EXPECT_EQ(json["classes"][0]["name"], "a,\"b\"<&");
     const auto csv = answer(request(classes + R"(,"format":"csv")", features));
     EXPECT_NE(csv->body.find(",0,\"a,\"\"b\"\"<&\"\r\n"), std::string::npos);
     const auto svg = answer(request(classes + R"(,"format":"svg")", features));

@@ -210,10 +210,10 @@ TEST(Properties, CountTowardsTheSizeOfARequest) {
 }
 
 /// Takes an answer in pieces, and records the size of the largest.
-class Pieces : public BodyTaker {
+class Pieces : public BodySink {
 public:
     Result<void> begin(const Answer&) override { return {}; }
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         size += piece.size();
         return {};
     }

@@ -10,7 +10,7 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 1'000, .max_pixels = 4'096};
-constexpr double kMostWork = 256;  ///< limit of points * max_frequency^2 up to which a request is computed
+constexpr double kMaxWork = 256;  ///< limit of points * max_frequency^2 up to which a request is computed
 
 /// Numbers of points of a request.
 struct Count {
@@ -70,7 +70,7 @@ void check_request(const api::AnalyzeRequest& request, std::string_view body) {
     CCDT_CHECK(!request.single || request.sets.size() == 1);
     const Count points = count_points(request);
     CCDT_CHECK(points.all <= kLimits.max_sites);
-    if (static_cast<double>(points.largest) * frequency * frequency > kMostWork) return;
+    if (static_cast<double>(points.largest) * frequency * frequency > kMaxWork) return;
     for (const api::AnalysisFormat* format : api::analyze_formats()) {
         if (format->file.name != "png") run(request, *format, body);
     }

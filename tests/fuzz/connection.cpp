@@ -18,8 +18,8 @@ namespace {
 using server::Connection;
 
 constexpr std::size_t kLargestBody = 4'096;
-constexpr std::size_t kMostPieces = 8;  ///< fewer than the system buffers before the reader starts
-constexpr int kUntilItCloses = 0;       ///< status of a connection that ended between two requests
+constexpr std::size_t kMaxPieces = 8;  ///< fewer than the system buffers before the reader starts
+constexpr int kUntilItCloses = 0;      ///< status of a connection that ended between two requests
 
 /// The result of reading one request; `status` is 200 or that of the problem.
 struct Outcome {
@@ -176,7 +176,7 @@ std::vector<std::string_view> cut(std::string_view bytes, std::string_view lengt
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     auto bytes = text_of(data, size);
-    const auto lengths = bytes.substr(0, kMostPieces - 1);
+    const auto lengths = bytes.substr(0, kMaxPieces - 1);
     bytes.remove_prefix(lengths.size());
     const auto whole = serve(cut(bytes, {}));
     CCDT_CHECK(serve(cut(bytes, lengths)) == whole);

@@ -11,8 +11,8 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMostVertices = 40;
-constexpr std::size_t kMostDots = 40;  ///< limit for one class in one feature
+constexpr std::size_t kMaxVertices = 40;
+constexpr std::size_t kMaxDots = 40;  ///< limit for one class in one feature
 
 struct Map {
     std::vector<std::vector<PolygonPart>> parts;  ///< [features]; empty if the polygon was repaired
@@ -26,7 +26,7 @@ std::vector<PolygonPart> read_polygons(Bytes& input) {
     const double spacing = kSpacings[input.take<std::uint8_t>() % kSpacings.size()];
     const double far = 1000 * spacing;
     return take_parts(
-        input, kMostVertices, far,
+        input, kMaxVertices, far,
         [=](unsigned byte) {
             return Point{spacing * (byte % 16U), spacing * (byte / 16U)};
         },
@@ -39,7 +39,7 @@ std::vector<PolygonPart> read_polygons(Bytes& input) {
 Map read_map(Bytes& input) {
     const std::size_t classes = input.take<std::uint8_t>() % 3U + 1;
     std::array<std::size_t, 8> dots{};
-    for (std::size_t& each : dots) each = input.take<std::uint8_t>() % (kMostDots + 1);
+    for (std::size_t& each : dots) each = input.take<std::uint8_t>() % (kMaxDots + 1);
     Map map;
     std::size_t number = 0;
     for (const PolygonPart& polygon : read_polygons(input)) {

@@ -6,7 +6,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMostCorners = 64;  ///< limit up to which points are distributed in a polygon
+constexpr std::size_t kMaxCorners = 64;  ///< limit up to which points are distributed in a polygon
 constexpr std::size_t kSites = 12;
 
 void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
@@ -20,7 +20,7 @@ void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
         return;
     }
     check_domain(*domain);
-    if (polygon.corner_count() > kMostCorners) return;
+    if (polygon.corner_count() > kMaxCorners) return;
     Options options;
     options.sites = kSites;
     options.iterations = 1;

@@ -14,7 +14,7 @@ namespace {
 
 using Parts = std::vector<PolygonPart>;
 
-constexpr std::size_t kMostVertices = 32;
+constexpr std::size_t kMaxVertices = 32;
 
 /// Reads polygons with corners at crossings of certain meridians and parallels, including the poles and longitudes
 /// beyond 180 degrees. Some corners are anywhere.
@@ -24,7 +24,7 @@ Parts read_parts(Bytes& input) {
     constexpr std::array<double, 12> kLatitudes = {-90, -89.999, -60, -30, -1, 0, 1, 30, 45, 60, 89.999, 90};
     constexpr double kFar = 1000;
     return take_parts(
-        input, kMostVertices, kFar,
+        input, kMaxVertices, kFar,
         [&](unsigned byte) {
             return Point{kLongitudes[byte % kLongitudes.size()], kLatitudes[byte / kLongitudes.size()]};
         },

@@ -10,7 +10,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMostPixels = 16'384;
+constexpr std::size_t kMaxPixels = 16'384;
 
 bool is_share(float value) {
     return value >= 0 && value <= 1;
@@ -19,7 +19,7 @@ bool is_share(float value) {
 void check_picture(const Picture& picture, const api::ImageHeader& header) {
     CCDT_CHECK(picture.width > 0 && picture.height > 0);
     const auto pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
-    CCDT_CHECK(pixels <= kMostPixels);
+    CCDT_CHECK(pixels <= kMaxPixels);
     CCDT_CHECK(picture.luminance.size() == pixels);
     CCDT_CHECK(pixels == header.pixels());
     CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
@@ -29,14 +29,14 @@ void check_picture(const Picture& picture, const api::ImageHeader& header) {
 
 /// Checks that decoding a file again yields the same picture, which reads of uninitialized memory would change.
 void check_again(std::string_view file, const Picture& picture) {
-    const auto again = api::decode_image(file, kMostPixels);
+    const auto again = api::decode_image(file, kMaxPixels);
     CCDT_CHECK(again && again->width == picture.width && again->height == picture.height);
     CCDT_CHECK(again->luminance == picture.luminance && again->alpha == picture.alpha);
 }
 
 /// Checks that a file decoded in colour has the luminance that it has in grey, or the same error.
 void check_colours(std::string_view file, const Result<Picture>& grey) {
-    const auto colours = api::decode_colour_image(file, kMostPixels);
+    const auto colours = api::decode_colour_image(file, kMaxPixels);
     CCDT_CHECK(colours.has_value() == grey.has_value());
     if (!grey) {
         CCDT_CHECK(colours.error().code == grey.error().code && colours.error().message == grey.error().message);
@@ -66,10 +66,10 @@ void check_refused(const Error& error, std::string_view file) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto file = fuzz::text_of(data, size);
-    const auto picture = api::decode_image(file, fuzz::kMostPixels);
+    const auto picture = api::decode_image(file, fuzz::kMaxPixels);
     fuzz::check_colours(file, picture);
     if (picture) {
-        fuzz::check_picture(*picture, *api::read_image_header(file, fuzz::kMostPixels));
+        fuzz::check_picture(*picture, *api::read_image_header(file, fuzz::kMaxPixels));
         fuzz::check_again(file, *picture);
     } else {
         fuzz::check_refused(picture.error(), file);

@@ -12,7 +12,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMost = 4'096;  ///< limit of a picture's pixels or a text's bytes
+constexpr std::size_t kMax = 4'096;  ///< limit of a picture's pixels or a text's bytes
 
 bool is_share(float value) {
     return value >= 0 && value <= 1;
@@ -23,7 +23,7 @@ template <class AnyPicture>
 void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.width >= 1 && picture.height >= 1);
     const std::size_t pixels = static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height);
-    CCDT_CHECK(pixels <= kMost && light.size() == pixels);
+    CCDT_CHECK(pixels <= kMax && light.size() == pixels);
     CCDT_CHECK(picture.alpha.empty() || picture.alpha.size() == pixels);
 }
 
@@ -46,15 +46,15 @@ void check_product(const ColourPicture& picture) {
 
 /// Checks the size of a text; its content may be anything.
 void check_product(const std::string& text) {
-    CCDT_CHECK(text.size() <= kMost);
+    CCDT_CHECK(text.size() <= kMax);
 }
 
 template <class Reply>
 void check_reply(const std::uint8_t* data, std::size_t size) {
-    const auto file = Reply::make_file(kMost);
-    const auto written = std::min(size, Reply::size(kMost));
+    const auto file = Reply::make_file(kMax);
+    const auto written = std::min(size, Reply::size(kMax));
     CCDT_CHECK(pwrite(file.get(), data, written, 0) == static_cast<ssize_t>(written));
-    const Reply memory(file, kMost);
+    const Reply memory(file, kMax);
     CCDT_CHECK(memory);
     const auto reply = memory.read();
     if (!reply) return;

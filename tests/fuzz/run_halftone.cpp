@@ -45,9 +45,9 @@ std::string take_text(Bytes& input) {
     return written(take_number(input));
 }
 
-template <unsigned kMost, unsigned kLeast>
+template <unsigned kMax, unsigned kLeast>
 std::string take_count(Bytes& input) {
-    return std::to_string(input.take<std::uint8_t>() % (kMost - kLeast + 1) + kLeast);
+    return std::to_string(input.take<std::uint8_t>() % (kMax - kLeast + 1) + kLeast);
 }
 
 std::string take_true(Bytes&) {

@@ -14,8 +14,8 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 100'000, .max_pixels = 4'096};
-constexpr std::size_t kMostCorners = 64;  ///< limit up to which a request is computed
-constexpr std::size_t kMostSites = 8;
+constexpr std::size_t kMaxCorners = 64;  ///< limit up to which a request is computed
+constexpr std::size_t kMaxSites = 8;
 
 Result<Density> density_of(const api::SampleRequest& request) {
     if (const auto* image = std::get_if<api::DensityImage>(&request.density))
@@ -57,11 +57,11 @@ void check_options(const api::SampleRequest& request) {
 void run(const api::SampleRequest& request, const RepairedDomain& made, const Density& density) {
     const auto& [domain, repairs] = made;
     Options options = request.run;
-    options.sites = std::min(options.sites, kMostSites);
+    options.sites = std::min(options.sites, kMaxSites);
     options.iterations = std::min(options.iterations, 1);
     options.passes = std::min(options.passes, 2);
     const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
-    if (polygon != nullptr && polygon->corner_count() > kMostCorners) return;
+    if (polygon != nullptr && polygon->corner_count() > kMaxCorners) return;
     const auto parts = polygon == nullptr || !repairs.empty() ? std::vector<PolygonPart>() : polygon->parts;
     if (request.method == &api::methods().front()) return check_distribution(domain, parts, density, options);
     const auto placed = request.method->run(domain, density, options, {});

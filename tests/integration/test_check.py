@@ -24,9 +24,9 @@ class Check(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def check(self, *flags, program=None, most_files=None, **environment):
+    def check(self, *flags, program=None, max_files=None, **environment):
         """Returns the exit code, value and origin of each flag, and state and text of each part."""
-        limit = ["prlimit", f"--nofile={most_files}"] if most_files else []
+        limit = ["prlimit", f"--nofile={max_files}"] if max_files else []
         done = subprocess.run([*limit, program or os.environ["CCDT_SERVER"], "--check", *flags], capture_output=True, text=True,
                               timeout=PATIENCE, check=False, env={**os.environ, **environment})
         self.assertEqual(done.stderr, "")
@@ -90,7 +90,7 @@ class Check(unittest.TestCase):
     def test_reports_how_many_connections_fit(self):
         for most, state, words in ((60, "WRONG", "(ulimit -n) is 60: at least"), (200, "weak", "(ulimit -n) is 200"),
                                    (4096, "good", "connections")):
-            code, _, parts = self.check("--port=0", "--workers=2", most_files=most)
+            code, _, parts = self.check("--port=0", "--workers=2", max_files=most)
             self.assertEqual(code, 1 if state == "WRONG" else 0)
             self.assertEqual(parts["files"][0], state)
             self.assertIn(words, parts["files"][1])

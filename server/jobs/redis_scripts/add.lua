@@ -1,16 +1,16 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, key of the uploaded question or empty, bytes, limit of waiting jobs, limit of stored bytes, owner, client,
 -- memory, seconds, traceparent or empty, then the fields of a question that was not uploaded)
--- -> accepted and the time of creation, full, no room
+-- -> accepted and the time of creation, full, store full
 local id, uploaded, bytes, client = ARGV[1], ARGV[2], tonumber(ARGV[3]), ARGV[7]
 local created = field(id, 'created')
 if created or is_full(client, tonumber(ARGV[4])) then
     discard(uploaded)
     return created and {'accepted', created} or {'full'}
 end
-if not make_room(bytes, tonumber(ARGV[5])) then
+if not free_space(bytes, tonumber(ARGV[5])) then
     discard(uploaded)
-    return {'no room'}
+    return {'store full'}
 end
 put(question_key(id), uploaded, {unpack(ARGV, 11)})
 local turn = math.max(state('turn'), tonumber(redis.call('ZSCORE', key('had'), client) or '0'))

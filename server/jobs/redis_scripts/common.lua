@@ -24,7 +24,7 @@ local function job_key(id) return prefix .. 'job:' .. id end
 local function question_key(id) return prefix .. 'question:' .. id end
 local function result_key(id) return prefix .. 'result:' .. id end
 
-local function tell(news) redis.call('PUBLISH', key('news'), news) end
+local function notify(news) redis.call('PUBLISH', key('news'), news) end
 
 local function state(name) return tonumber(redis.call('HGET', key('state'), name) or '0') end
 
@@ -89,10 +89,10 @@ end
 -- Ends a script with an error. The server then runs repair.lua and repeats the script.
 local function fail_as_damaged(any_key) error('DAMAGED ' .. any_key) end
 
-local function is_full(client, most)
+local function is_full(client, limit)
     local waiting = redis.call('ZCARD', key('queue'))
-    if waiting < most then return false end
-    return waiting >= 2 * most or redis.call('HEXISTS', key('waiting'), client) == 1
+    if waiting < limit then return false end
+    return waiting >= 2 * limit or redis.call('HEXISTS', key('waiting'), client) == 1
 end
 
 -- Stores a body: one that was uploaded before, or the fields of one that is an argument of the call.
@@ -121,7 +121,7 @@ local function enter_queue(id, turn, place)
     redis.call('HSET', job_key(id), 'place', place)
     redis.call('ZADD', key('queue'), turn, place)
     redis.call('HINCRBY', key('waiting'), field(id, 'client'), 1)
-    tell('work')
+    notify('work')
 end
 
 -- Returns the start tag of a job, or nothing if it was not in the queue.
@@ -156,7 +156,7 @@ local function put_back(id)
     redis.call('HSET', job_key(id), 'status', 'queued', 'fraction', 0, 'iteration', 0)
     redis.call('HDEL', job_key(id), 'started', 'variation')
     enter_queue(id, math.min(tonumber(field(id, 'turn') or '0'), state('turn')), field(id, 'place'))
-    tell('changed ' .. id)
+    notify('changed ' .. id)
 end
 
 -- Removes a job from the queue and ends its claim.
@@ -180,8 +180,8 @@ local function remove(id)
 end
 
 -- Drops the oldest results, and then the jobs that finished first, until there is enough space.
-local function make_room(bytes, most)
-    while state('bytes') + bytes > most do
+local function free_space(bytes, limit)
+    while state('bytes') + bytes > limit do
         local dropped = redis.call('ZPOPMIN', key('results'))[1]
         local oldest = not dropped and redis.call('ZRANGE', key('finished'), 0, 0)[1]
         if dropped then

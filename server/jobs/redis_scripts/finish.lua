@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- (id, claim, key of the uploaded result or empty, its bytes, bytes of the job after its end, limit of stored bytes,
 -- a result that was not uploaded and its digest, then names and values of the job's fields)
--- -> finished and the time, lost, no room
+-- -> finished and the time, lost, store full
 local id, uploaded, bytes = ARGV[1], ARGV[3], tonumber(ARGV[4])
 
 local function refuse(why)
@@ -17,7 +17,7 @@ if not owns(id, ARGV[2]) then
     return refuse({'lost'})
 end
 if bytes > 0 then
-    if not make_room(bytes, tonumber(ARGV[6])) then return refuse({'no room'}) end
+    if not free_space(bytes, tonumber(ARGV[6])) then return refuse({'store full'}) end
     put(result_key(id), uploaded, {'size', bytes, '0', ARGV[7], 'digest:0', ARGV[8]})
     redis.call('ZADD', key('results'), exact_now, id)
 end
@@ -26,5 +26,5 @@ redis.call('UNLINK', question_key(id))
 redis.call('ZADD', key('finished'), exact_now, id)
 redis.call('HSET', job_key(id), 'finished', now, 'result_bytes', bytes, unpack(ARGV, 9))
 set_bytes(id, tonumber(ARGV[5]))
-tell('changed ' .. id)
+notify('changed ' .. id)
 return {'finished', field(id, 'finished')}

@@ -3,6 +3,6 @@
 local id = ARGV[1]
 if not field(id, 'created') then return 0 end
 remove(id)
-tell('stop ' .. id)
-tell('changed ' .. id)
+notify('stop ' .. id)
+notify('changed ' .. id)
 return 1

@@ -44,8 +44,8 @@ local function repair_jobs()
             else
                 redis.call('UNLINK', any_key, question_key(id), result_key(id))
             end
-            tell('stop ' .. id)
-            tell('changed ' .. id)
+            notify('stop ' .. id)
+            notify('changed ' .. id)
         end
     end
     return ids
@@ -92,5 +92,5 @@ redis.call('HSET', key('state'), 'turn', turn, 'places', string.format('%.0f', p
 for name in pairs(lost) do
     if not was_found[key(name)] then table.insert(found, key(name)) end
 end
-tell('work')
+notify('work')
 return found

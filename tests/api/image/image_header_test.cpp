@@ -47,11 +47,11 @@ TEST(ImageHeader, EstimatesTheMemoryOfTheDecoder) {
 }
 
 TEST(ImageHeader, DescribesWhichFrameIsRead) {
-    const auto told = [](const std::string& file) { return describe_frame(*read_image_header(file, kMaxPixels)); };
-    EXPECT_EQ(told(fixture("grey.gif")), "");
-    EXPECT_EQ(told(fixture("lossless.avif")), "");
-    EXPECT_EQ(told(fixture("film.gif")), "the file has 2 frames: the first is used");
-    EXPECT_EQ(told(fixture("film.avif")), "the file has 2 frames: the main picture is used");
+    const auto described = [](const std::string& file) { return describe_frame(*read_image_header(file, kMaxPixels)); };
+    EXPECT_EQ(described(fixture("grey.gif")), "");
+    EXPECT_EQ(described(fixture("lossless.avif")), "");
+    EXPECT_EQ(described(fixture("film.gif")), "the file has 2 frames: the first is used");
+    EXPECT_EQ(described(fixture("film.avif")), "the file has 2 frames: the main picture is used");
 }
 
 TEST(ImageHeader, EndsCyclicListsOfPages) {

@@ -65,7 +65,7 @@ TEST(FeatureCounts, CountsEachClass) {
     const auto counts = count(feature(R"({"a":20,"b":5})") + ',' + feature(R"({"a":0,"b":25})"), counting);
     ASSERT_TRUE(counts) << counts.error().message;
     EXPECT_EQ(counts->counts, (std::vector<std::size_t>{2, 1, 0, 2}));
-    EXPECT_TRUE(counts->are_told);
+    EXPECT_TRUE(counts->are_named);
     EXPECT_EQ(counts->count(1, 1), 2U);
 }
 

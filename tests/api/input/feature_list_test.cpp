@@ -116,7 +116,7 @@ TEST(FeatureList, RefusesPropertiesThatAreNotAnObject) {
 
 TEST(FeatureList, RefusesTooManyProperties) {
     std::string many = "{\"p0\":0";
-    for (std::size_t i = 1; i < PropertyChoice::kMost; ++i) many += ",\"p" + std::to_string(i) + "\":0";
+    for (std::size_t i = 1; i < PropertyChoice::kMax; ++i) many += ",\"p" + std::to_string(i) + "\":0";
     ASSERT_TRUE(list(collection(feature(many + '}'))));
     const auto features = list(collection(feature(many + '}') + ',' + feature(R"({"one more":0})")));
     ASSERT_FALSE(features);
@@ -128,8 +128,8 @@ TEST(FeatureList, RefusesPropertiesThatAreTooLarge) {
     const auto of_size = [](std::size_t size) {
         return collection(feature("{\"a\":\"" + std::string(size - 1, 'x') + "\"}"));
     };
-    EXPECT_TRUE(list(of_size(CarriedProperties::kMostOfFeature)));
-    const auto features = list(of_size(CarriedProperties::kMostOfFeature + 1));
+    EXPECT_TRUE(list(of_size(CarriedProperties::kMaxOfFeature)));
+    const auto features = list(of_size(CarriedProperties::kMaxOfFeature + 1));
     ASSERT_FALSE(features);
     EXPECT_EQ(features.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(features.error().field, "/geometry/features/0/properties");

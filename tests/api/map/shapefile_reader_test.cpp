@@ -17,7 +17,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Files = std::vector<std::pair<std::string, std::string>>;
 
-constexpr std::size_t kMost = std::size_t{1} << 20;
+constexpr std::size_t kMax = std::size_t{1} << 20;
 
 /// Returns a closed clockwise square with this side around a point.
 Ring square(double side, Point at = {}) {
@@ -31,7 +31,7 @@ Ring hole(double side, Point at = {}) {
     return {ring.rbegin(), ring.rend()};
 }
 
-Result<std::string> read(const std::string& archive, std::string_view object = {}, std::size_t most = kMost) {
+Result<std::string> read(const std::string& archive, std::string_view object = {}, std::size_t most = kMax) {
     std::string text;
     const auto take = [&text](std::string_view piece) {
         text += piece;
@@ -40,13 +40,13 @@ Result<std::string> read(const std::string& archive, std::string_view object = {
     return read_shapefile(archive, {object, most}, take).map([&] { return text; });
 }
 
-Json features_of(const std::string& archive, std::string_view object = {}, std::size_t most = kMost) {
+Json features_of(const std::string& archive, std::string_view object = {}, std::size_t most = kMax) {
     const auto text = read(archive, object, most);
     EXPECT_TRUE(text) << text.error().message;
     return text ? Json::parse(*text)["features"] : Json();
 }
 
-Error error_of(const std::string& archive, std::string_view object = {}, std::size_t most = kMost) {
+Error error_of(const std::string& archive, std::string_view object = {}, std::size_t most = kMax) {
     const auto text = read(archive, object, most);
     EXPECT_FALSE(text);
     return text ? Error() : text.error();

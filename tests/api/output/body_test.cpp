@@ -13,16 +13,16 @@ namespace ccdt::api {
 namespace {
 
 /// Takes at most `most` pieces.
-class Taker : public BodyTaker {
+class Sink : public BodySink {
 public:
-    explicit Taker(std::size_t most = 1'000'000) : most_(most) {}
+    explicit Sink(std::size_t most = 1'000'000) : most_(most) {}
 
     Result<void> begin(const Answer& head) override {
         heads.push_back(head);
         return {};
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         if (pieces.size() == most_) return failure(ErrorCode::Stopped, "enough");
         pieces.emplace_back(piece);
         return {};
@@ -55,12 +55,12 @@ std::string numbers(std::size_t size) {
     return text;
 }
 
-/// Writes a text in small parts, until it is complete or the taker refuses a piece.
+/// Writes a text in small parts, until it is complete or the sink refuses a piece.
 /// @returns  number of bytes written
 std::size_t write(Body& body, std::string_view text) {
     constexpr std::size_t kPart = 1'000;
     std::size_t written = 0;
-    while (written < text.size() && body.hand_on()) {
+    while (written < text.size() && body.flush()) {
         body.text() += text.substr(written, kPart);
         written = std::min(written + kPart, text.size());
     }
@@ -70,14 +70,14 @@ std::size_t write(Body& body, std::string_view text) {
 TEST(Body, IsHeldInMemoryIfSmall) {
     const std::string text = numbers(Body::kWhole - 1);
     const Answer before = head();
-    Taker taker;
-    Body body(before, &taker, {});
+    Sink sink;
+    Body body(before, &sink, {});
     write(body, text);
     const auto answer = body.finish(before);
     ASSERT_TRUE(answer);
     EXPECT_EQ(answer->body, text);
     EXPECT_FALSE(answer->streamed);
-    EXPECT_TRUE(taker.heads.empty());
+    EXPECT_TRUE(sink.heads.empty());
 }
 
 TEST(Body, IsHeldInMemoryWithoutReceiver) {
@@ -93,26 +93,26 @@ TEST(Body, IsHeldInMemoryWithoutReceiver) {
 TEST(Body, IsStreamedInPiecesIfLarge) {
     const std::string text = numbers(2 * Body::kWhole + 12'345);
     const Answer before = head();
-    Taker taker;
-    Body body(before, &taker, {});
+    Sink sink;
+    Body body(before, &sink, {});
     write(body, text);
     EXPECT_LT(body.text().size(), Body::kPiece + 2'000);
     const auto answer = body.finish(before);
     ASSERT_TRUE(answer);
     EXPECT_TRUE(answer->streamed);
     EXPECT_TRUE(answer->body.empty());
-    ASSERT_EQ(taker.heads.size(), 1U);
-    EXPECT_EQ(taker.heads.front().media_type, "text/csv");
-    EXPECT_TRUE(taker.heads.front().repeats);
-    EXPECT_LE(std::ranges::max(taker.pieces, {}, &std::string::size).size(), Body::kPiece);
-    EXPECT_EQ(taker.all(), text);
+    ASSERT_EQ(sink.heads.size(), 1U);
+    EXPECT_EQ(sink.heads.front().media_type, "text/csv");
+    EXPECT_TRUE(sink.heads.front().repeats);
+    EXPECT_LE(std::ranges::max(sink.pieces, {}, &std::string::size).size(), Body::kPiece);
+    EXPECT_EQ(sink.all(), text);
 }
 
 TEST(Body, StopsOnceReceiverStops) {
     const std::string text = numbers(4 * Body::kWhole);
     const Answer before = head();
-    Taker taker(20);
-    Body body(before, &taker, {});
+    Sink sink(20);
+    Body body(before, &sink, {});
     EXPECT_LT(write(body, text), 2 * Body::kWhole);
     const auto answer = body.finish(before);
     ASSERT_FALSE(answer);
@@ -122,12 +122,12 @@ TEST(Body, StopsOnceReceiverStops) {
 TEST(Body, ReportsIfNotReproducibleBecauseHurried) {
     std::stop_source path_stop;
     const Answer before = head();
-    Taker taker;
-    Body large(before, &taker, path_stop.get_token()), small(before, &taker, path_stop.get_token());
+    Sink sink;
+    Body large(before, &sink, path_stop.get_token()), small(before, &sink, path_stop.get_token());
     path_stop.request_stop();
     write(large, numbers(Body::kWhole + 10'000));
-    ASSERT_EQ(taker.heads.size(), 1U);
-    EXPECT_FALSE(taker.heads.front().repeats);
+    ASSERT_EQ(sink.heads.size(), 1U);
+    EXPECT_FALSE(sink.heads.front().repeats);
     EXPECT_FALSE(small.finish(before)->repeats);
 }
 

@@ -8,7 +8,7 @@
 
 namespace ccdt::api::test {
 
-/// Returns the text that write(body) writes to a body without a taker.
+/// Returns the text that write(body) writes to a body without a sink.
 template <class Write>
 std::string whole_body(Write&& write) {
     Body body;

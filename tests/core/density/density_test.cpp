@@ -48,8 +48,8 @@ TEST(Density, IsInvariantUnderPowersOfTwo) {
 }
 
 TEST(Density, ScalesTheLargestValueNearOne) {
-    constexpr double kLeastDouble = 5e-324, kMostDouble = std::numeric_limits<double>::max();
-    for (const double value : {kLeastDouble, 3e-310, 1e-300, 0.3, 1.0, 1.9999, 2.0, 1e100, kMostDouble}) {
+    constexpr double kLeastDouble = 5e-324, kMaxDouble = std::numeric_limits<double>::max();
+    for (const double value : {kLeastDouble, 3e-310, 1e-300, 0.3, 1.0, 1.9999, 2.0, 1e100, kMaxDouble}) {
         const auto density = grid(2, 1, {0, value});
         ASSERT_TRUE(density) << value;
         EXPECT_GE(density->largest(), 1) << value;

@@ -34,7 +34,7 @@ protected:
 TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
     EXPECT_FALSE(cache_.find("a"));
     const api::Answer answer = whole_answer();
-    cache_.keep("a", answer);
+    cache_.store("a", answer);
     const auto found = cache_.find("a");
     ASSERT_TRUE(found);
     EXPECT_EQ(found->body, answer.body);
@@ -53,7 +53,7 @@ TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
         << "entries must expire, so that Redis evicts them before jobs";
     api::Answer plain;
     plain.body = "plain";
-    cache_.keep("b", plain);
+    cache_.store("b", plain);
     EXPECT_FALSE(cache_.find("b")->dots);
     EXPECT_FALSE(cache_.find("b")->plot_seconds);
     EXPECT_TRUE(cache_.find("b")->repeats);
@@ -62,37 +62,37 @@ TEST_F(RedisCacheTest, ReturnsStoredAnswers) {
 TEST_F(RedisCacheTest, DoesNotStoreLargeAnswers) {
     api::Answer answer;
     answer.body.assign(RedisCache::kLargest + 1, 'x');
-    cache_.keep("a", answer);
+    cache_.store("a", answer);
     EXPECT_FALSE(cache_.find("a"));
 }
 
 TEST_F(RedisCacheTest, RemovesDamagedAnswers) {
     for (const char* field : {"body", "media_type", "coding", "sites", "pixels", "repaired", "warnings", "repeats",
                               "radius", "tone", "plot_seconds", "digest"}) {
-        cache_.keep("a", whole_answer());
+        cache_.store("a", whole_answer());
         ASSERT_TRUE(client_.run(RedisCommand{"HSET", "ccdt:2:answer:a", field, "junk"}));
         EXPECT_FALSE(cache_.find("a")) << field;
         EXPECT_EQ(client_.run(RedisCommand{"EXISTS", "ccdt:2:answer:a"})->number, 0);
     }
     ASSERT_TRUE(client_.run(RedisCommand{"SET", "ccdt:2:answer:a", "junk"}));
     EXPECT_FALSE(cache_.find("a"));
-    cache_.keep("a", whole_answer());
+    cache_.store("a", whole_answer());
     EXPECT_TRUE(cache_.find("a")) << "it must be possible to store it again";
     EXPECT_EQ(client_.counts().damages, 13U);
 }
 
 TEST_F(RedisCacheTest, FindsNothingWithoutRedis) {
-    cache_.keep("a", whole_answer());
+    cache_.store("a", whole_answer());
     redis_.kill();
     EXPECT_FALSE(cache_.find("a"));
-    cache_.keep("b", whole_answer());
+    cache_.store("b", whole_answer());
 }
 
 TEST_F(RedisCacheTest, IsQueriedAfterTheLocalCache) {
     ResultCache first(100'000, &client_);
     ResultCache second(100'000, &client_);
     EXPECT_EQ(second.find("a"), nullptr);
-    first.keep("a", whole_answer());
+    first.store("a", whole_answer());
     ASSERT_NE(second.find("a"), nullptr);
     redis_.kill();
     EXPECT_NE(second.find("a"), nullptr) << "the local cache must have it, too";
@@ -104,7 +104,7 @@ TEST_F(RedisCacheTest, IsQueriedAfterTheLocalCache) {
 
 TEST_F(RedisCacheTest, IsQueriedIfTheLocalCacheIsOff) {
     ResultCache first(0, &client_);
-    first.keep("a", whole_answer());
+    first.store("a", whole_answer());
     EXPECT_NE(ResultCache(0, &client_).find("a"), nullptr);
     EXPECT_EQ(first.load().answers, 0U);
 }

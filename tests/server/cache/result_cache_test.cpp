@@ -11,7 +11,7 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kRoom = 100'000;
+constexpr std::size_t kCapacity = 100'000;
 
 api::Answer answer_of(std::string body) {
     api::Answer answer;
@@ -20,11 +20,11 @@ api::Answer answer_of(std::string body) {
 }
 
 TEST(ResultCache, ReturnsStoredAnswers) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     EXPECT_EQ(cache.find("a"), nullptr);
-    cache.keep("a", answer_of("first"));
-    cache.keep("b", answer_of("second"));
-    cache.keep("a", answer_of("not this"));
+    cache.store("a", answer_of("first"));
+    cache.store("b", answer_of("second"));
+    cache.store("a", answer_of("not this"));
     ASSERT_NE(cache.find("a"), nullptr);
     EXPECT_EQ(cache.find("a")->body, "first");
     EXPECT_EQ(cache.find("b")->body, "second");
@@ -34,45 +34,45 @@ TEST(ResultCache, ReturnsStoredAnswers) {
 }
 
 TEST(ResultCache, EvictsTheLeastRecentlyUsedAnswer) {
-    ResultCache cache(kRoom);
-    const std::string large(kRoom / 5, 'x');
-    for (const auto* name : {"a", "b", "c", "d"}) cache.keep(name, answer_of(large));
+    ResultCache cache(kCapacity);
+    const std::string large(kCapacity / 5, 'x');
+    for (const auto* name : {"a", "b", "c", "d"}) cache.store(name, answer_of(large));
     ASSERT_NE(cache.find("a"), nullptr);
-    cache.keep("e", answer_of(large));
+    cache.store("e", answer_of(large));
     EXPECT_EQ(cache.find("b"), nullptr);
     for (const auto* name : {"a", "c", "d", "e"}) EXPECT_NE(cache.find(name), nullptr) << name;
 }
 
 TEST(ResultCache, NeverExceedsItsCapacity) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     for (int i = 0; i < 1000; ++i) {
-        cache.keep(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
-        EXPECT_LE(cache.load().bytes, kRoom);
+        cache.store(std::to_string(i), answer_of(std::string(static_cast<std::size_t>(i), 'x')));
+        EXPECT_LE(cache.load().bytes, kCapacity);
     }
-    EXPECT_GT(cache.load().bytes, kRoom / 2);
+    EXPECT_GT(cache.load().bytes, kCapacity / 2);
 }
 
 TEST(ResultCache, DoesNotStoreAnswersThatAreTooLarge) {
-    ResultCache cache(kRoom);
-    cache.keep("small", answer_of("x"));
-    cache.keep("large", answer_of(std::string(kRoom / 4, 'x')));
+    ResultCache cache(kCapacity);
+    cache.store("small", answer_of("x"));
+    cache.store("large", answer_of(std::string(kCapacity / 4, 'x')));
     EXPECT_EQ(cache.find("large"), nullptr);
     EXPECT_NE(cache.find("small"), nullptr);
     ResultCache none(0);
-    none.keep("a", answer_of(""));
+    none.store("a", answer_of(""));
     EXPECT_EQ(none.find("a"), nullptr);
 }
 
 TEST(ResultCache, ReturnsAnswersThatOutliveTheCache) {
-    auto cache = std::make_unique<ResultCache>(kRoom);
-    cache->keep("a", answer_of("kept"));
+    auto cache = std::make_unique<ResultCache>(kCapacity);
+    cache->store("a", answer_of("kept"));
     const auto answer = cache->find("a");
     cache.reset();
     EXPECT_EQ(answer->body, "kept");
 }
 
 TEST(ResultCache, IsThreadSafe) {
-    ResultCache cache(kRoom);
+    ResultCache cache(kCapacity);
     std::vector<std::jthread> threads;
     for (int thread = 0; thread < 4; ++thread) {
         threads.emplace_back([&cache, thread] {
@@ -80,12 +80,12 @@ TEST(ResultCache, IsThreadSafe) {
                 const std::string name = std::to_string((i * (thread + 1)) % 97);
                 const auto answer = cache.find(name);
                 EXPECT_TRUE(answer == nullptr || answer->body == std::string(2000, name[0]));
-                cache.keep(name, answer_of(std::string(2000, name[0])));
+                cache.store(name, answer_of(std::string(2000, name[0])));
             }
         });
     }
     threads.clear();
-    EXPECT_LE(cache.load().bytes, kRoom);
+    EXPECT_LE(cache.load().bytes, kCapacity);
 }
 
 }  // namespace

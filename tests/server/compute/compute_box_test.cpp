@@ -80,9 +80,9 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     api::Answer answer;
     if (request.path.starts_with("stream")) {
         answer.media_type = "pieces";
-        if (!delivery.taker->begin(answer)) return failure(ErrorCode::Stopped, "not begun");
+        if (!delivery.sink->begin(answer)) return failure(ErrorCode::Stopped, "not begun");
         for (int i = 0; i < 100; ++i) {
-            if (auto taken = delivery.taker->take(request.body); !taken) return tl::unexpected(taken.error());
+            if (auto taken = delivery.sink->write(request.body); !taken) return tl::unexpected(taken.error());
             if (i == 50 && request.path == "stream and die") raise(SIGKILL);
             if (i == 50 && request.path == "stream and fail") return failure(ErrorCode::Internal, "broken");
         }
@@ -111,16 +111,16 @@ Result<ChildProgram> launch(UniqueFd orders) {
 }
 
 /// Takes a body in pieces, up to a maximum number of them.
-class Taker : public api::BodyTaker {
+class Sink : public api::BodySink {
 public:
-    explicit Taker(int most = 1'000) : most_(most) {}
+    explicit Sink(int most = 1'000) : most_(most) {}
 
     Result<void> begin(const api::Answer& head) override {
         media_types += head.media_type;
         return {};
     }
 
-    Result<void> take(std::string_view piece) override {
+    Result<void> write(std::string_view piece) override {
         if (pieces == most_) return failure(ErrorCode::Stopped, "enough");
         ++pieces;
         body += piece;
@@ -189,14 +189,14 @@ TEST_F(ComputeBoxTest, TransfersTheWholeAnswer) {
 
 TEST_F(ComputeBoxTest, StreamsPiecesToTheTaker) {
     const std::string piece(200'000, 'x');
-    Taker taker;
-    const auto answer = box_->compute({"stream", "", "", "", piece}, {.taker = &taker}, {}, timings_);
+    Sink sink;
+    const auto answer = box_->compute({"stream", "", "", "", piece}, {.sink = &sink}, {}, timings_);
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_TRUE(answer->streamed);
     EXPECT_TRUE(answer->body.empty());
-    EXPECT_EQ(taker.media_types, "pieces");
-    EXPECT_EQ(taker.pieces, 100);
-    EXPECT_EQ(taker.body, repeated(piece, 100));
+    EXPECT_EQ(sink.media_types, "pieces");
+    EXPECT_EQ(sink.pieces, 100);
+    EXPECT_EQ(sink.body, repeated(piece, 100));
 }
 
 TEST_F(ComputeBoxTest, JoinsPiecesWithoutATaker) {
@@ -208,13 +208,13 @@ TEST_F(ComputeBoxTest, JoinsPiecesWithoutATaker) {
 }
 
 TEST_F(ComputeBoxTest, DoesNotRetryAfterStreamingHasBegun) {
-    Taker taker;
-    const auto died = box_->compute({"stream and die", "", "", "", "piece"}, {.taker = &taker}, {}, timings_);
+    Sink sink;
+    const auto died = box_->compute({"stream and die", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(died);
     EXPECT_EQ(died.error().code, ErrorCode::Internal);
-    EXPECT_EQ(taker.media_types, "pieces");
-    EXPECT_LE(taker.pieces, 51);
-    const auto failed = box_->compute({"stream and fail", "", "", "", "piece"}, {.taker = &taker}, {}, timings_);
+    EXPECT_EQ(sink.media_types, "pieces");
+    EXPECT_LE(sink.pieces, 51);
+    const auto failed = box_->compute({"stream and fail", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(failed);
     EXPECT_EQ(failed.error().message, "broken");
     EXPECT_TRUE(ask({"/", "", "", "", ""}));
@@ -222,8 +222,8 @@ TEST_F(ComputeBoxTest, DoesNotRetryAfterStreamingHasBegun) {
 
 TEST_F(ComputeBoxTest, KillsTheProcessOfAnAbandonedAnswer) {
     const pid_t process = process_of_next();
-    Taker taker(3);
-    const auto left = box_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.taker = &taker}, {}, timings_);
+    Sink sink(3);
+    const auto left = box_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(left);
     EXPECT_EQ(left.error().code, ErrorCode::Stopped);
     EXPECT_EQ(box_->counts().crashes, 0U);

@@ -149,8 +149,8 @@ void ignore(const std::string&) {}
 class BoxOfTests {
 public:
     BoxOfTests(const SupervisedProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
-               const SupervisedProgram::Tell& tell = ignore)
-        : box_(DecoderBox::start(launch, tell).value()),
+               const SupervisedProgram::Report& report = ignore)
+        : box_(DecoderBox::start(launch, report).value()),
           client_([this](const Order& order, const std::stop_token& stop) { return box_->relay(order, stop); },
                   limits) {
         EXPECT_TRUE(box_->wait_until_ready());

@@ -216,7 +216,7 @@ TEST(Capacity, IsUnderPressureBeforeItIsFull) {
 TEST(Capacity, CountsBytesUntilTheyAreReleased) {
     Capacity capacity({.connections = 4, .per_address = 0, .bytes = 100});
     {
-        HeldBytes held(&capacity);
+        CountedBytes held(&capacity);
         held.resize(50);
         EXPECT_FALSE(capacity.is_pressed());
         held.resize(51);
@@ -231,8 +231,8 @@ TEST(Capacity, CountsBytesUntilTheyAreReleased) {
     EXPECT_FALSE(capacity.is_pressed());
 }
 
-TEST(HeldBytes, WorksWithoutACapacity) {
-    HeldBytes held(nullptr);
+TEST(CountedBytes, WorksWithoutACapacity) {
+    CountedBytes held(nullptr);
     held.resize(10);
 }
 

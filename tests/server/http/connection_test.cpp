@@ -246,7 +246,7 @@ TEST(Connection, TimesOutOnAnAnswerThatIsNotRead) {
 
 TEST(Connection, RefusesABodyWithoutMemoryForIt) {
     Capacity capacity({.bytes = 100'000});
-    HeldBytes others(&capacity);
+    CountedBytes others(&capacity);
     others.resize(60'000);
     const std::string small(30'000, 'x');
     const std::string large(90'000, 'x');

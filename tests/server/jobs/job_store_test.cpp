@@ -210,8 +210,8 @@ TEST_P(JobStoreTest, FindsNoUnknownJobs) {
     EXPECT_EQ(*store_->request("a"), std::nullopt);
     EXPECT_EQ(*store_->result("a"), std::nullopt);
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
-    EXPECT_EQ(store_->hold(job_named("a"))->owned, JobStore::Owned::Lost);
-    EXPECT_TRUE(store_->give_back(job_named("a")));
+    EXPECT_EQ(store_->renew(job_named("a"))->owned, JobStore::Owned::Lost);
+    EXPECT_TRUE(store_->requeue(job_named("a")));
     EXPECT_EQ(*store_->finish(job_named("a"), "result"), std::nullopt);
     EXPECT_EQ(*store_->cancel("a"), std::nullopt);
     EXPECT_FALSE(*store_->remove("a"));
@@ -269,8 +269,8 @@ TEST_P(JobStoreTest, StoresResultsInPieces) {
         add(*store_, job_named("a"));
         const Job job = claim();
         const std::string first(JobStore::kPiece, '1'), second(7, '2'), third(last, '3');
-        EXPECT_EQ(store_->take(job, {}, first), true);
-        EXPECT_EQ(store_->take(job, {1, first.size()}, second), true);
+        EXPECT_EQ(store_->append_piece(job, {}, first), true);
+        EXPECT_EQ(store_->append_piece(job, {1, first.size()}, second), true);
         const std::string all = first + second + third;
         ASSERT_TRUE(*store_->finish(succeeded(job, all), third, {2, first.size() + second.size()}));
         if (GetParam().outlives_its_server) open_with({});
@@ -290,9 +290,9 @@ TEST_P(JobStoreTest, DropsPiecesOfALostClaim) {
     add(*store_, job_named("a"));
     const Job lost = claim();
     const std::string piece(1000, 'x');
-    EXPECT_TRUE(store_->take(lost, {}, piece));
+    EXPECT_TRUE(store_->append_piece(lost, {}, piece));
     const Job job = claim_again();
-    EXPECT_EQ(store_->take(lost, {1, piece.size()}, piece), false);
+    EXPECT_EQ(store_->append_piece(lost, {1, piece.size()}, piece), false);
     ASSERT_TRUE(*store_->finish(succeeded(job, "good"), "good"));
     EXPECT_EQ(**store_->result("a"), "good");
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(4));
@@ -302,10 +302,10 @@ TEST_P(JobStoreTest, DropsPiecesOfJobsWithoutResult) {
     for (const bool cancelled : {true, false}) {
         add(*store_, job_named("a"));
         Job job = claim();
-        EXPECT_EQ(store_->take(job, {}, "piece"), true);
+        EXPECT_EQ(store_->append_piece(job, {}, "piece"), true);
         job.status = JobStatus::Failed;
         EXPECT_TRUE(cancelled ? (*store_->cancel("a")).has_value() : (*store_->finish(job, {})).has_value());
-        EXPECT_EQ(store_->take(job, {1, 5}, "piece"), false);
+        EXPECT_EQ(store_->append_piece(job, {1, 5}, "piece"), false);
         EXPECT_EQ(*store_->piece("a", 0), std::nullopt);
         EXPECT_EQ(bytes(), JobStore::bytes_of_job(0));
         EXPECT_TRUE(*store_->remove("a"));
@@ -318,8 +318,8 @@ TEST_P(JobStoreTest, RefusesPiecesBeyondTheByteLimit) {
     add(*store_, job_named("a"));
     Job job = claim();
     const std::string piece(9'000, 'x');
-    EXPECT_EQ(store_->take(job, {}, piece), true);
-    for (const auto& refused : {store_->take(job, {1, 9'000}, std::string(10'500, 'x')).map([](bool) {}),
+    EXPECT_EQ(store_->append_piece(job, {}, piece), true);
+    for (const auto& refused : {store_->append_piece(job, {1, 9'000}, std::string(10'500, 'x')).map([](bool) {}),
                                 store_->finish(job, std::string(10'500, 'x'), {1, 9'000}).map([](const auto&) {})}) {
         ASSERT_FALSE(refused);
         EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
@@ -393,12 +393,12 @@ TEST_P(JobStoreTest, StoresTheProgressOfAClaimedJob) {
     EXPECT_EQ(job.starts, 1);
     EXPECT_GT(job.claim, 0u);
     EXPECT_EQ(find("a").status, JobStatus::Queued) << "a claimed job may wait in its server's queue";
-    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
+    EXPECT_EQ(store_->renew(job)->owned, JobStore::Owned::Still);
     EXPECT_EQ(find("a").started, std::nullopt);
     job.status = JobStatus::Running;
-    const auto began = store_->hold(job);
+    const auto began = store_->renew(job);
     job.progress = {0.25, 2, 0.1};
-    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Still);
+    EXPECT_EQ(store_->renew(job)->owned, JobStore::Owned::Still);
     const Job found = find("a");
     EXPECT_EQ(found.status, JobStatus::Running);
     EXPECT_EQ(found.started, began->now) << "only the first call sets the time of the start";
@@ -415,8 +415,8 @@ TEST_P(JobStoreTest, ReturnsJobsWithoutCountingTheStart) {
     add(*store_, job_named("b"));
     Job job = claim();
     job.status = JobStatus::Running;
-    ASSERT_TRUE(store_->hold(job));
-    ASSERT_TRUE(store_->give_back(job));
+    ASSERT_TRUE(store_->renew(job));
+    ASSERT_TRUE(store_->requeue(job));
     EXPECT_EQ(find("a").status, JobStatus::Queued);
     EXPECT_EQ(find("a").started, std::nullopt);
     EXPECT_EQ(find("a").starts, 0);
@@ -437,8 +437,8 @@ TEST_P(JobStoreTest, RequeuesJobsWhoseLeaseHasExpired) {
     EXPECT_EQ(job.id, "a");
     EXPECT_EQ(job.starts, 2);
     EXPECT_GT(job.claim, lost.claim);
-    EXPECT_EQ(store_->hold(lost)->owned, JobStore::Owned::Lost);
-    EXPECT_TRUE(store_->give_back(lost));
+    EXPECT_EQ(store_->renew(lost)->owned, JobStore::Owned::Lost);
+    EXPECT_TRUE(store_->requeue(lost));
     EXPECT_EQ(*store_->finish(succeeded(lost, "late"), "late"), std::nullopt);
     EXPECT_EQ(find("a").claim, job.claim);
     EXPECT_TRUE(*store_->finish(succeeded(job, "good"), "good"))
@@ -453,7 +453,7 @@ TEST_P(JobStoreTest, RequeuesRunningJobsAfterARestart) {
     add(*store_, job_named("a"));
     Job job = claim();
     job.status = JobStatus::Running;
-    ASSERT_TRUE(store_->hold(job));
+    ASSERT_TRUE(store_->renew(job));
     open_with(kBrief);
     EXPECT_EQ(claim_again().starts, 2);
 }
@@ -505,8 +505,8 @@ TEST_P(JobStoreTest, RefusesJobsIfTheQueueIsFull) {
 
 TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     const std::string result(4000, 'x');
-    constexpr std::size_t kRoom = 16'000;  // bytes of three results and a request
-    open_with({.bytes = kRoom});
+    constexpr std::size_t kCapacity = 16'000;  // bytes of three results and a request
+    open_with({.bytes = kCapacity});
     for (const char* id : {"oldest", "older", "newest"}) add_finished(*store_, id, result);
     EXPECT_TRUE(*store_->result("oldest"));
     add(*store_, job_named("a"));
@@ -517,7 +517,7 @@ TEST_P(JobStoreTest, DropsTheOldestResultsAtTheByteLimit) {
     EXPECT_TRUE(*store_->finish(succeeded(claim(), large), large));
     EXPECT_TRUE(find("older").dropped);
     EXPECT_FALSE(find("newest").dropped);
-    EXPECT_LE(bytes(), kRoom);
+    EXPECT_LE(bytes(), kCapacity);
 }
 
 TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
@@ -528,7 +528,7 @@ TEST_P(JobStoreTest, RefusesJobsAndResultsBeyondTheByteLimit) {
     add(*store_, job_named("b"));
     EXPECT_FALSE(is_there("done")) << "the oldest result must be dropped to free space";
     Job refused = job_named("c");
-    EXPECT_EQ(*store_->add(refused, kComputeRequest), JobStore::Added::NoRoom);
+    EXPECT_EQ(*store_->add(refused, kComputeRequest), JobStore::Added::StoreFull);
     EXPECT_FALSE(is_there("c"));
     Job job = claim();
     const std::string large(2 * one, 'x');
@@ -545,7 +545,7 @@ TEST_P(JobStoreTest, CancelsUnfinishedJobs) {
     Job job = claim();
     job.status = JobStatus::Running;
     job.progress = {0.25, 2, 0.1};
-    ASSERT_TRUE(store_->hold(job));
+    ASSERT_TRUE(store_->renew(job));
     for (const char* id : {"runs", "waits"}) {
         const auto cancelled = store_->cancel(id);
         ASSERT_TRUE(cancelled && *cancelled);
@@ -557,7 +557,7 @@ TEST_P(JobStoreTest, CancelsUnfinishedJobs) {
         EXPECT_EQ(*store_->cancel(id), std::nullopt);
     }
     EXPECT_EQ(find("runs").progress.fraction, 0.25);
-    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Cancelled);
+    EXPECT_EQ(store_->renew(job)->owned, JobStore::Owned::Cancelled);
     EXPECT_EQ(*store_->finish(succeeded(job, "late"), "late"), std::nullopt);
     EXPECT_EQ(find("runs").status, JobStatus::Cancelled);
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
@@ -573,20 +573,20 @@ TEST_P(JobStoreTest, RemovesUnfinishedJobs) {
     const Job job = claim();
     EXPECT_TRUE(*store_->remove("runs"));
     EXPECT_TRUE(*store_->remove("waits"));
-    EXPECT_EQ(store_->hold(job)->owned, JobStore::Owned::Lost);
+    EXPECT_EQ(store_->renew(job)->owned, JobStore::Owned::Lost);
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
     EXPECT_EQ(store_->load()->queued + store_->load()->running + bytes(), 0u);
 }
 
 TEST_P(JobStoreTest, RemovesExpiredJobs) {
     add_finished(*store_, "a", "result");
-    EXPECT_FALSE(*store_->forget());
+    EXPECT_FALSE(*store_->remove_expired());
     EXPECT_TRUE(is_there("a"));
     open_with({.ttl = std::chrono::milliseconds(1)});
     if (!GetParam().outlives_its_server) add_finished(*store_, "a", "result");
     add(*store_, job_named("waits"));
     ASSERT_TRUE(test::wait_until("the expiry of a job", [&] { return !is_there("a"); }));
-    EXPECT_FALSE(*store_->forget());
+    EXPECT_FALSE(*store_->remove_expired());
     EXPECT_TRUE(is_there("waits"));
     EXPECT_EQ(bytes(), JobStore::bytes_of_job(JobStore::bytes_of(kComputeRequest)));
 }
@@ -595,9 +595,9 @@ TEST_P(JobStoreTest, RemovesExpiredJobsInBatches) {
     open_with({.ttl = std::chrono::milliseconds(1)});
     for (int i = 0; i < 150; ++i) add_finished(*store_, std::to_string(i), "result");
     ASSERT_TRUE(test::wait_until("the expiry of the last job", [&] { return !is_there("149"); }));
-    EXPECT_TRUE(*store_->forget());
+    EXPECT_TRUE(*store_->remove_expired());
     EXPECT_GT(bytes(), 0u);
-    EXPECT_FALSE(*store_->forget());
+    EXPECT_FALSE(*store_->remove_expired());
     EXPECT_EQ(bytes(), 0u);
 }
 
@@ -608,7 +608,7 @@ TEST_P(JobStoreTest, NotifiesTheListener) {
     EXPECT_TRUE(heard.has("work"));
     Job job = claim();
     job.status = JobStatus::Running;
-    ASSERT_TRUE(store_->hold(job));
+    ASSERT_TRUE(store_->renew(job));
     EXPECT_TRUE(heard.has("changed a"));
     ASSERT_TRUE(*store_->cancel("a"));
     EXPECT_TRUE(heard.has("stop a"));
@@ -627,12 +627,12 @@ TEST_P(JobStoreTest, IsSharedByAllServers) {
     EXPECT_EQ(*store_->claim(kMemory), std::nullopt);
     job.status = JobStatus::Running;
     job.progress = {0.5, 3, {}};
-    ASSERT_TRUE(store_->hold(job)) << "a claim is identified by its number, not by the server";
+    ASSERT_TRUE(store_->renew(job)) << "a claim is identified by its number, not by the server";
     EXPECT_TRUE(heard.has("changed a"));
     EXPECT_EQ(find("a").progress.iteration, 3);
     EXPECT_TRUE(*store_->cancel("a"));
     EXPECT_TRUE(heard.has("stop a"));
-    EXPECT_EQ(other->hold(job)->owned, JobStore::Owned::Cancelled);
+    EXPECT_EQ(other->renew(job)->owned, JobStore::Owned::Cancelled);
     other->listen(nullptr);
 }
 

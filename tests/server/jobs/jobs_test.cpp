@@ -42,12 +42,12 @@ public:
         if (away_.exchange(false)) return failure(ErrorCode::Stopped, "away");
         return store_->request(id);
     }
-    Result<Hold> hold(const Job& job) override { return store_->hold(job); }
-    Result<void> give_back(const Job& job) override { return store_->give_back(job); }
-    Result<bool> take(const Job& job, const Taken& before, std::string_view piece) override {
-        return store_->take(job, before, piece);
+    Result<Renewal> renew(const Job& job) override { return store_->renew(job); }
+    Result<void> requeue(const Job& job) override { return store_->requeue(job); }
+    Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) override {
+        return store_->append_piece(job, before, piece);
     }
-    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const Taken& before) override {
+    Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) override {
         return store_->finish(job, result, before);
     }
     Result<std::optional<Job>> cancel(const std::string& id) override { return store_->cancel(id); }
@@ -56,7 +56,7 @@ public:
     Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) override {
         return store_->piece(id, number);
     }
-    Result<bool> forget() override { return store_->forget(); }
+    Result<bool> remove_expired() override { return store_->remove_expired(); }
     Result<Load> load() override { return store_->load(); }
     void listen(JobListener* listener) override { store_->listen(listener); }
 
@@ -73,7 +73,7 @@ public:
         if (job && *job) (*job)->created += std::chrono::minutes(1);
         return job;
     }
-    Result<Hold> hold(const Job&) override { return failure(ErrorCode::Stopped, "away"); }
+    Result<Renewal> renew(const Job&) override { return failure(ErrorCode::Stopped, "away"); }
 };
 
 class JobsTest : public testing::Test {

@@ -97,7 +97,7 @@ TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
             add(*store, job_named("running"));
             Job running = **store->claim(1000);
             running.status = JobStatus::Running;
-            ASSERT_TRUE(store->hold(running));
+            ASSERT_TRUE(store->renew(running));
             add(*store, job_named("waiting"));
             damage(std::string("ccdt:1:") + name, junk);
             if (HasFatalFailure()) return;
@@ -105,7 +105,7 @@ TEST_F(RedisJobStoreTest, RebuildsDamagedSharedKeys) {
             for (const char* id : {"finished", "running", "waiting"}) EXPECT_TRUE(*store->find(id)) << id;
             add(*store, job_named("next"));
             EXPECT_EQ(store->result("finished"), "result");
-            EXPECT_EQ(store->hold(running)->owned, JobStore::Owned::Still);
+            EXPECT_EQ(store->renew(running)->owned, JobStore::Owned::Still);
             for (int left = 2; left > 0; --left) {
                 const auto claimed = store->claim(1000);
                 ASSERT_TRUE(claimed && *claimed) << (claimed ? "nothing" : claimed.error().message);
@@ -204,7 +204,7 @@ TEST_F(RedisJobStoreTest, DoesNotFinishJobsWithADamagedKey) {
         add(*store, job_named("running"));
         const Job running = **store->claim(1000);
         damage("ccdt:1:job:running", junk);
-        EXPECT_EQ(store->hold(running)->owned, JobStore::Owned::Lost);
+        EXPECT_EQ(store->renew(running)->owned, JobStore::Owned::Lost);
         EXPECT_EQ(store->finish(succeeded(running, "result"), "result"), std::nullopt);
         EXPECT_EQ(*store->load(), (JobStore::Load{}));
     }
@@ -247,7 +247,7 @@ TEST_F(RedisJobStoreTest, ContinuesAfterLosingAllKeys) {
     add(*store, job_named("waiting"));
     call({"FLUSHALL"});
     call({"SCRIPT", "FLUSH"});
-    EXPECT_EQ(store->hold(running)->owned, JobStore::Owned::Lost);
+    EXPECT_EQ(store->renew(running)->owned, JobStore::Owned::Lost);
     EXPECT_EQ(store->finish(succeeded(running, "result"), "result"), std::nullopt);
     EXPECT_EQ(store->find("waiting"), std::nullopt);
     EXPECT_EQ(store->claim(1000), std::nullopt);

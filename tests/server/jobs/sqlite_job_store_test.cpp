@@ -71,7 +71,7 @@ TEST_F(SqliteJobStoreTest, CostsNoMoreWithManyJobs) {
         add_finished(*store, id, "result");
         EXPECT_TRUE(*store->find(id));
         EXPECT_TRUE(*store->result(id));
-        EXPECT_FALSE(*store->forget());
+        EXPECT_FALSE(*store->remove_expired());
         EXPECT_TRUE(*store->remove(id));
         EXPECT_EQ(*store->claim(1000), std::nullopt);
         return instructions;
@@ -132,7 +132,7 @@ TEST_F(SqliteJobStoreTest, DetectsReorderedPieces) {
         const auto store = open();
         add(*store, job_named("a"));
         const Job job = **store->claim(1000);
-        ASSERT_TRUE(*store->take(job, {}, "one"));
+        ASSERT_TRUE(*store->append_piece(job, {}, "one"));
         ASSERT_TRUE(*store->finish(succeeded(job, "onetwo"), "two", {1, 3}));
     }
     Database(file()).execute("UPDATE results SET number = number + 5; UPDATE results SET number = 6 - number");
@@ -221,7 +221,7 @@ TEST_F(SqliteJobStoreTest, RebuildsInconsistentIndices) {
         EXPECT_EQ(**store->result("there"), "result");
     }
     const auto store = open({.ttl = std::chrono::milliseconds(0)});
-    EXPECT_FALSE(*store->forget());
+    EXPECT_FALSE(*store->remove_expired());
     EXPECT_EQ(store->load()->bytes, 0u);
 }
 

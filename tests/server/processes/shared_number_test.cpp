@@ -14,7 +14,7 @@ namespace {
 TEST(SharedNumber, IsReadByOtherProcesses) {
     auto number = SharedNumber::create(3);
     ASSERT_TRUE(number) << number.error().message;
-    const NumberOfOthers read(number->file());
+    const SharedNumberReader read(number->file());
     EXPECT_EQ(read.load(1), 3U);
     const pid_t other = fork();
     if (other == 0) {
@@ -39,7 +39,7 @@ TEST(SharedNumber, IsReadOnlyForOtherProcesses) {
 }
 
 TEST(SharedNumber, ReturnsADefaultWithoutAFile) {
-    const NumberOfOthers none((UniqueFd()));
+    const SharedNumberReader none((UniqueFd()));
     EXPECT_EQ(none.load(7), 7U);
 }
 

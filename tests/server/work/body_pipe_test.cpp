@@ -55,17 +55,17 @@ TEST_F(BodyPipeTest, WaitsForPieces) {
 }
 
 TEST_F(BodyPipeTest, BuffersTheRestForASlowClient) {
-    const std::string piece(BodyPipe::kMostHeld, 'x');
+    const std::string piece(BodyPipe::kMaxHeld, 'x');
     for (int i = 0; i < 3; ++i) EXPECT_TRUE(pipe_.push(piece));
     pipe_.close({}, {}, memory_);
-    EXPECT_EQ(memory_.taken(), 3 * piece.size());
+    EXPECT_EQ(memory_.reserved(), 3 * piece.size());
     EXPECT_EQ(take_all().size(), 3 * piece.size());
 }
 
 TEST(BodyPipe, MakesTheWorkerWaitForTheClient) {
     BodyPipe pipe(seconds(60));
     MemoryBudget memory{1'000};
-    const std::string piece(BodyPipe::kMostHeld, 'x');
+    const std::string piece(BodyPipe::kMaxHeld, 'x');
     EXPECT_TRUE(pipe.push(piece));
     std::jthread worker([&] {
         EXPECT_TRUE(pipe.push("y"));

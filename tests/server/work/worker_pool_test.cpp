@@ -330,23 +330,23 @@ TEST(WorkerPool, StartsAJobOnlyWhenItsMemoryIsAvailable) {
     WorkerPool pool(4, 10, kMemory);
     ASSERT_TRUE(pool.submit("a", large.job(), {60, 1}));
     large.wait_until_started();
-    EXPECT_EQ(pool.memory().taken(), 60U);
+    EXPECT_EQ(pool.memory().reserved(), 60U);
     const auto note = [&](const std::stop_token&) {
-        seen = std::max<std::size_t>(seen, pool.memory().taken());
-        EXPECT_LE(pool.memory().taken(), kMemory);
+        seen = std::max<std::size_t>(seen, pool.memory().reserved());
+        EXPECT_LE(pool.memory().reserved(), kMemory);
     };
     for (int i = 0; i < 8; ++i) ASSERT_TRUE(pool.submit("b", note, {50, 1}));
     EXPECT_EQ(seen, 0U);
     large.open();
     pool.drain();
     EXPECT_GE(seen, 50U);
-    EXPECT_EQ(pool.memory().taken(), 0U);
+    EXPECT_EQ(pool.memory().reserved(), 0U);
 }
 
 TEST(WorkerPool, ContinuesWhenMemoryIsReleasedElsewhere) {
     std::promise<void> done;
     WorkerPool pool(1, 10, 100);
-    auto lease = std::make_optional(pool.memory().hold(70));
+    auto lease = std::make_optional(pool.memory().reserve_unconditionally(70));
     ASSERT_TRUE(pool.submit("a", [&](const std::stop_token&) { done.set_value(); }, {50, 1}));
     auto ran = done.get_future();
     EXPECT_EQ(pool.load().waiting, 1U);
@@ -358,25 +358,25 @@ TEST(WorkerPool, ContinuesWhenMemoryIsReleasedElsewhere) {
 TEST(MemoryBudget, NeverLendsMoreThanItHas) {
     int told = 0;
     MemoryBudget budget(100);
-    budget.on_return([&] { ++told; });
-    auto first = budget.take(60);
+    budget.on_release([&] { ++told; });
+    auto first = budget.reserve(60);
     ASSERT_TRUE(first);
-    EXPECT_FALSE(budget.take(41));
-    EXPECT_FALSE(budget.take(std::numeric_limits<std::size_t>::max()));
-    auto second = budget.take(40);
+    EXPECT_FALSE(budget.reserve(41));
+    EXPECT_FALSE(budget.reserve(std::numeric_limits<std::size_t>::max()));
+    auto second = budget.reserve(40);
     ASSERT_TRUE(second);
     {
-        const auto held = budget.hold(10);
-        EXPECT_EQ(budget.taken(), 110U);
-        EXPECT_FALSE(budget.take(1));
+        const auto held = budget.reserve_unconditionally(10);
+        EXPECT_EQ(budget.reserved(), 110U);
+        EXPECT_FALSE(budget.reserve(1));
     }
     MemoryBudget::Lease moved = *std::move(first);
     first.reset();
-    EXPECT_EQ(budget.taken(), 100U);
+    EXPECT_EQ(budget.reserved(), 100U);
     EXPECT_EQ(told, 1);
     moved = {};
     second.reset();
-    EXPECT_EQ(budget.taken(), 0U);
+    EXPECT_EQ(budget.reserved(), 0U);
     EXPECT_EQ(told, 3);
 }
 

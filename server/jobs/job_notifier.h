@@ -8,7 +8,7 @@
 namespace ccdt::server {
 
 /// The listener of a store, if there is one. Thread-safe.
-class JobNews {
+class JobNotifier {
 public:
     /// Sets the listener. Returns once the previous one is no longer being notified.
     void listen(JobListener* listener) {
@@ -16,10 +16,11 @@ public:
         listener_ = listener;
     }
 
-    template <class Tell>
-    void tell(Tell tell) {
+    /// Calls notify(listener) if there is a listener.
+    template <class Notify>
+    void notify(Notify notify) {
         const std::lock_guard lock(mutex_);
-        if (listener_ != nullptr) tell(*listener_);
+        if (listener_ != nullptr) notify(*listener_);
     }
 
 private:

@@ -10,6 +10,6 @@ if ARGV[4] == 'running' then redis.call('HSETNX', job_key(id), 'started', now) e
 if field(id, 'status') ~= ARGV[4] or field(id, 'fraction') ~= ARGV[5] then
     redis.call('HSET', job_key(id), 'status', ARGV[4], 'fraction', ARGV[5], 'iteration', ARGV[6])
     if ARGV[7] ~= '' then redis.call('HSET', job_key(id), 'variation', ARGV[7]) end
-    tell('changed ' .. id)
+    notify('changed ' .. id)
 end
 return {'still', string.format('%.0f', now)}
