@@ -121,6 +121,21 @@ test("downloads formats for machines, with the given pen commands", async () => 
   assert.equal((await save("DXF")).match(/\nCIRCLE\n/g).length, 200);
 });
 
+test("gives no figures for a picture without dots", async () => {
+  await open("#halftone?sites=200&plotter=on");
+  const white = await world.page.evaluate(async () => {
+    const canvas = new OffscreenCanvas(40, 30);
+    const context = canvas.getContext("2d");
+    context.fillStyle = "#fff";
+    context.fillRect(0, 0, 40, 30);
+    return [...new Uint8Array(await (await canvas.convertToBlob()).arrayBuffer())];
+  });
+  await world.page.setInputFiles("#halftone .file", { name: "white.png", mimeType: "image/png", buffer: Buffer.from(white) });
+  await settled(world.page, "halftone", "failed");
+  assert.match(await world.page.textContent("#halftone .general"), /nothing to draw/);
+  assert.equal(await world.page.textContent("#halftone .figures"), "");
+});
+
 test("has a layer for each ink, and paper of any size", async () => {
   await open("#halftone?color=cmyk&sites=2000&plotter=on&pen_mm=3&paper=a5&style=fill");
   const layers = await world.page.locator("#halftone .figures li").allTextContents();

@@ -166,6 +166,7 @@ export class Plotter {
     const { width, height } = this.#page();
     const area = width * height;
     const share = plan.inks.reduce((sum, ink) => sum + ink.share, 0);
+    if (share === 0) return null;  // a white picture has no dots
     const dot = this.#dotWidth;
     const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
