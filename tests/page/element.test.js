@@ -92,6 +92,51 @@ test("cancels its job when it is aborted or removed from the page", async () => 
   }
 });
 
+test("keeps no picture in memory that is not shown", async () => {
+  await world.page.goto(origin.url);
+  const left = await world.page.evaluate(async () => {
+    const [create, revoke, decode] = [URL.createObjectURL, URL.revokeObjectURL, Image.prototype.decode];
+    const urls = new Set();
+    URL.createObjectURL = (blob) => {
+      const url = create(blob);
+      urls.add(url);
+      return url;
+    };
+    URL.revokeObjectURL = (url) => {
+      urls.delete(url);
+      revoke(url);
+    };
+    const element = document.createElement("ccdt-halftone");
+    const event = (name) => new Promise((resolve) => element.addEventListener(name, resolve, { once: true }));
+    const counts = [];
+    element.setAttribute("src", "/cat.png");
+    element.setAttribute("sites", "300");
+    let ended = event("load");
+    document.body.replaceChildren(element);
+    await ended;
+    counts.push(urls.size);
+    let decoded;
+    Image.prototype.decode = function () {  // the request is aborted when its answer has arrived
+      element.abort();
+      decoded = decode.call(this);
+      return decoded;
+    };
+    ended = event("abort");
+    element.setAttribute("sites", "400");
+    await ended;
+    await decoded;
+    Image.prototype.decode = decode;
+    await new Promise((resume) => setTimeout(resume));
+    counts.push(urls.size);
+    ended = event("error");
+    element.setAttribute("src", "/nothing.png");
+    await ended;
+    counts.push(urls.size);
+    return counts;
+  });
+  assert.deepEqual(left, [1, 1, 0]);
+});
+
 test("draws dots itself if the server refuses or is unreachable", async () => {
   await world.page.goto(origin.url);
   const told = await show({ src: "/cat.png", sites: "0", alt: "A cat" });
