@@ -111,6 +111,36 @@ test("keeps a photograph of the user among the pictures", async () => {
   assert.match(await page.textContent("#halftone pre"), /chelsea\.png/);
 });
 
+test("keeps the picture that was chosen last, even if an earlier one arrives later", async () => {
+  await open();
+  const { page } = world;
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  await page.route("**/cat.jpg", async (route) => {
+    await held;
+    await route.continue();
+  });
+  const arrived = page.waitForResponse("**/cat.jpg");
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await page.click("#halftone [data-sample='camera.jpg']");
+  await settled(page, "halftone");
+  release();
+  await (await arrived).finished();
+  await settled(page, "halftone");
+  assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
+  assert.match(await page.textContent("#halftone pre"), /camera\.jpg/);
+});
+
+test("keeps the last result if another picture cannot be loaded", async () => {
+  await open();
+  const { page } = world;
+  await page.route("**/cat.jpg", (route) => route.abort());
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await settled(page, "halftone", "failed");
+  assert.equal(await page.textContent("#halftone .general"), "the server cannot be reached");
+  assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
+});
+
 test("shows the colours of inverted pictures", async () => {
   await open();
   const { page } = world;

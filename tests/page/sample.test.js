@@ -259,6 +259,27 @@ test("draws the outline of a zipped shapefile", async () => {
   assert.match(await world.page.textContent("#shape-error"), /^photos\.zip holds no GeoJSON polygons and no shapefile: /);
 });
 
+test("keeps the shape that was chosen last, even if an earlier one arrives later", async () => {
+  await open();
+  const { page } = world;
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  await page.route(/texas\.geojson|iterations=0&mesh=true/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  const arrived = [/texas\.geojson/, /iterations=0&mesh=true/].map((name) => page.waitForResponse(name));
+  await page.click("#sample .map");
+  await page.setInputFiles("#sample .file", path.join(data, "polygons/two-countries.zip"));
+  await page.selectOption("#shape", "rectangle");
+  await settled(page, "sample");
+  release();
+  for (const response of await Promise.all(arrived)) await response.finished();
+  await settled(page, "sample");
+  assert.equal(await page.inputValue("#shape"), "rectangle");
+  assert.equal((await request()).domain.type, "rectangle");
+});
+
 test("shows where a document is wrong", async () => {
   await open();
   const ring = [[0, 0], [4, 0], [4, "north"], [0, 3], [0, 0]];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panel that places points in a shape.
 
-import { post, Problem } from "./api.js";
+import { ask, post, Problem } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
@@ -50,6 +50,23 @@ function requestOf({ file, json, ...shape }, options) {
 }
 
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
+
+/**
+ * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so its outline
+ * comes from the boundary of a triangulation that the server makes.
+ */
+async function documentOf(file) {
+  if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
+  const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
+  const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
+  return { name: file.name, text: JSON.stringify(json), archive: file };
+}
+
+/** Loads the map of the page: {name, text, path}. */
+async function loadMap() {
+  const path = `/assets/samples/${map.name}`;
+  return { name: map.name, text: await (await ask("GET", path)).text(), path };
+}
 
 /** Returns the largest number of the form 1, 2 or 5 times a power of ten that fits `number` times into a sum. */
 function roundShare(sum, number) {
@@ -154,7 +171,7 @@ export class Sample extends Panel {
     this.iteration.value = state.iteration ?? this.iteration.max;
     this.first.value = state.first ?? this.first.max;
     this.mesh.checked = state.mesh === "on";
-    await this.#restoreShape(state);
+    if (!(await this.#restoreShape(state))) return;
     this.#takeSides();
     this.countFields?.restore(state);
     this.tiles.checked = state.tiles === "on" && this.shapeChoice.value === "torus";
@@ -163,14 +180,19 @@ export class Sample extends Panel {
 
   /**
    * Restores the shape. The default is the map without any settings, and the polygon with settings that name no shape.
+   * Returns false if the map could not be loaded, or if another shape was chosen in the meantime.
    */
   async #restoreShape({ corners = "", ...state }) {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
-    if (shape === ownShape && this.#own) return this.#takeFileShape(this.#own, []);
+    if (shape === ownShape && this.#own) {
+      this.#takeFileShape(this.#own, []);
+      return true;
+    }
     this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
     this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
     this.#shapeChosen();
+    return true;
   }
 
   look() {
@@ -240,10 +262,10 @@ export class Sample extends Panel {
   }
 
   async #takeFile(file) {
-    this.element.dataset.state = "busy";
     try {
-      if (await isArchive(file)) await this.#takeArchive(file);
-      else this.#takeDocument({ name: file.name, text: await file.text() });
+      const document = await this.loadNewest(documentOf(file));
+      if (!document) return;
+      this.#takeDocument(document);
       this.#chosen();
     } catch (error) {
       this.element.dataset.state = "failed";
@@ -251,26 +273,20 @@ export class Sample extends Panel {
     }
   }
 
-  /**
-   * Loads a zipped shapefile. Only the server can read it, so the outline comes from the boundary of a triangulation
-   * that the server makes.
-   */
-  async #takeArchive(file) {
-    const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
-    const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
-    this.#takeDocument({ name: file.name, text: JSON.stringify(json), archive: file });
-  }
-
   async #chooseMap() {
-    this.element.dataset.state = "busy";
-    await this.#takeMap();
-    this.#chosen();
+    if (await this.#takeMap()) this.#chosen();
   }
 
-  /** Loads the map of the page: employed and unemployed people. */
+  /** Shows employed and unemployed people on the map of the page. Returns whether the map was loaded and is wanted. */
   async #takeMap() {
-    const path = `/assets/samples/${map.name}`;
-    this.#takeDocument({ name: map.name, text: await (await fetch(path)).text(), path }, map.counted);
+    try {
+      const document = await this.loadNewest(loadMap());
+      if (document) this.#takeDocument(document, map.counted);
+      return document !== null;
+    } catch (problem) {
+      this.showProblem(problem);
+      return false;
+    }
   }
 
   /**
@@ -375,6 +391,7 @@ export class Sample extends Panel {
   }
 
   #shapeChosen() {
+    this.abandonLoads();
     const kind = this.shapeChoice.value;
     this.find(".polygon-tools").hidden = this.find(".corners").hidden = kind !== "polygon";
     this.tiles.disabled = kind !== "torus";
