@@ -229,7 +229,7 @@ test("removes outdated dots, and shows an unreadable picture unchanged", async (
     element.addEventListener("error", ({ message }) => resolve(message));
     element.setAttribute("src", "/nothing.png");
   }));
-  assert.match(end, /nothing\.png was answered 404/);
+  assert.match(end, /nothing\.png was answered with status 404/);
   const shown = await world.page.evaluate(() => document.querySelector("#dots").shadowRoot.children[0].src);
   assert.equal(shown, `${origin.url}/nothing.png`);
 });

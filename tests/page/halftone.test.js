@@ -137,7 +137,7 @@ test("keeps the last result if another picture cannot be loaded", async () => {
   await page.route("**/cat.jpg", (route) => route.abort());
   await page.click("#halftone [data-sample='cat.jpg']");
   await settled(page, "halftone", "failed");
-  assert.equal(await page.textContent("#halftone .general"), "the server cannot be reached");
+  assert.equal(await page.textContent("#halftone .general"), "The server cannot be reached");
   assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
 });
 

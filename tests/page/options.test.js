@@ -149,7 +149,7 @@ test("sends options of drawings only with drawings", async () => {
 test("explains options, by keyboard too", async () => {
   await open("#halftone");
   const { page } = world;
-  const about = page.getByRole("button", { name: "About: Soft rims" });
+  const about = page.getByRole("button", { name: "About: Soft edges" });
   const line = page.locator("#halftone [data-name=antialias] .help");
   assert.equal(await about.getAttribute("aria-expanded"), "false");
   assert.ok(await line.isHidden());
@@ -157,7 +157,7 @@ test("explains options, by keyboard too", async () => {
   await page.keyboard.press("Enter");
   assert.equal(await about.getAttribute("aria-expanded"), "true");
   assert.equal(await about.getAttribute("aria-controls"), await line.getAttribute("id"));
-  assert.match(await line.textContent(), /rim of a dot/);
+  assert.match(await line.textContent(), /edge of a dot/);
   await page.keyboard.press("Enter");
   assert.ok(await line.isHidden());
 });

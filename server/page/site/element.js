@@ -34,7 +34,7 @@ async function inTurn(work) {
 async function bodyOf(response) {
   if (response.ok) return response.blob();
   const { detail } = await response.json().catch(() => ({}));
-  throw new Error(detail ?? `${response.url} was answered ${response.status}`);
+  throw new Error(detail ?? `${response.url} was answered with status ${response.status}`);
 }
 
 /** Waits for the end of a job. `told` receives the progress, from 0 to 1. */

@@ -115,8 +115,8 @@ function draftOf(options, factor) {
 function warningsOf(response, isTimed) {
   const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
   const tone = Number(response.headers.get("X-Tone") ?? 1);
-  if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`dots cover ${Math.round(100 * tone)} % of what the tone of the picture wants: with dots on auto it is right`);
-  if (response.headers.has("X-Partial")) warnings.push("the server's time ran out before all dots were even");
+  if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`the dots cover ${Math.round(100 * tone)} % of the area that the tone of the picture needs; with Dots on auto, the tone is right`);
+  if (response.headers.has("X-Partial")) warnings.push("the time limit of the server was reached before all dots were spread evenly");
   return warnings.join("; ");
 }
 
@@ -422,7 +422,8 @@ export class Halftone extends Panel {
   show(problem) {
     const isUnreadable = problem && this.#isUnreadable(problem);
     if (isUnreadable) {
-      problem.message = `This file is not an image the server can read: ${problem.message}`;
+      const rest = problem.message.replace(/^this is not an image the server can read/, "");
+      problem.message = `This file is not an image the server can read${rest === problem.message ? ": " : ""}${rest}`;
       problem.errors = [{ pointer: "image", detail: problem.message }];
     }
     super.show(problem);

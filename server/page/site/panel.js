@@ -22,7 +22,7 @@ export class Panel {
 
   #cancel() {
     this.newest.cancel();
-    this.status.textContent = "Cancelled: what is shown was made before";
+    this.status.textContent = "Cancelled. The last result is shown";
   }
 
   /** Applies settings that `state` returned. `look` then updates what is shown. */

@@ -80,7 +80,7 @@ function countFields(counts, checked) {
   const per = roundShare(whole, wishedOfMap);
   return [
     { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, mostCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
-    { kind: "number", name: "per", label: "Each for", value: per, min: per / 10, max: per * 100, log: true },
+    { kind: "number", name: "per", label: "Number per point", value: per, min: per / 10, max: per * 100, log: true },
   ];
 }
 
@@ -134,7 +134,7 @@ export class Sample extends Panel {
       turned: () => this.refresh(),
       noted: () => this.note(),
     });
-    explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
+    explain(this.find(".trace figcaption"), "The standard deviation of the capacities of triangles, divided by their mean. It is 0 if the area is divided equally among the points. Independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
     this.addDownload((format, signal) => this.#ask({ ...this.options(), ...this.#fileOptions(format), format }, signal));
     this.#listen();
@@ -269,7 +269,7 @@ export class Sample extends Panel {
       this.#chosen();
     } catch (error) {
       this.element.dataset.state = "failed";
-      this.#tellOfShape(`${file.name} holds no GeoJSON polygons${error instanceof Problem ? ` and no shapefile: ${error.message}` : ""}`);
+      this.#tellOfShape(error instanceof Problem ? `${file.name} cannot be read as a shapefile: ${error.message}` : `${file.name} contains no GeoJSON polygons`);
     }
   }
 
@@ -339,7 +339,7 @@ export class Sample extends Panel {
       this.#remember();
       this.#shapes.polygon = polygon;
     } catch {
-      return this.#tellOfShape('the corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
+      return this.#tellOfShape('The corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
     }
     this.#chosen();
   }
@@ -404,7 +404,7 @@ export class Sample extends Panel {
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
     this.#stopDrawing();
-    this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file or a zipped shapefile");
+    this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a zipped shapefile");
     if (this.shape) this.#refit();
     this.viewport.redraw();
   }
@@ -463,7 +463,7 @@ export class Sample extends Panel {
     if (!hole) this.#result = null;
     const hint = this.find(".drawing-hint");
     hint.hidden = false;
-    hint.textContent = "Press for corners, the first one to close. Enter closes, Backspace undoes, Escape ends.";
+    hint.textContent = "Click to add corners. Click the first corner or press Enter to close. Backspace removes a corner, Escape cancels.";
     this.#offerTools();
     this.canvas.classList.add("drawing");
     this.canvas.focus();
