@@ -322,6 +322,20 @@ test("divides the picture from its dots, and zooms to single dots", async () => 
   await world.page.click("#halftone [aria-label=Fit]");
 });
 
+test("selects the request if the browser does not allow copying", async () => {
+  await open();
+  const { page } = world;
+  const copy = page.locator("#halftone .copy");
+  for (const [isAllowed, said] of [[true, "Copied"], [false, "Selected"]]) {
+    await page.evaluate((allowed) => {
+      navigator.clipboard.writeText = () => (allowed ? Promise.resolve() : Promise.reject(new DOMException("denied", "NotAllowedError")));
+    }, isAllowed);
+    await copy.click();
+    await page.waitForFunction((text) => document.querySelector("#halftone .copy").textContent === text, said);
+    assert.equal(await page.evaluate(() => getSelection().toString().trim()), (await page.textContent("#halftone pre")).trim());
+  }
+});
+
 test("shows commands that send the same request when pasted", async () => {
   await open();
   await number("sites").fill("700");
