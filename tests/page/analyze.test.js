@@ -55,11 +55,7 @@ test("analyzes too many points for a spectrum", async () => {
 });
 
 test("analyzes the dots of a picture", async () => {
-  await world.page.goto(world.url);
-  await settled(world.page, "halftone");
-  const sites = world.page.locator("#halftone [data-name=sites] input[type=number]");
-  await sites.fill("2000");
-  await sites.blur();
+  await world.page.goto(`${world.url}/#halftone?sites=2000`);
   await settled(world.page, "halftone");
   await world.page.click("#tab-analyze");
   await settled(world.page, "analyze");

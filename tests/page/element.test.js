@@ -6,7 +6,7 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { axe, data, elementPage, serveOrigin, startServer, useBrowser } from "./harness.js";
+import { appearances, data, elementPage, isAccessible, serveOrigin, startServer, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const cat = path.join(data, "images/chelsea.png");
@@ -57,7 +57,7 @@ test("shows the server's dots in place of the picture", async () => {
 
 test("reports progress, and sends a new request when an option changes", async () => {
   await world.page.goto(origin.url);
-  await show({ src: "/cat.png", sites: "80000" });
+  await show({ src: "/cat.png", sites: "30000" });
   const told = await world.page.evaluate(() => window.told);
   assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
   assert.deepEqual(told, [...told].sort((a, b) => a - b));
@@ -234,10 +234,17 @@ test("removes outdated dots, and shows an unreadable picture unchanged", async (
   assert.equal(shown, `${origin.url}/nothing.png`);
 });
 
-test("is accessible", async () => {
-  await world.page.goto(origin.url);
-  await show({ src: "/cat.png", sites: "500", alt: "A cat" });
-  await world.page.addScriptTag({ path: axe });
-  const found = await world.page.evaluate(() => window.axe.run("#dots"));
-  assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+test("is accessible: dots, its own drawing, and a picture that it cannot decode", async () => {
+  for (const { colorScheme, size, viewport, tags } of appearances) {
+    await world.page.emulateMedia({ colorScheme });
+    await world.page.setViewportSize(viewport);
+    await world.page.goto(origin.url);
+    await world.page.addStyleTag({ content: ":root { color-scheme: light dark; }" });
+    for (const [source, sites, end] of [["/cat.png", "500", "load"], ["/cat.png", "0", "error"], ["/nothing.png", "500", "error"]]) {
+      const { type } = await show({ src: source, sites, alt: "A cat" });
+      assert.equal(type, end);
+      await isAccessible(world.page, { where: "#dots", tags, about: `${source}, ${sites} dots: ${colorScheme}, ${size}` });
+    }
+    assert.ok(await world.page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
+  }
 });

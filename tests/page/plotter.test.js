@@ -32,7 +32,7 @@ async function saved() {
 const figures = (panel = "halftone") => world.page.textContent(`#${panel} .figures p`);
 
 test("adapts the number and width of dots to a pen", async () => {
-  await open("");
+  await open("#halftone?sites=500&pen_mm=1.5");
   await world.page.locator("#halftone").getByLabel("Draw with a pen").check();
   await settled(world.page, "halftone");
   await put("pen_mm", "2");
