@@ -51,7 +51,7 @@ test("shares the settings of every kind of field of a halftone", async () => {
   await page.check("#halftone .fields [data-name=sites] input[type=checkbox]");
   await page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await page.getByLabel("Radius, unit").selectOption("mm");
-  await type("halftone", "dot", "0.5");
+  await type("halftone", "dot", "2");
   await page.uncheck("#halftone [data-name=antialias] input");
   await page.selectOption("#halftone [data-name=color] select", "palette");
   await page.click("#halftone [data-name=palette] button:text-is('Add')");
@@ -63,7 +63,7 @@ test("shares the settings of every kind of field of a halftone", async () => {
   await settled(page, "halftone");
   const { picture, sites, dot, levels, antialias, palette, background, iterations } = await settings();
   assert.deepEqual({ picture, sites, dot, levels, antialias, background, iterations }, {
-    picture: "cat.jpg", sites: "auto", dot: "0.5mm", levels: "0.1,1,1", antialias: "false", background: "transparent", iterations: "3",
+    picture: "cat.jpg", sites: "auto", dot: "2mm", levels: "0.1,1,1", antialias: "false", background: "transparent", iterations: "3",
   });
   assert.equal(palette.split(",").length, 5);
   await isShared("halftone");
@@ -73,10 +73,10 @@ test("shares the settings of every kind of field of a halftone", async () => {
 });
 
 test("shares a radius in pixels with the width at which it was shown", async () => {
-  await open();
+  await open("#halftone?sites=500");
   await world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]");
   await type("halftone", "dot", "2.5");
-  assert.deepEqual(await settings(), { dot: "2.5", width: "1000" });
+  assert.deepEqual(await settings(), { sites: "500", dot: "2.5", width: "1000" });
   await isShared("halftone");
 });
 

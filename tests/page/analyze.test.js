@@ -20,7 +20,7 @@ test("analyzes points of the plane and compares them", async () => {
   await settled(world.page, "analyze");
   const found = await rows();
   const { methods } = (await (await fetch(`${world.url}/capabilities`)).json()).sample;
-  assert.deepEqual(found.map(([name]) => name), ["What was made", ...methods.map(({ title }) => title).reverse()]);
+  assert.deepEqual(found.map(([name]) => name), ["These points", ...methods.map(({ title }) => title).reverse()]);
   const [made, noise] = found.map((cells) => cells.slice(1).map((cell) => Number(cell.replace(",", ""))));
   assert.equal(made[0], 1000);
   assert.ok(made[3] < 0.01 && noise[3] > 0.5 && noise[3] < 1.5, String([made, noise]));
@@ -50,16 +50,12 @@ test("analyzes too many points for a spectrum", async () => {
   assert.ok(Number(made[4]) < 0.1, made[4]);
   const { methods } = (await (await fetch(`${world.url}/capabilities`)).json()).sample;
   assert.equal(await world.page.locator("#analyze .spectra canvas").count(), methods.length);
-  assert.equal(await world.page.textContent("#analyze .spectra figure.curve-0"), "What was made");
-  assert.match(await world.page.textContent("#analyze .note"), /no picture of their spectrum/);
+  assert.equal(await world.page.textContent("#analyze .spectra figure.curve-0"), "These points");
+  assert.match(await world.page.textContent("#analyze .note"), /too many points/);
 });
 
 test("analyzes the dots of a picture", async () => {
-  await world.page.goto(world.url);
-  await settled(world.page, "halftone");
-  const sites = world.page.locator("#halftone [data-name=sites] input[type=number]");
-  await sites.fill("2000");
-  await sites.blur();
+  await world.page.goto(`${world.url}/#halftone?sites=2000`);
   await settled(world.page, "halftone");
   await world.page.click("#tab-analyze");
   await settled(world.page, "analyze");

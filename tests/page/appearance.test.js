@@ -4,28 +4,10 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axe, looksAsKept, settled, useBrowser } from "./harness.js";
+import { appearances, isAccessible, looksAsKept, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const panels = ["halftone", "sample", "analyze"];
-
-async function openAll(context, visit) {
-  const page = await context.newPage();
-  await page.goto(world.url);
-  for (const panel of panels) {
-    await page.click(`#tab-${panel}`);
-    await settled(page, panel);
-    await visit(page, panel);
-  }
-  await context.close();
-}
-
-async function isAccessible(page, panel, width) {
-  const found = await page.evaluate(() => window.axe.run(document));
-  assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), [], panel);
-  const taken = await page.evaluate(() => document.documentElement.scrollWidth);
-  assert.ok(taken <= width, `${panel} is ${taken} wide`);
-}
 
 /** Opens what is closed at first: rare options, help texts, and the controls of the plotter. */
 async function unfold(page, panel) {
@@ -38,28 +20,36 @@ async function unfold(page, panel) {
   await settled(page, panel);
 }
 
-for (const colorScheme of ["light", "dark"]) {
-  for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
-    test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
-      const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
-      await openAll(context, async (page, panel) => {
-        await page.addScriptTag({ path: axe });
-        await isAccessible(page, panel, viewport.width);
-        if (panel !== "analyze") await looksAsKept(world, page, `page-${panel}-${colorScheme}-${size}`);
-        await unfold(page, panel);
-        await isAccessible(page, panel, viewport.width);
-        if (panel !== "sample") return;
-        await page.selectOption("#sample [data-name=order] select", "progressive");
-        await settled(page, panel);
-        await isAccessible(page, "progressive order", viewport.width);
+for (const { colorScheme, size, viewport, tags } of appearances) {
+  test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
+    const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
+    const page = await context.newPage();
+    const examine = async (about) => {
+      await isAccessible(page, { tags, about });
+      const taken = await page.evaluate(() => document.documentElement.scrollWidth);
+      assert.ok(taken <= viewport.width, `${about} is ${taken} wide`);
+    };
+    await page.goto(world.url);
+    for (const panel of panels) {
+      await page.click(`#tab-${panel}`);
+      await settled(page, panel);
+      if (panel !== "analyze") await looksAsKept(world, page, `page-${panel}-${colorScheme}-${size}`);
+      if (panel === "sample") {
         await page.selectOption("#shape", "mask");
         await settled(page, panel);
-        await isAccessible(page, "mask", viewport.width);
+        await examine("mask");
         await page.selectOption("#shape", "polygon");
         await settled(page, panel);
-      });
-    });
-  }
+      }
+      await unfold(page, panel);
+      if (panel === "sample") {
+        await page.selectOption("#sample [data-name=order] select", "progressive");
+        await settled(page, panel);
+      }
+      await examine(panel);
+    }
+    await context.close();
+  });
 }
 
 test("works by keyboard alone", async () => {

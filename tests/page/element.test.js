@@ -6,7 +6,7 @@ import { readFile } from "node:fs/promises";
 import path from "node:path";
 import { after, before, test } from "node:test";
 
-import { axe, data, elementPage, serveOrigin, startServer, useBrowser } from "./harness.js";
+import { appearances, data, elementPage, isAccessible, serveOrigin, startServer, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const cat = path.join(data, "images/chelsea.png");
@@ -57,7 +57,7 @@ test("shows the server's dots in place of the picture", async () => {
 
 test("reports progress, and sends a new request when an option changes", async () => {
   await world.page.goto(origin.url);
-  await show({ src: "/cat.png", sites: "80000" });
+  await show({ src: "/cat.png", sites: "30000" });
   const told = await world.page.evaluate(() => window.told);
   assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
   assert.deepEqual(told, [...told].sort((a, b) => a - b));
@@ -90,6 +90,51 @@ test("cancels its job when it is aborted or removed from the page", async () => 
     const { status } = await (await fetch(response.url())).json();
     assert.equal(status, "cancelled");
   }
+});
+
+test("keeps no picture in memory that is not shown", async () => {
+  await world.page.goto(origin.url);
+  const left = await world.page.evaluate(async () => {
+    const [create, revoke, decode] = [URL.createObjectURL, URL.revokeObjectURL, Image.prototype.decode];
+    const urls = new Set();
+    URL.createObjectURL = (blob) => {
+      const url = create(blob);
+      urls.add(url);
+      return url;
+    };
+    URL.revokeObjectURL = (url) => {
+      urls.delete(url);
+      revoke(url);
+    };
+    const element = document.createElement("ccdt-halftone");
+    const event = (name) => new Promise((resolve) => element.addEventListener(name, resolve, { once: true }));
+    const counts = [];
+    element.setAttribute("src", "/cat.png");
+    element.setAttribute("sites", "300");
+    let ended = event("load");
+    document.body.replaceChildren(element);
+    await ended;
+    counts.push(urls.size);
+    let decoded;
+    Image.prototype.decode = function () {  // the request is aborted when its answer has arrived
+      element.abort();
+      decoded = decode.call(this);
+      return decoded;
+    };
+    ended = event("abort");
+    element.setAttribute("sites", "400");
+    await ended;
+    await decoded;
+    Image.prototype.decode = decode;
+    await new Promise((resume) => setTimeout(resume));
+    counts.push(urls.size);
+    ended = event("error");
+    element.setAttribute("src", "/nothing.png");
+    await ended;
+    counts.push(urls.size);
+    return counts;
+  });
+  assert.deepEqual(left, [1, 1, 0]);
 });
 
 test("draws dots itself if the server refuses or is unreachable", async () => {
@@ -184,15 +229,22 @@ test("removes outdated dots, and shows an unreadable picture unchanged", async (
     element.addEventListener("error", ({ message }) => resolve(message));
     element.setAttribute("src", "/nothing.png");
   }));
-  assert.match(end, /nothing\.png was answered 404/);
+  assert.match(end, /nothing\.png was answered with status 404/);
   const shown = await world.page.evaluate(() => document.querySelector("#dots").shadowRoot.children[0].src);
   assert.equal(shown, `${origin.url}/nothing.png`);
 });
 
-test("is accessible", async () => {
-  await world.page.goto(origin.url);
-  await show({ src: "/cat.png", sites: "500", alt: "A cat" });
-  await world.page.addScriptTag({ path: axe });
-  const found = await world.page.evaluate(() => window.axe.run("#dots"));
-  assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
+test("is accessible: dots, its own drawing, and a picture that it cannot decode", async () => {
+  for (const { colorScheme, size, viewport, tags } of appearances) {
+    await world.page.emulateMedia({ colorScheme });
+    await world.page.setViewportSize(viewport);
+    await world.page.goto(origin.url);
+    await world.page.addStyleTag({ content: ":root { color-scheme: light dark; }" });
+    for (const [source, sites, end] of [["/cat.png", "500", "load"], ["/cat.png", "0", "error"], ["/nothing.png", "500", "error"]]) {
+      const { type } = await show({ src: source, sites, alt: "A cat" });
+      assert.equal(type, end);
+      await isAccessible(world.page, { where: "#dots", tags, about: `${source}, ${sites} dots: ${colorScheme}, ${size}` });
+    }
+    assert.ok(await world.page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
+  }
 });

@@ -35,7 +35,7 @@ test("shows the error of a file that is not a picture", async () => {
   await page.setInputFiles("#halftone .file", { name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear reader") });
   await settled(page, "halftone", "failed");
   for (const place of [".picture-error", ".general"])
-    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read: /);
+    assert.match(await page.textContent(`#halftone ${place}`), /^This file is not an image the server can read; the supported formats are PNG/);
   assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
   assert.match(await page.textContent("#halftone pre"), /astronaut\.jpg/);
   assert.equal(await page.evaluate(() => location.hash), "#halftone");
@@ -55,5 +55,5 @@ test("shows the errors of a shape and a file without area", async () => {
   assert.match(await page.textContent("#shape-error"), /must be JSON/);
   await page.setInputFiles("#sample .file", { name: "empty.json", mimeType: "application/json", buffer: Buffer.from("{}") });
   await settled(page, "sample", "failed");
-  assert.match(await page.textContent("#shape-error"), /empty.json holds no GeoJSON/);
+  assert.match(await page.textContent("#shape-error"), /^empty\.json contains no GeoJSON polygons$/);
 });

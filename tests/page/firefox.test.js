@@ -65,9 +65,9 @@ test("makes a halftone, and shows the progress of a large one", async () => {
   });
   const [sites] = await page.$$("#halftone [data-name=sites] input[type=number]");
   await sites.click({ count: 3 });
-  await sites.type("60000");
+  await sites.type("45000");
   await page.keyboard.press("Tab");
-  await page.waitForFunction(() => /^60,000 dots/.test(document.querySelector("#halftone .status").textContent));
+  await page.waitForFunction(() => /^45,000 dots/.test(document.querySelector("#halftone .status").textContent));
   assert.ok((await page.evaluate(() => window.shown)).some((percent) => percent > 0 && percent < 100));
 });
 
@@ -142,7 +142,7 @@ test("puts dots into a page of another origin, and draws them itself once the se
     document.body.replaceChildren(element);
   }), sites);
   await page.goto(origin.url);
-  const { type, told, shown } = await show("60000");
+  const { type, told, shown } = await show("45000");
   assert.deepEqual([type, shown[0], shown[1]], ["load", true, false]);
   assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
   gone = alone.url;

@@ -14,8 +14,10 @@ const picture = path.join(data, "images/camera.png");
 const slider = (name) => world.page.locator(`#halftone .fields [data-name=${name}] input[type=range]`);
 const number = (name) => world.page.locator(`#halftone .fields [data-name=${name}] input[type=number]`);
 
-async function open() {
-  await world.page.goto(world.url);
+const few = "#halftone?sites=500";  // for tests in which the number of dots does not matter
+
+async function open(address = "") {
+  await world.page.goto(`${world.url}/${address}`);
   await settled(world.page, "halftone");
 }
 
@@ -55,7 +57,7 @@ test("accepts a picture that is chosen, dropped or pasted", async () => {
     }, [kind, name, bytes]);
     await settled(world.page, "halftone");
     assert.match(await world.page.textContent("#halftone pre"), new RegExp(name));
-    await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-chosen");
+    assert.match(await world.page.textContent("#halftone .status"), /, 1000 \u00d7 1000 pixels/);  // the cat is wider
   }
 });
 
@@ -84,9 +86,9 @@ test("applies presets to all their fields", async () => {
   const { antialias, ...asked } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
   assert.deepEqual(asked, { sites: "9000", dots: "ink", foreground: "#1d1b18", background: "#efe9dc" });
   assert.deepEqual(await pressed(), ["Newspaper"]);
+  const risograph = page.waitForRequest((request) => request.url().includes("palette="));
   await preset("Risograph").click();
-  await settled(page, "halftone");
-  assert.equal(new URL(seen.at(-1).url).searchParams.get("palette"), "#0078bf,#ff48b0,#ffe800");
+  assert.equal(new URL((await risograph).url()).searchParams.get("palette"), "#0078bf,#ff48b0,#ffe800");
   await number("sites").fill("5000");
   await number("sites").blur();
   await settled(page, "halftone");
@@ -97,7 +99,7 @@ test("applies presets to all their fields", async () => {
 });
 
 test("keeps a photograph of the user among the pictures", async () => {
-  await open();
+  await open(few);
   const { page } = world;
   await page.setInputFiles("#halftone .file", path.join(data, "images/chelsea.png"));
   await settled(page, "halftone");
@@ -111,8 +113,38 @@ test("keeps a photograph of the user among the pictures", async () => {
   assert.match(await page.textContent("#halftone pre"), /chelsea\.png/);
 });
 
-test("shows the colours of inverted pictures", async () => {
+test("keeps the picture that was chosen last, even if an earlier one arrives later", async () => {
+  await open(few);
+  const { page } = world;
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  await page.route("**/cat.jpg", async (route) => {
+    await held;
+    await route.continue();
+  });
+  const arrived = page.waitForResponse("**/cat.jpg");
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await page.click("#halftone [data-sample='camera.jpg']");
+  await settled(page, "halftone");
+  release();
+  await (await arrived).finished();
+  await settled(page, "halftone");
+  assert.equal(await page.getAttribute("#halftone [data-sample='camera.jpg']", "aria-pressed"), "true");
+  assert.match(await page.textContent("#halftone pre"), /camera\.jpg/);
+});
+
+test("keeps the last result if another picture cannot be loaded", async () => {
   await open();
+  const { page } = world;
+  await page.route("**/cat.jpg", (route) => route.abort());
+  await page.click("#halftone [data-sample='cat.jpg']");
+  await settled(page, "halftone", "failed");
+  assert.equal(await page.textContent("#halftone .general"), "The server cannot be reached");
+  assert.match(await page.textContent("#halftone .status"), /^20,000 dots/);
+});
+
+test("shows the colours of inverted pictures", async () => {
+  await open(few);
   const { page } = world;
   const colours = () => page.locator("#halftone .fields :is([data-name=foreground], [data-name=background]) input[type=color]")
     .evaluateAll((wells) => wells.map(({ value }) => value));
@@ -166,7 +198,7 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
       return bitmap;
     };
   });
-  await open();
+  await open(few);
   await world.page.setInputFiles("#halftone .file", path.join(folder, "large.jpg"));
   await settled(world.page, "halftone");
   /** Returns the query, the body and the answer of the request that an action causes. */
@@ -191,7 +223,7 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
 test("shows which frame of an animation is used", async () => {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-page-"));
   await makePictures(folder);
-  await open();
+  await open(few);
   await world.page.setInputFiles("#halftone .file", path.join(folder, "film.gif"));
   await settled(world.page, "halftone");
   assert.match(await world.page.textContent("#halftone .warnings"), /2 frames: the first is used/);
@@ -202,7 +234,7 @@ test("shows which frame of an animation is used", async () => {
 });
 
 test("requests the values of its fields", async () => {
-  await open();
+  await open(few);
   const seen = watchRequests();
   await world.page.click("#halftone .more summary");
   await world.page.fill("#halftone .more [data-name=seed] input[type=number]", "7");
@@ -215,7 +247,7 @@ test("requests the values of its fields", async () => {
   await number("dot").blur();
   await settled(world.page, "halftone");
   assert.deepEqual(Object.fromEntries(new URL(seen.at(-1).url).searchParams), {
-    sites: "20000", dot: "2.5", tone: "perceptual", dots: "paper", foreground: "#102a66",
+    sites: "500", dot: "2.5", tone: "perceptual", dots: "paper", foreground: "#102a66",
     background: "transparent", seed: "7", width: "1000",
   });
 });
@@ -290,6 +322,20 @@ test("divides the picture from its dots, and zooms to single dots", async () => 
   await world.page.keyboard.press("0");
   await world.page.click("#halftone [aria-label='Zoom in']");
   await world.page.click("#halftone [aria-label=Fit]");
+});
+
+test("selects the request if the browser does not allow copying", async () => {
+  await open(few);
+  const { page } = world;
+  const copy = page.locator("#halftone .copy");
+  for (const [isAllowed, said] of [[true, "Copied"], [false, "Selected"]]) {
+    await page.evaluate((allowed) => {
+      navigator.clipboard.writeText = () => (allowed ? Promise.resolve() : Promise.reject(new DOMException("denied", "NotAllowedError")));
+    }, isAllowed);
+    await copy.click();
+    await page.waitForFunction((text) => document.querySelector("#halftone .copy").textContent === text, said);
+    assert.equal(await page.evaluate(() => getSelection().toString().trim()), (await page.textContent("#halftone pre")).trim());
+  }
 });
 
 test("shows commands that send the same request when pasted", async () => {

@@ -15,7 +15,7 @@ import { after, before, beforeEach, afterEach } from "node:test";
 
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const { chromium } = require("playwright-core");
-export const axe = require.resolve("axe-core");
+const axe = require.resolve("axe-core");
 
 export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
@@ -80,33 +80,47 @@ export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots<
 <script type="module" src="${url}/assets/element.js"></script>
 <body></body></html>`;
 
+let shared = null;
+let users = 0;
+
+/** Returns a browser that all tests of a file share. */
+async function sharedChromium() {
+  shared ??= chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet }).then((browser) => {
+    closeAtLimit(() => browser.close());
+    return browser;
+  });
+  return shared;
+}
+
 /**
- * Provides a server and a browser for the tests of a file, and a new page for each test.
- * @returns  {url, page, faults, newContext}. The first three are filled before each test; `faults` collects unexpected
- *           errors of the page. `newContext` creates a browser context with the time limit of the tests
+ * Provides a server and a browser for the tests of a file, and a new page for each test. The pages share a context, so
+ * that the browser compiles the scripts of the page once.
+ * @returns  {url, page, blank, faults, newContext}. `blank` is an empty page that stays open. `page` and `faults` are
+ *           filled before each test; `faults` collects unexpected errors of the page. `newContext` creates a browser
+ *           context with the time limit of the tests
  */
 export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 } } = {}) {
   const world = { viewport };
-  let running, browser, context;
+  let running, context;
+  ++users;
   world.newContext = async (options) => {
-    const made = await browser.newContext(options);
+    const made = await (await sharedChromium()).newContext(options);
     made.setDefaultTimeout(patience);
     return made;
   };
   before(async () => {
     running = await startServer(flags);
     world.url = running.url;
-    browser = await chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet });
-    world.browser = browser;
-    closeAtLimit(() => browser.close());
+    context = await world.newContext({ viewport: world.viewport, acceptDownloads: true });
+    world.blank = await context.newPage();
   });
   after(async () => {
-    await browser.close();
+    await context.close();
+    if (--users === 0) await (await shared).close();
     running.server.kill();
     await once(running.server, "exit");
   });
   beforeEach(async () => {
-    context = await world.newContext({ viewport: world.viewport, acceptDownloads: true });
     world.page = await context.newPage();
     world.faults = [];
     world.page.on("pageerror", (error) => world.faults.push(String(error)));
@@ -115,7 +129,7 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
     });
   });
   afterEach(async () => {
-    await context.close();
+    await world.page.close();
     assert.deepEqual(world.faults, []);
   });
   return world;
@@ -134,6 +148,24 @@ export async function download(page, panel, title) {
   await settled(page, panel);
   return saved;
 }
+
+/**
+ * Fails if axe-core finds a violation. The context must bypass the Content Security Policy.
+ * @param where  selector of the part to examine; without it, the whole document is examined
+ * @param tags   tags of the rules to apply; without them, all rules are applied
+ */
+export async function isAccessible(page, { where, tags, about } = {}) {
+  if (await page.evaluate(() => !window.axe)) await page.addScriptTag({ path: axe });
+  const violations = await page.evaluate(async ([selector, rules]) => {
+    const found = await window.axe.run(selector ?? document, { resultTypes: ["violations"], ...(rules && { runOnly: rules }) });
+    return found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]);
+  }, [where, tags]);
+  assert.deepEqual(violations, [], about);
+}
+
+/** Sizes and themes in which pages must be accessible. Themes differ in colours only. */
+export const appearances = ["light", "dark"].flatMap((colorScheme) => [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]
+  .map(([size, viewport]) => ({ colorScheme, size, viewport, ...(colorScheme === "dark" && { tags: ["cat.color"] }) })));
 
 /** Moves a slider through values and then releases it, as a user does. */
 export async function slide(locator, values) {
@@ -207,9 +239,7 @@ export async function looksAsKept(world, target, name) {
   await showFormats("");
   const file = path.join(kept, `${name}.png`);
   const then = process.env.CCDT_UPDATE ? null : await readFile(file);
-  const blank = await world.browser.newPage();
-  const result = await blank.evaluate(compareIn, [shot.toString("base64"), then?.toString("base64") ?? null]);
-  await blank.close();
+  const result = await world.blank.evaluate(compareIn, [shot.toString("base64"), then?.toString("base64") ?? null]);
   if (!then) {
     await mkdir(kept, { recursive: true });
     return writeFile(file, Buffer.from(result.reduced, "base64"));

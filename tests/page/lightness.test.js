@@ -138,19 +138,19 @@ for (const [title, kind, executablePath, args] of browsers) {
     for (const ratio of [1, 2]) {
       for (const [place, show] of Object.entries(places)) {
         test(`${place}, ${ratio} to one`, async () => {
+          const page = await browser.newPage();
+          page.setDefaultTimeout(patience);
+          await page.setViewport({ ...(place === "the default answer" ? { width: 1300, height: 1300 } : screen), deviceScaleFactor: ratio });
           for (const name of pictures) {
-            const page = await browser.newPage();
-            page.setDefaultTimeout(patience);
-            await page.setViewport({ ...(place === "the default answer" ? { width: 1300, height: 1300 } : screen), deviceScaleFactor: ratio });
             const box = Object.entries(await show(page, name)).map(([side, length]) => [side, Math.round(length * ratio) / ratio]);
             const shot = await page.screenshot({ clip: Object.fromEntries(box), encoding: "base64", captureBeyondViewport: false });
             const picture = (await readFile(path.join(data, "images", name))).toString("base64");
             await page.goto("about:blank");
             const difference = await page.evaluate(differenceIn, [shot, picture]);
-            await page.close();
             console.log(`${title}, ${place}, ${ratio} to one, ${name}: ${difference.toFixed(2)}`);
             assert.ok(Math.abs(difference) <= most, `${name}: L* differs by ${difference.toFixed(2)}`);
           }
+          await page.close();
         });
       }
     }

@@ -39,7 +39,7 @@ test("has a field for each option", async () => {
 });
 
 test("sets scale, passes, and what happens at the deadline", async () => {
-  await open("#halftone");
+  await open("#halftone?sites=500");
   const { page } = world;
   await page.click("#halftone .more summary");
   const more = (name) => page.locator(`#halftone .more [data-name=${name}]`);
@@ -51,7 +51,7 @@ test("sets scale, passes, and what happens at the deadline", async () => {
   await settled(page, "halftone");
   assert.match(await page.textContent("#halftone .status"), /256 \u00d7 256 pixels/);
   const { searchParams } = new URL((await page.textContent("#halftone pre")).match(/'(http[^']*halftone[^']*)'/)[1]);
-  assert.deepEqual(Object.fromEntries(searchParams), { sites: "20000", antialias: "true", scale: "0.5", passes: "2", on_deadline: "partial" });
+  assert.deepEqual(Object.fromEntries(searchParams), { sites: "500", antialias: "true", scale: "0.5", passes: "2", on_deadline: "partial" });
   await more("scale").locator("input[type=number]").fill("99");
   await more("scale").locator("input[type=number]").blur();
   await settled(page, "halftone", "failed");
@@ -60,13 +60,13 @@ test("sets scale, passes, and what happens at the deadline", async () => {
 
 test("fits a picture into a width and a height", async () => {
   const size = async () => (await world.page.textContent("#halftone .status")).match(/(\d+) \u00d7 (\d+) pixels/).slice(1).map(Number);
-  await open("#halftone?picture=cat.jpg&height=300");
+  await open("#halftone?picture=cat.jpg&sites=500&height=300");
   const [width, height] = await size();
   assert.ok(height === 300 && width > 300);
   assert.ok(await world.page.locator("#halftone .more [data-name=fit]").isHidden());
-  await open("#halftone?picture=cat.jpg&height=300&width=300");
+  await open("#halftone?picture=cat.jpg&sites=500&height=300&width=300");
   assert.deepEqual(await size(), [300, Math.round(300 * (height / width))]);
-  await open("#halftone?picture=cat.jpg&height=300&width=300&fit=cover");
+  await open("#halftone?picture=cat.jpg&sites=500&height=300&width=300&fit=cover");
   assert.deepEqual(await size(), [300, 300]);
 });
 
@@ -149,7 +149,7 @@ test("sends options of drawings only with drawings", async () => {
 test("explains options, by keyboard too", async () => {
   await open("#halftone");
   const { page } = world;
-  const about = page.getByRole("button", { name: "About: Soft rims" });
+  const about = page.getByRole("button", { name: "About: Soft edges" });
   const line = page.locator("#halftone [data-name=antialias] .help");
   assert.equal(await about.getAttribute("aria-expanded"), "false");
   assert.ok(await line.isHidden());
@@ -157,7 +157,7 @@ test("explains options, by keyboard too", async () => {
   await page.keyboard.press("Enter");
   assert.equal(await about.getAttribute("aria-expanded"), "true");
   assert.equal(await about.getAttribute("aria-controls"), await line.getAttribute("id"));
-  assert.match(await line.textContent(), /rim of a dot/);
+  assert.match(await line.textContent(), /edge of a dot/);
   await page.keyboard.press("Enter");
   assert.ok(await line.isHidden());
 });

@@ -24,7 +24,7 @@ async function put(name, value, state = "done") {
 async function saved() {
   const [download] = await Promise.all([
     world.page.waitForEvent("download"),
-    world.page.locator(".plot button:text('SVG on this paper'):visible").click(),
+    world.page.locator(".plot button:text('Save SVG of this paper size'):visible").click(),
   ]);
   return readFile(await download.path(), "utf8");
 }
@@ -32,7 +32,7 @@ async function saved() {
 const figures = (panel = "halftone") => world.page.textContent(`#${panel} .figures p`);
 
 test("adapts the number and width of dots to a pen", async () => {
-  await open("");
+  await open("#halftone?sites=500&pen_mm=1.5");
   await world.page.locator("#halftone").getByLabel("Draw with a pen").check();
   await settled(world.page, "halftone");
   await put("pen_mm", "2");
@@ -52,7 +52,7 @@ test("adapts the number and width of dots to a pen", async () => {
 test("shows how long the pen takes", async () => {
   await open("#halftone?sites=100&plotter=on&pen_mm=4&lift=1&speed=500");
   assert.match(await figures(), /100 dots .*: about 2 min/);
-  assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of what the tone/);
+  assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of the area that the tone/);
   let asked = 0;
   world.page.on("request", (request) => { asked += request.method() === "POST" ? 1 : 0; });
   await put("lift", "60");
@@ -74,7 +74,7 @@ test("estimates the time at once, and fits into a given time", async () => {
   });
   await put("margin_mm", "12");
   const [first] = await page.evaluate(() => window.told);
-  assert.match(first, /^An estimate: [\d,]+ dots, about \d+ min\.$/);
+  assert.match(first, /^Estimate: [\d,]+ dots, about \d+ min\.$/);
   assert.ok(Math.abs(dots(first) / dots(whole) - 1) < 0.2, `${first}, ${whole}`);
   assert.ok(Math.abs(minutes(first) / minutes(whole) - 1) < 0.25, `${first}, ${whole}`);
 
@@ -84,7 +84,7 @@ test("estimates the time at once, and fits into a given time", async () => {
   assert.equal(minutes(fitted), 5);
   assert.ok(dots(fitted) < dots(whole), fitted);
   assert.ok(await page.isHidden("#halftone .fields [data-name=sites]"));
-  assert.match(await page.textContent("#halftone .figures .note"), /^The whole tone takes about [\d,]+ dots of this pen, or a pen [\d.]+ mm wide/);
+  assert.match(await page.textContent("#halftone .figures .note"), /^The drawing is lighter than the picture\. The right tone needs about [\d,]+ dots, or a pen [\d.]+ mm wide/);
   assert.equal(await page.textContent("#halftone .warnings"), "");
   assert.match(await page.evaluate(() => location.hash), /minutes=5/);
 });
@@ -121,6 +121,21 @@ test("downloads formats for machines, with the given pen commands", async () => 
   assert.equal((await save("DXF")).match(/\nCIRCLE\n/g).length, 200);
 });
 
+test("gives no figures for a picture without dots", async () => {
+  await open("#halftone?sites=200&plotter=on");
+  const white = await world.page.evaluate(async () => {
+    const canvas = new OffscreenCanvas(40, 30);
+    const context = canvas.getContext("2d");
+    context.fillStyle = "#fff";
+    context.fillRect(0, 0, 40, 30);
+    return [...new Uint8Array(await (await canvas.convertToBlob()).arrayBuffer())];
+  });
+  await world.page.setInputFiles("#halftone .file", { name: "white.png", mimeType: "image/png", buffer: Buffer.from(white) });
+  await settled(world.page, "halftone", "failed");
+  assert.match(await world.page.textContent("#halftone .general"), /nothing to draw/);
+  assert.equal(await world.page.textContent("#halftone .figures"), "");
+});
+
 test("has a layer for each ink, and paper of any size", async () => {
   await open("#halftone?color=cmyk&sites=2000&plotter=on&pen_mm=3&paper=a5&style=fill");
   const layers = await world.page.locator("#halftone .figures li").allTextContents();
@@ -154,5 +169,5 @@ test("turns the paper to fit, and refuses invalid pens", async () => {
   assert.match(await saved(), /^<svg [^>]*width="297mm" height="210mm"/);
   await put("pen_mm", "0", "failed");
   assert.notEqual(await world.page.textContent("#halftone .plot [data-name=pen_mm] .error"), "");
-  assert.ok(await world.page.getByRole("button", { name: "SVG on this paper" }).isDisabled());
+  assert.ok(await world.page.getByRole("button", { name: "Save SVG of this paper size" }).isDisabled());
 });

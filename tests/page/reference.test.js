@@ -4,7 +4,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { axe, useBrowser } from "./harness.js";
+import { appearances, isAccessible, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 
@@ -46,19 +46,15 @@ test("is linked from the page, and shows examples", async () => {
   assert.match(await page.textContent("details[open] pre"), /^curl .*\/halftone -d '\{/);
 });
 
-for (const [size, viewport] of [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]) {
-  for (const colorScheme of ["light", "dark"]) {
-    test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
-      const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
-      const page = await context.newPage();
-      await open(page);
-      await page.addScriptTag({ path: axe });
-      const found = await page.evaluate(() => window.axe.run(document));
-      assert.deepEqual(found.violations.map(({ id, nodes }) => [id, nodes.map(({ html }) => html)]), []);
-      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
-      const widths = await page.locator(".lead, td:nth-child(4):not(:empty)").evaluateAll((all) => all.map((one) => one.getBoundingClientRect().width));
-      assert.ok(Math.min(...widths) > Math.min(viewport.width - 60, 300), String(widths));
-      await context.close();
-    });
-  }
+for (const { colorScheme, size, viewport, tags } of appearances) {
+  test(`is accessible and fits: ${colorScheme}, ${size}`, async () => {
+    const context = await world.newContext({ colorScheme, viewport, bypassCSP: true });
+    const page = await context.newPage();
+    await open(page);
+    await isAccessible(page, { tags });
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth) <= viewport.width);
+    const widths = await page.locator(".lead, td:nth-child(4):not(:empty)").evaluateAll((all) => all.map((one) => one.getBoundingClientRect().width));
+    assert.ok(Math.min(...widths) > Math.min(viewport.width - 60, 300), String(widths));
+    await context.close();
+  });
 }

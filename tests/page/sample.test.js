@@ -219,7 +219,7 @@ test("offers identifiers after counts", async () => {
 test("zooms to a part", async () => {
   await open();
   await choose(path.join(data, "polygons/Italy-110m.geojson"));
-  const shown = world.page.getByLabel("Shown");
+  const shown = world.page.getByLabel("Visible part");
   assert.deepEqual(await shown.locator("option").allTextContents(), ["all parts", "part 1: 84 %", "part 2: 8.7 %", "part 3: 7.6 %"]);
   await shown.selectOption("1");
   await settled(world.page, "sample");
@@ -256,7 +256,28 @@ test("draws the outline of a zipped shapefile", async () => {
   await looksAsKept(world, frame(), "sample-shapefile");
   await world.page.setInputFiles("#sample .file", { name: "photos.zip", mimeType: "application/zip", buffer: Buffer.from("PK\u0003\u0004 no files") });
   await settled(world.page, "sample", "failed");
-  assert.match(await world.page.textContent("#shape-error"), /^photos\.zip holds no GeoJSON polygons and no shapefile: /);
+  assert.match(await world.page.textContent("#shape-error"), /^photos\.zip cannot be read as a shapefile: /);
+});
+
+test("keeps the shape that was chosen last, even if an earlier one arrives later", async () => {
+  await open();
+  const { page } = world;
+  let release;
+  const held = new Promise((resolve) => { release = resolve; });
+  await page.route(/texas\.geojson|iterations=0&mesh=true/, async (route) => {
+    await held;
+    await route.continue();
+  });
+  const arrived = [/texas\.geojson/, /iterations=0&mesh=true/].map((name) => page.waitForResponse(name));
+  await page.click("#sample .map");
+  await page.setInputFiles("#sample .file", path.join(data, "polygons/two-countries.zip"));
+  await page.selectOption("#shape", "rectangle");
+  await settled(page, "sample");
+  release();
+  for (const response of await Promise.all(arrived)) await response.finished();
+  await settled(page, "sample");
+  assert.equal(await page.inputValue("#shape"), "rectangle");
+  assert.equal((await request()).domain.type, "rectangle");
 });
 
 test("shows where a document is wrong", async () => {

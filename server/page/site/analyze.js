@@ -27,11 +27,11 @@ function windowOf({ points, shape, outline, places }) {
 }
 
 const notes = {
-  torus: "The points tile the plane, and are measured around the torus.",
-  rectangle: "The rectangle is taken for a window on a larger pattern.",
-  map: "Measured are the points in the largest square inside the map. How dense they are in places is part of this spectrum: that is the low power near the middle and left.",
-  polygon: "Measured are the points in the largest square inside the shape, a window on a larger pattern.",
-  halftone: "The picture's own light and dark is part of this spectrum: that is the low power near the middle and left. Of several inks all dots are taken together.",
+  torus: "The points tile the plane and are measured on the torus.",
+  rectangle: "The rectangle is treated as a window on a larger pattern.",
+  map: "The points in the largest square inside the map are measured. Differences in density are part of the spectrum: they add power at low frequencies, near the middle and on the left.",
+  polygon: "The points in the largest square inside the shape are measured. The square is treated as a window on a larger pattern.",
+  halftone: "The light and dark areas of the picture are part of the spectrum: they add power at low frequencies, near the middle and on the left. The dots of all inks are measured together.",
 };
 
 export class Analyze extends Panel {
@@ -72,7 +72,7 @@ export class Analyze extends Panel {
       return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
-    if (!shape || this.sample.isMask) throw new Error("there are no points yet: make some under Sample");
+    if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { told: this.tell }));
     return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.features ? "map" : "polygon")] };
   }
@@ -83,9 +83,9 @@ export class Analyze extends Panel {
       this.results = [];
       this.#show();
       const { points, domain, note } = await this.#pointsMade(signal);
-      if (points.length < 2) throw new Error("there are too few points in the largest square inside the shape");
-      this.find(".note").textContent = points.length > mostInSpectrum ? `${note} So many points have no picture of their spectrum here.` : note;
-      await this.#measure("What was made", points, domain, signal);
+      if (points.length < 2) throw new Error("There are too few points in the largest square inside the shape");
+      this.find(".note").textContent = points.length > mostInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
+      await this.#measure("These points", points, domain, signal);
       const sites = Math.min(points.length, mostToCompare);
       for (const { name, title } of methods) {
         const other = await postJson("/sample", { sites, method: name, domain: unitTorus, seed: 1 }, signal);

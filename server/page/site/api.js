@@ -26,7 +26,7 @@ function headers({ type, prefer }) {
 
 async function problemOf(response) {
   const isProblem = response.headers.get("Content-Type")?.startsWith("application/problem+json");
-  const told = isProblem ? await response.json() : { detail: `the server answered ${response.status}` };
+  const told = isProblem ? await response.json() : { detail: `The server answered with status ${response.status}` };
   if (response.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: told.detail }));
   return new Problem(response.status, told.detail, told.errors);
 }
@@ -38,7 +38,7 @@ export async function ask(method, path, { body, signal, keepalive, ...told } = {
     response = await fetch(path, { method, body, signal, keepalive, headers: headers(told) });
   } catch (error) {
     if (error.name === "AbortError") throw error;
-    throw new Problem(0, "the server cannot be reached");
+    throw new Problem(0, "The server cannot be reached");
   }
   if (!response.ok) throw await problemOf(response);
   return response;

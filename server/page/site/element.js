@@ -34,7 +34,7 @@ async function inTurn(work) {
 async function bodyOf(response) {
   if (response.ok) return response.blob();
   const { detail } = await response.json().catch(() => ({}));
-  throw new Error(detail ?? `${response.url} was answered ${response.status}`);
+  throw new Error(detail ?? `${response.url} was answered with status ${response.status}`);
 }
 
 /** Waits for the end of a job. `told` receives the progress, from 0 to 1. */
@@ -337,8 +337,13 @@ class Halftone extends HTMLElement {
   async #show(dots, signal) {
     const picture = new Image();
     picture.src = URL.createObjectURL(dots);
-    await picture.decode();
-    signal.throwIfAborted();
+    try {
+      await picture.decode();
+      signal.throwIfAborted();
+    } catch (error) {
+      URL.revokeObjectURL(picture.src);
+      throw error;
+    }
     const { naturalWidth: width } = picture;
     if (!this.#drawn) this.#width.replaceSync(`:host { width: ${width}px; }`);
     if (width === this.#pixels && width === this.#pixelsNow) this.#fit.replaceSync(`img { width: ${width / devicePixelRatio}px; image-rendering: pixelated; }`);
@@ -356,6 +361,7 @@ class Halftone extends HTMLElement {
     if (isDrawn) return;
     this.#fit.replaceSync("");
     this.#drawn = null;
+    URL.revokeObjectURL(this.#picture.src);
     this.#picture.src = source;
   }
 }

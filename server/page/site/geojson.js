@@ -37,8 +37,9 @@ function isIdentifier(name, values) {
   if (values.length < 2) return false;
   if (values.every((value) => typeof value === "string"))
     return values.some((value) => /^0\d/.test(value)) || (values[0].length > 3 && values.every(({ length }) => length === values[0].length));
-  const range = Math.max(...values) - Math.min(...values);
-  return values.length > 3 && values.every(Number.isInteger) && new Set(values).size === values.length && range === values.length - 1;
+  if (values.length < 4 || !values.every(Number.isInteger) || new Set(values).size !== values.length) return false;
+  const [least, most] = values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
+  return most - least === values.length - 1;
 }
 
 /**

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panel that turns a picture into dots.
 
-import { capabilities } from "./api.js";
+import { ask, capabilities } from "./api.js";
 import { acceptDrops, count, make, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
@@ -28,7 +28,7 @@ const samplePath = (name) => `/assets/samples/${name}`;
  * Loads a picture that comes with the page: {name, path, blob}. A picture of the user has no path. Once a picture is
  * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
  */
-const sample = async (name) => ({ name, path: samplePath(name), blob: await (await fetch(samplePath(name))).blob() });
+const sample = async (name) => ({ name, path: samplePath(name), blob: await (await ask("GET", samplePath(name))).blob() });
 const ownOf = (file) => ({ name: file.name, blob: file });
 
 function canvasOf(bitmap) {
@@ -115,8 +115,8 @@ function draftOf(options, factor) {
 function warningsOf(response, isTimed) {
   const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
   const tone = Number(response.headers.get("X-Tone") ?? 1);
-  if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`dots cover ${Math.round(100 * tone)} % of what the tone of the picture wants: with dots on auto it is right`);
-  if (response.headers.has("X-Partial")) warnings.push("the server's time ran out before all dots were even");
+  if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`the dots cover ${Math.round(100 * tone)} % of the area that the tone of the picture needs; with Dots on auto, the tone is right`);
+  if (response.headers.has("X-Partial")) warnings.push("the time limit of the server was reached before all dots were spread evenly");
   return warnings.join("; ");
 }
 
@@ -201,10 +201,11 @@ export class Halftone extends Panel {
     this.#isStale = true;
     this.element.dataset.state = "busy";
     this.#restoreSettings(state);
-    if (state.picture === ownPicture && this.#own) return this.#take(this.#own);
+    if (state.picture === ownPicture && this.#own) return this.#takeNewest(this.#own);
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
     const name = isOffered ? state.picture : firstSample;
-    if (this.#picture?.path !== samplePath(name)) await this.#take(await sample(name));
+    if (this.#picture?.path === samplePath(name)) return this.abandonLoads();
+    await this.#takeNewest(sample(name));
   }
 
   look() {
@@ -212,13 +213,13 @@ export class Halftone extends Panel {
   }
 
   async #lookAnew() {
-    if (!this.#picture) await this.#take(await sample(firstSample));
+    if (!this.#picture) await this.#takeNewest(sample(firstSample));
     this.refresh();
   }
 
   #listenForPictures() {
     this.thumbs = [...this.element.querySelectorAll(".thumb")];
-    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#chooseSample(thumb.dataset.sample));
+    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#choose(sample(thumb.dataset.sample)));
     this.ownThumb = make("button", { type: "button", className: "thumb", hidden: true });
     this.ownThumb.addEventListener("click", () => this.#choose(this.#own));
     this.find(".pictures").prepend(this.ownThumb);
@@ -233,17 +234,25 @@ export class Halftone extends Panel {
     });
   }
 
-  async #chooseSample(name) {
-    this.element.dataset.state = "busy";
-    await this.#choose(await sample(name));
-  }
-
+  /** Shows the dots of a picture, or of the one that a promise yields. */
   async #choose(picture) {
-    this.#before ??= { picture: this.#picture, shown: this.#shown };
-    await this.#take(picture);
-    if (picture !== this.#picture) return;
+    if (!(await this.#takeNewest(picture))) return;
     this.note(true);
     this.refresh();
+  }
+
+  /** Takes a picture once it is loaded, unless another one is chosen before. Returns whether it was taken. */
+  async #takeNewest(loading) {
+    try {
+      const picture = await this.loadNewest(loading);
+      if (!picture) return false;
+      this.#before ??= { picture: this.#picture, shown: this.#shown };
+      await this.#take(picture);
+      return picture === this.#picture;
+    } catch (problem) {
+      this.showProblem(problem);
+      return false;
+    }
   }
 
   /** Loads a picture. If the browser cannot decode it, such as a TIFF, the server still draws its dots. */
@@ -413,7 +422,8 @@ export class Halftone extends Panel {
   show(problem) {
     const isUnreadable = problem && this.#isUnreadable(problem);
     if (isUnreadable) {
-      problem.message = `This file is not an image the server can read: ${problem.message}`;
+      const rest = problem.message.replace(/^this is not an image the server can read/, "");
+      problem.message = `This file is not an image the server can read${rest === problem.message ? ": " : ""}${rest}`;
       problem.errors = [{ pointer: "image", detail: problem.message }];
     }
     super.show(problem);

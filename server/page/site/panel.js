@@ -5,6 +5,8 @@ import { hasKey, Newest } from "./api.js";
 import { make, save } from "./dom.js";
 
 export class Panel {
+  #loads = 0;
+
   constructor(element) {
     this.element = element;
     this.progress = element.querySelector("progress");
@@ -20,7 +22,7 @@ export class Panel {
 
   #cancel() {
     this.newest.cancel();
-    this.status.textContent = "Cancelled: what is shown was made before";
+    this.status.textContent = "Cancelled. The last result is shown";
   }
 
   /** Applies settings that `state` returned. `look` then updates what is shown. */
@@ -68,6 +70,30 @@ export class Panel {
   place() {}
 
   forget() {}
+
+  /**
+   * Waits for what the user has chosen to load. Returns null if the user has chosen something else in the meantime, so
+   * that a slow answer does not replace a newer choice.
+   */
+  async loadNewest(loading) {
+    this.element.dataset.state = "busy";
+    const number = ++this.#loads;
+    const [outcome] = await Promise.allSettled([loading]);
+    if (number !== this.#loads) return null;
+    if (outcome.status === "rejected") throw outcome.reason;
+    return outcome.value;
+  }
+
+  /** Ignores what is still being loaded, because the user has chosen something else. */
+  abandonLoads() {
+    ++this.#loads;
+  }
+
+  /** Shows a problem and keeps the last result, because the problem is not about the current settings. */
+  showProblem({ message }) {
+    this.element.dataset.state = "failed";
+    this.error.textContent = message;
+  }
 
   /** Starts a task. It is a draft while an input moves. */
   wish(work, draft = false) {

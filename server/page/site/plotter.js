@@ -14,24 +14,24 @@ const meanStep = 1;
 const fillings = ["spiral", "circles"];
 
 const fields = [
-  { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "none: a width"]] },
-  { kind: "number", name: "margin_mm", label: "Least margin, mm", value: 10, min: 0, max: 50, step: 1 },
+  { kind: "choice", name: "paper", label: "Paper", choices: [["a4", "A4"], ["a6", "A6"], ["a5", "A5"], ["a3", "A3"], ["a2", "A2"], ["letter", "Letter"], ["none", "custom width"]] },
+  { kind: "number", name: "margin_mm", label: "Minimum margin, mm", value: 10, min: 0, max: 50, step: 1 },
   { kind: "number", name: "width_mm", label: "Width, mm", value: 200, min: 20, max: 2000, step: 1, log: true },
-  { kind: "number", name: "pen_mm", label: "Pen's width, mm", value: 0.7, min: 0.1, max: 5, log: true,
-    help: "A dot is as wide as what the pen leaves when it touches the paper, unless the pen fills it. A wider pen needs fewer dots." },
-  { kind: "choice", name: "style", label: "A dot is", choices: [["stroke", "a short stroke"], ["fill", "a circle"], ["spiral", "a spiral"], ["circles", "nested circles"], ["path", "on one line"]],
-    help: "For a short stroke the pen goes down and up in one place. Programs for plotters draw circles around, or fill them. A spiral and nested circles fill dots that are wider than the pen. One line goes through all dots, which are not drawn themselves." },
-  { kind: "number", name: "dot_mm", label: "Dot's width, mm", value: 2, min: 0.2, max: 20, log: true,
-    help: "The pen fills a dot in rounds that are as far apart as the pen is wide." },
-  { kind: "number", name: "minutes", label: "Minutes", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "any",
-    help: "As many dots as the pen can draw in this time. If they are fewer than the tone takes, the drawing is lighter: a wider pen makes up for that." },
-  { kind: "number", name: "speed", label: "Speed, mm a second", value: 100, min: 5, max: 500, step: 1, log: true },
-  { kind: "number", name: "lift", label: "Down and up, seconds", value: 0.15, min: 0.01, max: 2, log: true,
-    help: "How long the pen takes to go down and up again, for each stroke." },
+  { kind: "number", name: "pen_mm", label: "Pen width, mm", value: 0.7, min: 0.1, max: 5, log: true,
+    help: "The width of the lines that the pen draws. Strokes and circles make dots of this width. A wider pen needs fewer dots." },
+  { kind: "choice", name: "style", label: "Dots are", choices: [["stroke", "short strokes"], ["fill", "circles"], ["spiral", "spirals"], ["circles", "nested circles"], ["path", "joined by a line"]],
+    help: "For a short stroke, the pen goes down and up in one place. Plotter software draws circles as outlines, or fills them. Spirals and nested circles fill dots that are wider than the pen. A line through all dots replaces the dots." },
+  { kind: "number", name: "dot_mm", label: "Dot width, mm", value: 2, min: 0.2, max: 20, log: true,
+    help: "The pen fills each dot with turns that are one pen width apart." },
+  { kind: "number", name: "minutes", label: "Time limit, min", value: 45, min: 5, max: 600, step: 1, log: true, auto: true, free: "none",
+    help: "The drawing gets as many dots as the pen can draw in this time. If these are too few for the tone of the picture, the drawing is too light. A wider pen corrects this." },
+  { kind: "number", name: "speed", label: "Speed, mm/s", value: 100, min: 5, max: 500, step: 1, log: true },
+  { kind: "number", name: "lift", label: "Pen lift, seconds", value: 0.15, min: 0.01, max: 2, log: true,
+    help: "Time that the pen needs to go down and up again, for each stroke." },
   { kind: "text", name: "pen_down", label: "G-code: pen down", value: "M3 S1000", standard: "M3 S1000",
-    help: "Commands that lower the pen, with | between lines. For a Z axis: G1 Z-1 F300." },
+    help: "Commands that lower the pen. Separate lines by |. For a Z axis: G1 Z-1 F300." },
   { kind: "text", name: "pen_up", label: "G-code: pen up", value: "M5", standard: "M5",
-    help: "Commands that lift the pen, with | between lines. For a Z axis: G0 Z2." },
+    help: "Commands that lift the pen. Separate lines by |. For a Z axis: G0 Z2." },
 ];
 
 /** Formats a duration in hours and minutes, in minutes, or in seconds. */
@@ -93,9 +93,9 @@ export class Plotter {
     const form = make("form", { noValidate: true });
     this.box = make("input", { type: "checkbox" });
     this.figures = make("div", { className: "figures", role: "status" });
-    this.button = make("button", { type: "button", textContent: "SVG on this paper", disabled: true });
+    this.button = make("button", { type: "button", textContent: "Save SVG of this paper size", disabled: true });
     this.body = make("div", { className: "plot" }, form, this.figures, this.button,
-      make("p", { className: "hint", textContent: "Download has it as PDF, HPGL, G-code and DXF, on a page as large as the drawing." }));
+      make("p", { className: "hint", textContent: "Download offers PDF, HPGL, G-code and DXF, with a page as large as the drawing." }));
     place.append(make("label", {}, this.box, " Draw with a pen"), this.body);
     this.fields = new Fields(form, fields, (draft) => this.#fieldChanged(draft));
     this.box.addEventListener("change", () => { this.#settle(); turned(this.isOn); });
@@ -166,6 +166,7 @@ export class Plotter {
     const { width, height } = this.#page();
     const area = width * height;
     const share = plan.inks.reduce((sum, ink) => sum + ink.share, 0);
+    if (share === 0) return null;  // a white picture has no dots
     const dot = this.#dotWidth;
     const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
@@ -264,7 +265,7 @@ export class Plotter {
     if (!estimate) return [];
     return [
       drawPage(this.#page()),
-      make("p", { textContent: `An estimate: ${count(estimate.dots)} dots, about ${duration(this.#time(estimate))}.` }),
+      make("p", { textContent: `Estimate: ${count(estimate.dots)} dots, about ${duration(this.#time(estimate))}.` }),
       ...this.#advice(estimate),
     ];
   }
@@ -273,7 +274,7 @@ export class Plotter {
   #advice({ dots, wanted, whole }) {
     if (!(dots < wanted && whole > 0)) return [];
     const wider = fillings.includes(this.style) ? "dots" : "a pen";
-    return [make("p", { className: "note", textContent: `The whole tone takes about ${count(wanted)} dots of this pen, or ${wider} ${Number(whole.toPrecision(2))} mm wide.` })];
+    return [make("p", { className: "note", textContent: `The drawing is lighter than the picture. The right tone needs about ${count(wanted)} dots, or ${wider} ${Number(whole.toPrecision(2))} mm wide.` })];
   }
 
   #describe(layers) {

@@ -88,6 +88,6 @@ try {
     for (const [method, operation] of Object.entries(operations)) main.append(sectionOf(whole, path, method, operation));
   }
 } catch {
-  document.querySelector(".error").textContent = "the document cannot be read";
+  document.querySelector(".error").textContent = "The description of the API cannot be read";
 }
 main.dataset.state = "done";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panel that places points in a shape.
 
-import { post, Problem } from "./api.js";
+import { ask, post, Problem } from "./api.js";
 import { chart } from "./chart.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
@@ -51,6 +51,23 @@ function requestOf({ file, json, ...shape }, options) {
 
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
+/**
+ * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so its outline
+ * comes from the boundary of a triangulation that the server makes.
+ */
+async function documentOf(file) {
+  if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
+  const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
+  const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
+  return { name: file.name, text: JSON.stringify(json), archive: file };
+}
+
+/** Loads the map of the page: {name, text, path}. */
+async function loadMap() {
+  const path = `/assets/samples/${map.name}`;
+  return { name: map.name, text: await (await ask("GET", path)).text(), path };
+}
+
 /** Returns the largest number of the form 1, 2 or 5 times a power of ten that fits `number` times into a sum. */
 function roundShare(sum, number) {
   const power = 10 ** Math.floor(Math.log10(sum / number));
@@ -63,7 +80,7 @@ function countFields(counts, checked) {
   const per = roundShare(whole, wishedOfMap);
   return [
     { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, mostCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
-    { kind: "number", name: "per", label: "Each for", value: per, min: per / 10, max: per * 100, log: true },
+    { kind: "number", name: "per", label: "Number per point", value: per, min: per / 10, max: per * 100, log: true },
   ];
 }
 
@@ -117,7 +134,7 @@ export class Sample extends Panel {
       turned: () => this.refresh(),
       noted: () => this.note(),
     });
-    explain(this.find(".trace figcaption"), "How unequal the parts of the area are that points get: the standard deviation of the triangles' capacities over their mean. 0 would be all equal; independent random points have about 1.");
+    explain(this.find(".trace figcaption"), "The standard deviation of the capacities of triangles, divided by their mean. It is 0 if the area is divided equally among the points. Independent random points have about 1.");
     this.snippets = new Snippets(this.find(".snippets"));
     this.addDownload((format, signal) => this.#ask({ ...this.options(), ...this.#fileOptions(format), format }, signal));
     this.#listen();
@@ -154,7 +171,7 @@ export class Sample extends Panel {
     this.iteration.value = state.iteration ?? this.iteration.max;
     this.first.value = state.first ?? this.first.max;
     this.mesh.checked = state.mesh === "on";
-    await this.#restoreShape(state);
+    if (!(await this.#restoreShape(state))) return;
     this.#takeSides();
     this.countFields?.restore(state);
     this.tiles.checked = state.tiles === "on" && this.shapeChoice.value === "torus";
@@ -163,14 +180,19 @@ export class Sample extends Panel {
 
   /**
    * Restores the shape. The default is the map without any settings, and the polygon with settings that name no shape.
+   * Returns false if the map could not be loaded, or if another shape was chosen in the meantime.
    */
   async #restoreShape({ corners = "", ...state }) {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
-    if (shape === ownShape && this.#own) return this.#takeFileShape(this.#own, []);
+    if (shape === ownShape && this.#own) {
+      this.#takeFileShape(this.#own, []);
+      return true;
+    }
     this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
     this.#shapes.polygon = readCorners(corners) ?? structuredClone(firstPolygon);
     this.#shapeChosen();
+    return true;
   }
 
   look() {
@@ -240,37 +262,31 @@ export class Sample extends Panel {
   }
 
   async #takeFile(file) {
-    this.element.dataset.state = "busy";
     try {
-      if (await isArchive(file)) await this.#takeArchive(file);
-      else this.#takeDocument({ name: file.name, text: await file.text() });
+      const document = await this.loadNewest(documentOf(file));
+      if (!document) return;
+      this.#takeDocument(document);
       this.#chosen();
     } catch (error) {
       this.element.dataset.state = "failed";
-      this.#tellOfShape(`${file.name} holds no GeoJSON polygons${error instanceof Problem ? ` and no shapefile: ${error.message}` : ""}`);
+      this.#tellOfShape(error instanceof Problem ? `${file.name} cannot be read as a shapefile: ${error.message}` : `${file.name} contains no GeoJSON polygons`);
     }
   }
 
-  /**
-   * Loads a zipped shapefile. Only the server can read it, so the outline comes from the boundary of a triangulation
-   * that the server makes.
-   */
-  async #takeArchive(file) {
-    const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
-    const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
-    this.#takeDocument({ name: file.name, text: JSON.stringify(json), archive: file });
-  }
-
   async #chooseMap() {
-    this.element.dataset.state = "busy";
-    await this.#takeMap();
-    this.#chosen();
+    if (await this.#takeMap()) this.#chosen();
   }
 
-  /** Loads the map of the page: employed and unemployed people. */
+  /** Shows employed and unemployed people on the map of the page. Returns whether the map was loaded and is wanted. */
   async #takeMap() {
-    const path = `/assets/samples/${map.name}`;
-    this.#takeDocument({ name: map.name, text: await (await fetch(path)).text(), path }, map.counted);
+    try {
+      const document = await this.loadNewest(loadMap());
+      if (document) this.#takeDocument(document, map.counted);
+      return document !== null;
+    } catch (problem) {
+      this.showProblem(problem);
+      return false;
+    }
   }
 
   /**
@@ -323,7 +339,7 @@ export class Sample extends Panel {
       this.#remember();
       this.#shapes.polygon = polygon;
     } catch {
-      return this.#tellOfShape('the corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
+      return this.#tellOfShape('The corners must be JSON: [[x, y], ...], {"polygon": [[x, y], ...], "holes": [[[x, y], ...], ...]}, or GeoJSON with polygons');
     }
     this.#chosen();
   }
@@ -375,6 +391,7 @@ export class Sample extends Panel {
   }
 
   #shapeChosen() {
+    this.abandonLoads();
     const kind = this.shapeChoice.value;
     this.find(".polygon-tools").hidden = this.find(".corners").hidden = kind !== "polygon";
     this.tiles.disabled = kind !== "torus";
@@ -387,7 +404,7 @@ export class Sample extends Panel {
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
     for (const [name, shape] of [["rectangle", "rectangle"], ["torus", "torus"], ["tile", "mask"], ["format", "mask"]]) this.shapeFields.offer(name, kind === shape);
     this.#stopDrawing();
-    this.#tellOfShape(this.shape ? "" : "choose or drop a GeoJSON file or a zipped shapefile");
+    this.#tellOfShape(this.shape ? "" : "Choose or drop a GeoJSON file or a zipped shapefile");
     if (this.shape) this.#refit();
     this.viewport.redraw();
   }
@@ -446,7 +463,7 @@ export class Sample extends Panel {
     if (!hole) this.#result = null;
     const hint = this.find(".drawing-hint");
     hint.hidden = false;
-    hint.textContent = "Press for corners, the first one to close. Enter closes, Backspace undoes, Escape ends.";
+    hint.textContent = "Click to add corners. Click the first corner or press Enter to close. Backspace removes a corner, Escape cancels.";
     this.#offerTools();
     this.canvas.classList.add("drawing");
     this.canvas.focus();

@@ -85,7 +85,7 @@ export function isInside([x, y], rings) {
 export function areaOf(parts) {
   const area = (part) => {
     const areas = part.map((ring) => Math.abs(signedArea(ring)));
-    return 2 * Math.max(...areas) - areas.reduce((sum, one) => sum + one, 0);
+    return 2 * areas.reduce((most, one) => Math.max(most, one), 0) - areas.reduce((sum, one) => sum + one, 0);
   };
   return parts.reduce((sum, part) => sum + area(part), 0);
 }

@@ -126,9 +126,12 @@ export class Snippets {
    */
   async #copy() {
     getSelection().selectAllChildren(this.text);
-    if (!navigator.clipboard) return;
-    await navigator.clipboard.writeText(this.text.textContent);
-    this.copy.textContent = "Copied";
+    try {
+      await navigator.clipboard.writeText(this.text.textContent);
+      this.copy.textContent = "Copied";
+    } catch {
+      this.copy.textContent = "Selected";  // the browser allows only the user to copy
+    }
   }
 
   #refresh() {
