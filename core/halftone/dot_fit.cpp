@@ -10,6 +10,8 @@
 
 #include "core/halftone/bilinear.h"
 #include "core/halftone/blur_pyramid.h"
+#include "core/halftone/dot_print.h"
+#include "core/halftone/light_fit.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/pixel_ranges.h"
 
@@ -40,19 +42,6 @@ Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count
         b[j] /= a[j][j];
     }
     return b;
-}
-
-/// Area that two discs have in common.
-double common_area(double first, double second, double distance) {
-    if (distance >= first + second) return 0;
-    const double less = std::min(first, second);
-    if (distance <= std::abs(first - second)) return kPi * less * less;
-    const auto segment = [&](double own, double other) {
-        const double cosine = (distance * distance + own * own - other * other) / (2 * distance * own);
-        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
-        return own * own * (angle - std::sin(angle) * std::cos(angle));
-    };
-    return segment(first, second) + segment(second, first);
 }
 
 /// Fits the areas of dots to the picture.
@@ -99,7 +88,10 @@ public:
 
     /// Finds where the boundary of the ground cuts dots of their present sizes, and which dots are close together.
     void find_cut() {
-        if (plan_.kinds.size() > 1) find_close();
+        if (plan_.kinds.size() > 1) {
+            close_ = close_pairs(plan_.cells, sites_, areas_);
+            std::erase_if(close_, [&](const auto& pair) { return (flips_[pair[0]] & flips_[pair[1]]) == 0; });
+        }
         for_pixels(executor_, sites_.size(), [&](std::size_t dot) {
             for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
                 if (flips(dot, c)) cut_[dot * plan_.channels.size() + c] = cut_of(dot, plan_.channels[c].ground);
@@ -226,21 +218,22 @@ private:
         constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
         const bool white = ground.is_white(sites_[dot]);
         const double reach = radius(areas_[dot]);
-        if (std::ranges::all_of(
-                rim(), [&](const Point& way) { return ground.is_white(sites_[dot] + kMargin * reach * way) == white; }))
+        if (std::ranges::all_of(rim_samples(), [&](const Point& way) {
+                return ground.is_white(sites_[dot] + kMargin * reach * way) == white;
+            }))
             return white ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
         Cut cut;
         int brightened = 0;
-        for (const Point& sample : disc()) {
+        for (const Point& sample : disc_samples()) {
             const bool darkens = ground.is_white(sites_[dot] + reach * sample);
             Point& sum = darkens ? cut.darkened : cut.brightened;
             sum = sum + sample;
             brightened += darkens ? 0 : 1;
         }
-        cut.brightening = static_cast<float>(brightened) / kSamples;
+        cut.brightening = static_cast<float>(brightened) / kSamplesOfDisc;
         cut.darkening = 1 - cut.brightening;
         if (brightened > 0) cut.brightened = 1.0 / brightened * cut.brightened;
-        if (brightened < kSamples) cut.darkened = 1.0 / (kSamples - brightened) * cut.darkened;
+        if (brightened < kSamplesOfDisc) cut.darkened = 1.0 / (kSamplesOfDisc - brightened) * cut.darkened;
         return cut;
     }
 
@@ -251,43 +244,9 @@ private:
         const float area = areas_[dot];
         const double reach = radius(area);
         if (cut.brightening == 0 || cut.darkening == 0)
-            return spread_over(sites_[dot], reach, (cut.brightening - cut.darkening) * area, image);
-        add(sites_[dot] + reach * cut.brightened, cut.brightening * area, image);
-        add(sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
-    }
-
-    /// Finds pairs of dots that flip a channel in common and overlap, or nearly. Dots of one kind keep apart; where
-    /// there are several kinds, dots of different kinds come nearer.
-    void find_close() {
-        constexpr double kMargin = 1.15;  // of the distance at which dots touch, so that small changes keep the answer
-        const double widest = radius(*std::ranges::max_element(areas_));
-        const double side = std::max(2 * kMargin * widest, 1.0);
-        const auto columns = static_cast<std::size_t>(plan_.cells.columns / side) + 1;
-        const auto rows = static_cast<std::size_t>(plan_.cells.rows / side) + 1;
-        std::vector<std::vector<std::uint32_t>> boxes(columns * rows);
-        const auto box_of = [&](Point site) {
-            const auto place = [side](double at, std::size_t count) {
-                return std::min(static_cast<std::size_t>(std::max(at, 0.0) / side), count - 1);
-            };
-            return std::pair(place(site.x, columns), place(site.y, rows));
-        };
-        close_.clear();
-        for (std::uint32_t dot = 0; dot < sites_.size(); ++dot) {
-            const auto [column, row] = box_of(sites_[dot]);
-            const double own = radius(areas_[dot]);
-            for (std::size_t y = row - std::min<std::size_t>(row, 1); y <= std::min(row + 1, rows - 1); ++y) {
-                for (std::size_t x = column - std::min<std::size_t>(column, 1); x <= std::min(column + 1, columns - 1);
-                     ++x) {
-                    for (const std::uint32_t other : boxes[y * columns + x]) {
-                        if ((flips_[dot] & flips_[other]) == 0) continue;
-                        const Point way = sites_[dot] - sites_[other];
-                        const double reach = kMargin * (own + radius(areas_[other]));
-                        if (::ccdt::dot(way, way) < reach * reach) close_.push_back({other, dot});
-                    }
-                }
-            }
-            boxes[row * columns + column].push_back(dot);
-        }
+            return add_disc(plan_.cells, sites_[dot], reach, (cut.brightening - cut.darkening) * area, image);
+        add_light(plan_.cells, sites_[dot] + reach * cut.brightened, cut.brightening * area, image);
+        add_light(plan_.cells, sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
     }
 
     /// Takes back the light of what two dots cover both.
@@ -298,57 +257,9 @@ private:
         const double first = radius(areas_[one]), second = radius(areas_[other]);
         const double overlap = common_area(first, second, distance);
         if (!(overlap > 0)) return;
-        const double middle = distance > 0 ? (distance + first - second) / 2 / distance : 0.5;
         const float sign_of_both = (sign(one, channel) + sign(other, channel)) / 2;
-        add(sites_[one] + std::clamp(middle, 0.0, 1.0) * way, -sign_of_both * static_cast<float>(overlap), image);
-    }
-
-    /// Adds an amount of light at four places, which have the mean and the variance of a disc.
-    void spread_over(Point centre, double radius, float amount, std::vector<float>& image) const {
-        const double reach = radius / 2;
-        for (const double y : {-reach, reach}) {
-            for (const double x : {-reach, reach}) add(centre + Point{x, y}, amount / 4, image);
-        }
-    }
-
-    void add(Point place, float amount, std::vector<float>& image) const {
-        const BetweenPixels x(place.x, plan_.cells.columns), y(place.y, plan_.cells.rows);
-        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
-        float *upper = image.data() + y.first * columns, *lower = image.data() + y.second * columns;
-        const float below = amount * y.share, above = amount - below;
-        upper[x.first] += above * (1 - x.share);
-        upper[x.second] += above * x.share;
-        lower[x.first] += below * (1 - x.share);
-        lower[x.second] += below * x.share;
-    }
-
-    static constexpr int kSamples = 32, kRim = 8;
-
-    /// Directions all around.
-    static const std::array<Point, kRim>& rim() {
-        static const auto ways = [] {
-            std::array<Point, kRim> result;
-            for (int k = 0; k < kRim; ++k) {
-                const double angle = 2 * kPi * k / kRim;
-                result[static_cast<std::size_t>(k)] = {std::cos(angle), std::sin(angle)};
-            }
-            return result;
-        }();
-        return ways;
-    }
-
-    /// Places spread evenly over the unit disc, by a spiral with the golden angle.
-    static const std::array<Point, kSamples>& disc() {
-        static const auto places = [] {
-            constexpr double kGoldenAngle = 2.399963229728653;
-            std::array<Point, kSamples> result;
-            for (int k = 0; k < kSamples; ++k) {
-                const double distance = std::sqrt((k + 0.5) / kSamples), angle = kGoldenAngle * k;
-                result[static_cast<std::size_t>(k)] = {distance * std::cos(angle), distance * std::sin(angle)};
-            }
-            return result;
-        }();
-        return places;
+        add_light(plan_.cells, middle_of_overlap(sites_[one], first, sites_[other], second),
+                  -sign_of_both * static_cast<float>(overlap), image);
     }
 
     const TwoSidedPlan& plan_;
@@ -369,6 +280,7 @@ std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::
                                  const std::stop_token& stop, Executor& executor) {
     std::vector<SizedDots> dots(sites.size());
     if (std::ranges::all_of(sites, &std::vector<Point>::empty)) return dots;
+    if (!plan.colours.empty()) return fit_light(plan, sites, fit, stop, executor);
     constexpr int kRounds = 14, kRoundsOfCut = 4;
     DotFit sizes(plan, sites, executor);
     for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -32,6 +33,9 @@ public:
         : plan_(plan), executor_(executor) {
         for (std::size_t c = 0; c < light.size(); ++c)
             sharp_[c] = sharpened(light[c], plan.cells.columns, plan.cells.rows, sigma, executor);
+        grounds_.resize(cells());
+        for_pixels(executor, cells(),
+                   [&](std::size_t i) { grounds_[i] = static_cast<std::uint8_t>(black_channels(plan, i)); });
         choose_kinds(inks);
     }
 
@@ -44,7 +48,7 @@ public:
         for (int round = 0; round < kRounds; ++round) {
             LightPlanes missing = picture;
             for_pixels(executor_, cells(), [&](std::size_t i) {
-                const unsigned ground = black_channels(plan_, i);
+                const unsigned ground = grounds_[i];
                 const auto seen = mixture_->light(ground, mixture_->shares(ground, light_at(wanted, i)));
                 for (std::size_t c = 0; c < 3; ++c) missing[c][i] -= seen[c];
             });
@@ -73,7 +77,7 @@ public:
     void add_shares() {
         for_pixels(executor_, cells(), [&](std::size_t i) {
             if (!is_whole(i)) return;
-            const KindMixture::Shares shares = mixture_->shares(black_channels(plan_, i), light_at(sharp_, i));
+            const KindMixture::Shares shares = mixture_->shares(grounds_[i], light_at(sharp_, i));
             for (std::size_t k = 0; k < plan_.kinds.size(); ++k) plan_.kinds[k].density[i] = shares[k];
         });
         for_pixels(executor_, cells(), [&](std::size_t i) {
@@ -81,10 +85,15 @@ public:
         });
     }
 
-    /// Sets the relative areas of dots.
+    /// Sets the relative areas of dots. A dot may lie on any ground near to it. Dots of a kind that is not seen on one
+    /// ground would be large, and blots on the ground beside it. So the ground counts on which the kind is seen most.
     /// @param radius  of the dots, in cells
     void add_areas(double radius) {
         constexpr float kLeastVisibility = 0.02f;  // an ink below black is not seen at all
+        constexpr double kReach = 2, kMostReach = 8;
+        const auto reach = plan_.colours.empty()
+                               ? std::size_t{0}
+                               : static_cast<std::size_t>(std::ceil(std::min(kReach * radius, kMostReach)));
         std::vector<float> scratch;
         LightPlanes around = sharp_;
         for (std::vector<float>& each : around)
@@ -97,9 +106,12 @@ public:
                 const float cover =
                     std::clamp(std::max(kind.area[i], kLeastOfSurroundings * kind.density[i]), 0.0f, 0.5f);
                 const auto [red, green, blue] = light_at(around, i);
-                const float seen =
-                    Visibility(std::array{red, green, blue}).of(mixture_->change(black_channels(plan_, i), k));
-                kind.area[i] = relative_area(cover, std::max(seen, kLeastVisibility));
+                const Visibility visibility(std::array{red, green, blue});
+                float seen = kLeastVisibility;
+                for_grounds_around(i, reach, [&](unsigned ground) {
+                    seen = std::max(seen, visibility.of(mixture_->change(ground, k)));
+                });
+                kind.area[i] = relative_area(cover, seen);
             });
         }
         normalize_areas(plan_.kinds, executor_);
@@ -126,7 +138,7 @@ private:
             std::vector<double> sums(all, 0);
             const std::size_t step = std::max(cells() / kSamples, std::size_t{1});
             for (std::size_t i = 0; i < cells(); i += step) {
-                const KindMixture::Shares shares = any.shares(black_channels(plan_, i), light_at(sharp_, i));
+                const KindMixture::Shares shares = any.shares(grounds_[i], light_at(sharp_, i));
                 for (std::size_t k = 0; k < all; ++k) sums[k] += static_cast<double>(shares[k]);
             }
             std::ranges::stable_sort(flips, std::ranges::greater(), [&](unsigned kind) { return sums[kind - 1]; });
@@ -156,6 +168,23 @@ private:
         }
     }
 
+    /// Calls work(ground) for each ground within a distance of a cell, across and down. May repeat a ground.
+    template <class Work>
+    void for_grounds_around(std::size_t cell, std::size_t reach, const Work& work) const {
+        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const std::size_t column = cell % columns, row = cell / columns;
+        unsigned last = grounds_[cell];
+        work(last);
+        for (std::size_t y = row - std::min(row, reach); y <= std::min(row + reach, rows - 1); ++y) {
+            for (std::size_t x = column - std::min(column, reach); x <= std::min(column + reach, columns - 1); ++x) {
+                const unsigned ground = grounds_[y * columns + x];
+                if (ground != last) work(ground);
+                last = ground;
+            }
+        }
+    }
+
     /// Gives a cell the mean shares of the whole cells around it, or its own if there are none.
     void take_shares_beside(std::size_t cell) {
         constexpr std::size_t kReach = 2;
@@ -171,7 +200,7 @@ private:
                 ++count;
             }
         }
-        if (count == 0) sum = mixture_->shares(black_channels(plan_, cell), light_at(sharp_, cell));
+        if (count == 0) sum = mixture_->shares(grounds_[cell], light_at(sharp_, cell));
         for (std::size_t k = 0; k < plan_.kinds.size(); ++k)
             plan_.kinds[k].density[cell] = sum[k] / std::max(count, 1.0f);
     }
@@ -179,6 +208,7 @@ private:
     TwoSidedPlan& plan_;
     Executor& executor_;
     LightPlanes sharp_;
+    std::vector<std::uint8_t> grounds_;  ///< [cells] inks of the ground, as bits
     std::optional<KindMixture> mixture_;
 };
 

@@ -134,6 +134,16 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
         if (stop.stop_requested() || repairs == kMostRepairs || !grounds.repair(bare, plan)) break;
     }
     plan.is_nested = false;
+    // Of three inks, a few errors at half a pitch grow when light is fitted.
+    constexpr std::size_t kLeastInksOfLight = 4;
+    const std::size_t sets = inks.inks.size() < kLeastInksOfLight ? 0 : std::size_t{1} << inks.inks.size();
+    if (sets > 0) plan.wanted = picture.light;
+    for (std::size_t set = 0; set < sets; ++set) {
+        std::vector<float> cover;
+        for (std::size_t ink = 0; ink < inks.inks.size(); ++ink) cover.push_back(static_cast<float>(set >> ink & 1));
+        const Light light = printed(inks, cover);
+        plan.colours.push_back({light.red, light.green, light.blue});
+    }
     if (stop.stop_requested()) return plan;
     add_mixed_kinds(plan, inks, std::move(picture.light), radius, options.detail * radius, stop, executor);
     if (stop.stop_requested()) return plan;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "core/halftone/ground.h"
+#include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
 
 namespace ccdt {
@@ -54,6 +56,8 @@ struct TwoSidedPlan {
     double dots = 0;        ///< number of dots of these areas that give the picture its tone; 0: the ground says all
     double radius = 0;      ///< of the largest dots, in cells
     bool is_nested = true;  ///< the areas that channels flip are nested; else kinds lie side by side in any mixture
+    std::vector<std::array<float, 3>> colours;  ///< [2^channels] light of each set of inks, if light is fitted
+    LightPlanes wanted;                         ///< [cells] light of the picture, if it is fitted
 };
 
 /// Returns the channels whose ground is black in the larger part of a cell, as bits.
