@@ -10,6 +10,7 @@
 #include "api/output/json_writer.h"
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
+#include "core/halftone/dot_fit.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/print_proof.h"
 #include "core/halftone/two_sided.h"

@@ -11,7 +11,7 @@
 #include "api/input/palette.h"
 #include "core/ccdt/ccdt.h"
 #include "core/geometry/point.h"
-#include "core/halftone/two_sided.h"
+#include "core/halftone/dot_fit.h"
 
 namespace ccdt::api {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -21,6 +22,12 @@ struct Light {
 
 /// Red, green and blue of each pixel of a picture [pixels], in linear light.
 using LightPlanes = std::array<std::vector<float>, 3>;
+
+/// Returns the light of a pixel, clamped to [0, 1].
+inline Light light_at(const LightPlanes& light, std::size_t pixel) {
+    const auto value = [&](std::size_t c) { return std::clamp(light[c][pixel], 0.0f, 1.0f); };
+    return {value(0), value(1), value(2)};
+}
 
 inline constexpr std::size_t kMostInks = 6;
 

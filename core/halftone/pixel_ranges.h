@@ -23,6 +23,14 @@ constexpr std::size_t rows_of_task(int width) {
     return rows > 0 ? rows : 1;
 }
 
+/// Calls work(pixel) for each pixel, on the threads of an executor.
+template <class Work>
+void for_pixels(Executor& executor, std::size_t pixels, const Work& work) {
+    for_ranges(executor, pixels, kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) work(i);
+    });
+}
+
 /// Returns the sum of value(i) over all pixels i. Deterministic for any number of threads.
 template <class Value>
 double sum_of_pixels(Executor& executor, std::size_t pixels, const Value& value) {

@@ -2,32 +2,17 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
 
-#include "core/geometry/point.h"
-#include "core/halftone/ground.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
+#include "core/halftone/two_sided_plan.h"
 #include "core/parallel/executor.h"
 
 namespace ccdt {
-
-/// Number of kinds that dots of so many channels may have: each set of channels but the empty one.
-constexpr std::size_t kinds_of(std::size_t channels) {
-    return (std::size_t{1} << channels) - 1;
-}
-
-/// Channels that dots of a kind flip, as bits.
-constexpr unsigned flips_of(std::size_t kind) {
-    return static_cast<unsigned>(kind) + 1;
-}
-
-/// Number of kinds that dots of several inks have at most.
-inline constexpr std::size_t kMostKindsOfInks = 15;
 
 /// Options of a halftone with dots on both sides of the tonal scale.
 struct TwoSidedOptions {
@@ -36,40 +21,6 @@ struct TwoSidedOptions {
     double detail = 0;                 ///< in [0, 1]; how far edges are emphasised
     double least_radius = 0;           ///< radius in cells below which no dot is planned, as far as that is possible
     std::optional<std::size_t> most = std::nullopt;  ///< number of dots beyond which they are larger than `radius`
-};
-
-/// Channel of a picture, divided into grounds.
-struct TwoSidedChannel {
-    Ground ground;
-    std::vector<float> light;  ///< [cells] the picture
-    std::vector<float> white;  ///< [cells] share of white ground
-};
-
-/// Dots that flip the same channels.
-struct KindOfDots {
-    unsigned flips = 0;          ///< channels, as bits
-    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if there are none
-    std::vector<float> area;     ///< [cells] area of a dot there, in cells
-    double share = 0;            ///< sum of the densities
-};
-
-/// Plan of a halftone that draws the minority: ink dots on white ground, paper dots on black ground.
-///
-/// A grey picture has one channel, its light Y; a picture in colour has three. The ground of each channel is white,
-/// where there is all of its light, or black, where there is none. Ink dots cover 1 - Y of white ground, paper dots
-/// cover Y of black ground. Both are at most about one half: dots hardly ever overlap, and their number times their
-/// area is the tone.
-///
-/// The areas that are flipped in several channels are nested: a place has dots that flip all channels, dots that flip
-/// all but the one that needs least, and dots that flip the one that needs most. So the dots of all kinds together
-/// cover no more than the channel that needs most, and lie apart.
-struct TwoSidedPlan {
-    CellGrid cells;
-    std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue; or one for each ink
-    std::vector<KindOfDots> kinds;          ///< by what they flip
-    double dots = 0;        ///< number of dots of these areas that give the picture its tone; 0: the ground says all
-    double radius = 0;      ///< of the largest dots, in cells
-    bool is_nested = true;  ///< the areas that channels flip are nested; else kinds lie side by side in any mixture
 };
 
 /// Sums over all cells what dots have to flip: of each cell, the channel of which that is most.
@@ -106,23 +57,5 @@ struct InkPicture {
 TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGrid& cells,
                             const TwoSidedOptions& options, const std::stop_token& stop = {},
                             Executor& executor = inline_executor());
-
-/// Dots of a kind as they are drawn.
-struct SizedDots {
-    std::vector<float> radii;         ///< [dots], in cells
-    std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the centre, as bits
-    std::vector<std::uint8_t> cut;    ///< [dots] channels, of those flipped, whose boundary is near, as bits
-};
-
-/// Chooses the radii of dots such that the local mean of what is drawn is that of the picture in each channel, also
-/// where the boundary of the ground cuts dots: where it does, the part of a dot beyond the boundary has the opposite
-/// colour.
-///
-/// @param sites  [kinds] in cells, y down the rows
-/// @param fit    false: each dot has the area that is planned where it lies
-/// @returns      [kinds]
-/// Same input, same bytes, on any executor. O(cells + sites).
-std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
-                                 const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

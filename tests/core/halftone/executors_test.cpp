@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/halftone/blur.h"
+#include "core/halftone/dot_fit.h"
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/fineness.h"

@@ -14,6 +14,7 @@
 
 #include "core/ccdt/ccdt.h"
 #include "core/halftone/blur.h"
+#include "core/halftone/dot_fit.h"
 #include "core/halftone/dots.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/tone.h"

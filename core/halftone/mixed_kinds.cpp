@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/halftone/mixed_kinds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/halftone/blur.h"
+#include "core/halftone/kind_areas.h"
+#include "core/halftone/kind_mixture.h"
+#include "core/halftone/pixel_ranges.h"
+#include "core/halftone/sharpening.h"
+#include "core/halftone/visibility.h"
+
+namespace ccdt {
+
+namespace {
+
+/// A number for each channel.
+using Channels = std::array<float, kMostInks>;
+
+/// Plans dots of inks: shares of kinds whose mean colour is that of the picture.
+class MixturePlan {
+public:
+    /// @param sigma  of the blur that the dots' places are sharpened against, in cells
+    MixturePlan(TwoSidedPlan& plan, const InkSet& inks, const LightPlanes& light, double sigma, Executor& executor)
+        : plan_(plan), executor_(executor) {
+        for (std::size_t c = 0; c < light.size(); ++c)
+            sharp_[c] = sharpened(light[c], plan.cells.columns, plan.cells.rows, sigma, executor);
+        grounds_.resize(cells());
+        for_pixels(executor, cells(),
+                   [&](std::size_t i) { grounds_[i] = static_cast<std::uint8_t>(black_channels(plan, i)); });
+        choose_kinds(inks);
+    }
+
+    /// Adds to the light of the surroundings what the ground of a cell keeps dots from making there.
+    /// @param radius  of the dots, in cells
+    void make_up(LightPlanes& wanted, double radius) {
+        constexpr int kRounds = 2;
+        std::vector<float> scratch;
+        const LightPlanes picture = wanted;
+        for (int round = 0; round < kRounds; ++round) {
+            LightPlanes missing = picture;
+            for_pixels(executor_, cells(), [&](std::size_t i) {
+                const unsigned ground = grounds_[i];
+                const auto seen = mixture_->light(ground, mixture_->shares(ground, light_at(wanted, i)));
+                for (std::size_t c = 0; c < 3; ++c) missing[c][i] -= seen[c];
+            });
+            for (std::size_t c = 0; c < 3; ++c) {
+                blur(missing[c], plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch,
+                     executor_);
+                for_pixels(executor_, cells(), [&](std::size_t i) {
+                    wanted[c][i] += missing[c][i];
+                    sharp_[c][i] += missing[c][i];
+                });
+            }
+        }
+    }
+
+    /// Sets what each ink shall leave bare, which the shares of the kinds make of it.
+    void set_light(const LightPlanes& wanted) {
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            Channels bare{};
+            add_bare(0, 0, 1, i, light_at(wanted, i), bare);
+            for (std::size_t c = 0; c < plan_.channels.size(); ++c) plan_.channels[c].light[i] = bare[c];
+        });
+    }
+
+    /// Sets the shares of the kinds, as their densities. Cells that a boundary crosses have those of the cells beside
+    /// them.
+    void add_shares() {
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            if (!is_whole(i)) return;
+            const KindMixture::Shares shares = mixture_->shares(grounds_[i], light_at(sharp_, i));
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) plan_.kinds[k].density[i] = shares[k];
+        });
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            if (!is_whole(i)) take_shares_beside(i);
+        });
+    }
+
+    /// Sets the relative areas of dots. A dot may lie on any ground near to it. Dots of a kind that is not seen on one
+    /// ground would be large, and blots on the ground beside it. So the ground counts on which the kind is seen most.
+    /// @param radius  of the dots, in cells
+    void add_areas(double radius) {
+        constexpr float kLeastVisibility = 0.02f;  // an ink below black is not seen at all
+        constexpr double kReach = 2, kMostReach = 8;
+        const auto reach = plan_.colours.empty()
+                               ? std::size_t{0}
+                               : static_cast<std::size_t>(std::ceil(std::min(kReach * radius, kMostReach)));
+        std::vector<float> scratch;
+        LightPlanes around = sharp_;
+        for (std::vector<float>& each : around)
+            blur(each, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+            KindOfDots& kind = plan_.kinds[k];
+            kind.area = kind.density;
+            blur(kind.area, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
+            for_pixels(executor_, cells(), [&](std::size_t i) {
+                const float cover =
+                    std::clamp(std::max(kind.area[i], kLeastOfSurroundings * kind.density[i]), 0.0f, 0.5f);
+                const auto [red, green, blue] = light_at(around, i);
+                const Visibility visibility(std::array{red, green, blue});
+                float seen = kLeastVisibility;
+                for_grounds_around(i, reach, [&](unsigned ground) {
+                    seen = std::max(seen, visibility.of(mixture_->change(ground, k)));
+                });
+                kind.area[i] = relative_area(cover, seen);
+            });
+        }
+        normalize_areas(plan_.kinds, executor_);
+    }
+
+private:
+    std::size_t cells() const { return sharp_[0].size(); }
+
+    /// Tells whether no boundary crosses a cell.
+    bool is_whole(std::size_t cell) const {
+        return std::ranges::all_of(plan_.channels, [cell](const TwoSidedChannel& channel) {
+            return channel.white[cell] == 0 || channel.white[cell] == 1;
+        });
+    }
+
+    /// Chooses the kinds that cover most, as far as some thousand cells tell.
+    void choose_kinds(const InkSet& inks) {
+        constexpr std::size_t kSamples = 8192;
+        const std::size_t all = kinds_of(inks.inks.size());
+        std::vector<unsigned> flips(all);
+        for (std::size_t k = 0; k < all; ++k) flips[k] = flips_of(k);
+        KindMixture any(inks, flips);
+        if (all > kMostKindsOfInks) {
+            std::vector<double> sums(all, 0);
+            const std::size_t step = std::max(cells() / kSamples, std::size_t{1});
+            for (std::size_t i = 0; i < cells(); i += step) {
+                const KindMixture::Shares shares = any.shares(grounds_[i], light_at(sharp_, i));
+                for (std::size_t k = 0; k < all; ++k) sums[k] += static_cast<double>(shares[k]);
+            }
+            std::ranges::stable_sort(flips, std::ranges::greater(), [&](unsigned kind) { return sums[kind - 1]; });
+            flips.resize(kMostKindsOfInks);
+            std::ranges::sort(flips);
+        }
+        for (const unsigned kind : flips) plan_.kinds.push_back({kind, std::vector<float>(cells()), {}, 0});
+        mixture_.emplace(inks, std::move(flips));
+    }
+
+    /// Adds what each ink leaves bare of a cell, from a channel on: of each ground that is there, by its share.
+    void add_bare(std::size_t channel, unsigned ground, float weight, std::size_t cell, const Light& wanted,
+                  Channels& bare) {
+        if (channel < plan_.channels.size()) {
+            const float white = plan_.channels[channel].white[cell];
+            if (white > 0) add_bare(channel + 1, ground, weight * white, cell, wanted, bare);
+            if (white < 1) add_bare(channel + 1, ground | 1U << channel, weight * (1 - white), cell, wanted, bare);
+            return;
+        }
+        const KindMixture::Shares shares = mixture_->shares(ground, wanted);
+        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
+            float flipped = 0;
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+                if ((plan_.kinds[k].flips >> c & 1) != 0) flipped += shares[k];
+            }
+            bare[c] += weight * ((ground >> c & 1) != 0 ? flipped : 1 - flipped);
+        }
+    }
+
+    /// Calls work(ground) for each ground within a distance of a cell, across and down. May repeat a ground.
+    template <class Work>
+    void for_grounds_around(std::size_t cell, std::size_t reach, const Work& work) const {
+        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const std::size_t column = cell % columns, row = cell / columns;
+        unsigned last = grounds_[cell];
+        work(last);
+        for (std::size_t y = row - std::min(row, reach); y <= std::min(row + reach, rows - 1); ++y) {
+            for (std::size_t x = column - std::min(column, reach); x <= std::min(column + reach, columns - 1); ++x) {
+                const unsigned ground = grounds_[y * columns + x];
+                if (ground != last) work(ground);
+                last = ground;
+            }
+        }
+    }
+
+    /// Gives a cell the mean shares of the whole cells around it, or its own if there are none.
+    void take_shares_beside(std::size_t cell) {
+        constexpr std::size_t kReach = 2;
+        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const std::size_t column = cell % columns, row = cell / columns;
+        KindMixture::Shares sum{};
+        float count = 0;
+        for (std::size_t y = row - std::min(row, kReach); y <= std::min(row + kReach, rows - 1); ++y) {
+            for (std::size_t x = column - std::min(column, kReach); x <= std::min(column + kReach, columns - 1); ++x) {
+                if (!is_whole(y * columns + x)) continue;
+                for (std::size_t k = 0; k < plan_.kinds.size(); ++k) sum[k] += plan_.kinds[k].density[y * columns + x];
+                ++count;
+            }
+        }
+        if (count == 0) sum = mixture_->shares(grounds_[cell], light_at(sharp_, cell));
+        for (std::size_t k = 0; k < plan_.kinds.size(); ++k)
+            plan_.kinds[k].density[cell] = sum[k] / std::max(count, 1.0f);
+    }
+
+    TwoSidedPlan& plan_;
+    Executor& executor_;
+    LightPlanes sharp_;
+    std::vector<std::uint8_t> grounds_;  ///< [cells] inks of the ground, as bits
+    std::optional<KindMixture> mixture_;
+};
+
+}  // namespace
+
+void add_mixed_kinds(TwoSidedPlan& plan, const InkSet& inks, LightPlanes light, double radius, double sigma,
+                     const std::stop_token& stop, Executor& executor) {
+    MixturePlan mixture(plan, inks, light, sigma, executor);
+    mixture.make_up(light, radius);
+    mixture.set_light(light);
+    if (stop.stop_requested()) return;
+    mixture.add_shares();
+    mixture.add_areas(radius);
+}
+
+}  // namespace ccdt
