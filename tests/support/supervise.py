@@ -68,7 +68,7 @@ def run(limit, command):
 
 def report_processor_time():
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    print(f"\nprocessor time {used.ru_utime + used.ru_stime:.1f} s", flush=True)
+    print(f"\nprocessor time {used.ru_utime + used.ru_stime:.1f} s", file=sys.stderr, flush=True)
 
 
 def leave(number, _):
