@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/geometry/difference.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/inset.h"
 #include "core/geometry/pixel_outline.h"
 #include "core/globe/region.h"
@@ -140,7 +141,9 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 }
 
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
-    auto left = inset(domain, request.buffer, stop);
+    constexpr double kIndifferent = 1e-3;  // relative to the spacing of the sites
+    const double spacing = hexagonal_spacing(static_cast<double>(request.run.sites) / domain.area());
+    auto left = inset(domain, request.buffer, kIndifferent * spacing, stop);
     if (left) return left;
     constexpr double kSure = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
     const double farthest = largest_clearance(domain, stop);

@@ -407,7 +407,8 @@ class ReachTree {
 public:
     /// @param coarse    radius in the unit frame of squares that are removed as a whole if the new border may cross
     ///                  them; 0: no such squares
-    /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares
+    /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares; if `coarse` is 0, the
+    ///                  division then ends early instead (see is_too_fine)
     ReachTree(const Domain& domain, std::vector<Reach> reaches, double coarse, double coarsest,
               const std::stop_token& stop)
         : domain_(domain), reaches_(std::move(reaches)), coarse_(coarse), coarsest_(coarsest), stop_(stop) {
@@ -418,10 +419,13 @@ public:
             members_.clear();
             counts_whole_.assign(reaches_.size(), false);
             divide(0, kRoot, all);
-            if (!has_very_many_squares()) break;
+            if (!has_very_many_squares() || coarse_ == 0) break;
             coarse_ = std::min(2 * coarse_, coarsest_);
         }
     }
+
+    /// Whether the division ended early because there are very many squares. The tree is then useless.
+    bool is_too_fine() const { return coarse_ == 0 && has_very_many_squares(); }
 
     /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
     /// long and far apart, the whole area is computed; otherwise the pieces that matter in each square.
@@ -531,10 +535,11 @@ private:
         return reaches_.size() > kMany;
     }
 
-    /// Whether there are very many squares and they may become coarser.
+    /// Whether there are very many squares and they may become coarser. Exact squares cost less than coarse ones, whose
+    /// sides all become edges of the removed area.
     bool has_very_many_squares() const {
-        constexpr std::size_t kVeryMany = 200'000;
-        return squares_.size() > kVeryMany && coarse_ < coarsest_;
+        constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
+        return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;
     }
 
     std::span<const std::uint32_t> pieces_in(const Square& square) const {
@@ -712,24 +717,25 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
 
 /// Subtracts the neighbourhood of the border where the new border runs. The remaining area consists of the eroded
 /// domain and of rings that are too near to the border, which are dropped.
-Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
-                             const std::stop_token& stop) {
-    constexpr std::size_t kVeryMany = 50'000;
+/// @param is_coarse  whether the new border may be much farther from the old one than the indifference
+/// @returns          none if the border is too fine, and a coarse border is possible
+Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
+                                            double indifference, bool is_coarse, const std::stop_token& stop) {
     constexpr double kCoarser = 10, kRadius = 0.25, kLargestRadius = 4, kSimplified = 0.5;  // of the indifference
-    const bool has_very_many = indifference > 0 && domain.corner_count() > kVeryMany;
-    if (has_very_many) indifference *= kCoarser;
-    const double tolerance = has_very_many ? kSimplified * indifference : 0;
+    if (is_coarse) indifference *= kCoarser;
+    const double tolerance = is_coarse ? kSimplified * indifference : 0;
     const DiscAround enlarged = [&](Point p) {
         const Disc disc = disc_around(p);
         return Disc{disc.centre, disc.radius > 0 ? disc.radius + tolerance : 0};
     };
     Strip border(domain, enlarged, is_centred, indifference);
-    const bool is_coarse = has_very_many && border.is_whole();
+    is_coarse = is_coarse && border.is_whole();
     auto reaches = border.take();
     if (reaches.empty()) return domain;
     const double scale = std::max(domain.bounds().width(), domain.bounds().height());
-    const double unit = is_coarse ? indifference / scale : 0;
-    const ReachTree tree(domain, std::move(reaches), kRadius * unit, kLargestRadius * unit, stop);
+    const double unit = border.is_whole() ? indifference / scale : 0;
+    const ReachTree tree(domain, std::move(reaches), is_coarse ? kRadius * unit : 0, kLargestRadius * unit, stop);
+    if (tree.is_too_fine()) return std::nullopt;
     auto left = is_coarse ? far_from_border(domain, tree, stop) : divided(domain, tree, stop);
     if (!left) return tl::unexpected(left.error());
     if (is_coarse) erase_outside(*left, domain);
@@ -738,7 +744,19 @@ Result<Domain> without_strip(const Domain& domain, const DiscAround& disc_around
     });
     if (is_coarse) left = simplified(*left, tolerance / scale, domain.resolution(), stop);
     if (!left) return tl::unexpected(left.error());
-    return domain.within(*std::move(left));
+    return domain.within(*std::move(left)).map([](Domain&& whole) { return std::optional(std::move(whole)); });
+}
+
+/// Erodes a domain, coarsely if the border is very fine and an indifference is given.
+Result<Domain> eroded(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
+                      const std::stop_token& stop) {
+    constexpr std::size_t kVeryMany = 50'000;
+    for (const bool is_coarse : {indifference > 0 && domain.corner_count() > kVeryMany, true}) {
+        auto left = without_strip(domain, disc_around, is_centred, indifference, is_coarse, stop);
+        if (!left) return tl::unexpected(left.error());
+        if (*left) return **std::move(left);
+    }
+    return failure(ErrorCode::Internal, "a coarse border was too fine");
 }
 
 /// Returns the distance of a point from the border in the unit frame, negative outside.
@@ -757,18 +775,18 @@ double depth(const Domain& domain, Point p) {
 
 }  // namespace
 
-Result<Domain> inset(const Domain& domain, double distance, const std::stop_token& stop) {
-    return without_strip(
+Result<Domain> inset(const Domain& domain, double distance, double indifference, const std::stop_token& stop) {
+    return eroded(
         domain,
         [distance](Point p) {
             return Disc{p, distance};
         },
-        true, 0, stop);
+        true, indifference, stop);
 }
 
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference,
                      const std::stop_token& stop) {
-    return without_strip(domain, disc_around, false, indifference, stop);
+    return eroded(domain, disc_around, false, indifference, stop);
 }
 
 double largest_clearance(const Domain& domain, const std::stop_token& stop) {

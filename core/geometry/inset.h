@@ -17,8 +17,10 @@ struct Disc {
 
 /// Erodes a domain by `distance`.
 ///
-/// @param domain    not a torus
-/// @param distance  > 0, in the domain's coordinates
+/// @param domain        not a torus
+/// @param distance      > 0, in the domain's coordinates
+/// @param indifference  additional distance, in the domain's coordinates, by which the new border may be farther from
+///                      the old one; 0 requires the exact border, however much time that takes
 ///
 /// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one, and at
 /// most 1 % farther: arcs around corners become circumscribed polygons, and borders with detail much finer than the
@@ -27,23 +29,24 @@ struct Disc {
 /// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, even if
 /// the border is ragged.
 ///
+/// If an indifference is given and the domain has more than 50,000 corners, the additional distance can be 40 times the
+/// indifference. It can be 120 times the indifference where corners are so dense that a quadtree would need very many
+/// squares. The latter also applies to domains with fewer corners. In these cases the domain's edges are not
+/// intersected at all. Instead, the squares that the new border may cross are removed as a whole, and the resulting
+/// border is simplified.
+///
 /// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops detail of the border that is finer
 /// than a hundredth of the distance. Both faults leave points too near to the border.
-Result<Domain> inset(const Domain& domain, double distance, const std::stop_token& stop = {});
+Result<Domain> inset(const Domain& domain, double distance, double indifference = 0, const std::stop_token& stop = {});
 
 /// Returns the disc to be removed around a point of the border, in the domain's coordinates; radius 0 removes nothing.
 /// The disc must vary smoothly along the border.
 using DiscAround = std::function<Disc(Point)>;
 
 /// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
-/// @param indifference  additional distance, in the domain's coordinates, by which the new border may be farther from
-///                      the old one. If there are many corners and their discs differ by less than this, all discs
-///                      count as equally large, which is much faster.
-///
-/// If the domain has more than 50,000 corners, the additional distance can be 40 times the indifference. It can be 120
-/// times the indifference where corners are so dense that a quadtree would need very many squares. In this case the
-/// domain's edges are not intersected at all, provided that all discs have a radius above 0. Instead, the squares that
-/// the new border may cross are removed as a whole, and the resulting border is simplified.
+/// @param indifference  as above. If there are many corners and their discs differ by less than this, all discs count
+///                      as equally large, which is much faster. Squares are only removed as a whole if all discs
+///                      have a radius above 0.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 

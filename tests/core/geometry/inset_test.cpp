@@ -174,7 +174,7 @@ TEST(Inset, DropsSeparateLinesThatAreTooNear) {
 TEST(Inset, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
-    const auto left = inset(Domain::create(ragged_circle(1500, 0.1)).value(), 0.1, source.get_token());
+    const auto left = inset(Domain::create(ragged_circle(1500, 0.1)).value(), 0.1, 0, source.get_token());
     ASSERT_FALSE(left);
     EXPECT_EQ(left.error().code, ErrorCode::Stopped);
 }
@@ -238,6 +238,24 @@ TEST(Inset, LimitsTheFinenessOfArcs) {
     const auto disc = [](Point p) { return Disc{p, kSize}; };
     const Domain domain = Domain::create(parts).value();
     EXPECT_LE(inset(domain, disc, kSize)->corner_count(), 3 * domain.corner_count());
+}
+
+TEST(Inset, CoarsensNeedlesThatAreTooFine) {
+    constexpr double kInner = 0.5, kDistance = 1e-4, kIndifference = 1e-4;
+    for (const int corners : {49'000, 100'000}) {
+        const Domain domain = Domain::create({{test::star({0, 0}, 1, kInner, corners), {}}}).value();
+        const auto left = inset(domain, kDistance, kIndifference);
+        ASSERT_TRUE(left) << left.error().message;
+        EXPECT_LT(left->corner_count(), 5'000U) << corners;
+        for (const Ring& ring : left->rings()) {
+            for (const Point& unit : ring) {
+                const Point p = left->to_user(unit);
+                const double radius = std::sqrt(dot(p, p));
+                EXPECT_LT(radius, kInner) << corners;  // all needles are thinner than twice the distance
+                EXPECT_GT(radius, kInner - kDistance - 125 * kIndifference) << corners;
+            }
+        }
+    }
 }
 
 TEST(Inset, RefusesAnEmptyResult) {
