@@ -360,18 +360,23 @@ void Charting::for_bent_edges(Visit visit) const {
 }
 
 /// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer requires a fine tolerance, but
-/// the number of pieces is limited.
+/// the number of pieces is limited. If there are very many corners, `inset` simplifies the border coarsely, so the
+/// tolerance may be coarser, too.
 double Charting::tolerance(const Chart& chart) const {
-    constexpr double kMaxPieces = 10'000;
+    constexpr double kMaxPieces = 10'000, kCoarser = 10;
+    constexpr std::size_t kVeryManyCorners = 50'000;
     const double wanted = buffer_ / kBentTo;
     if (buffer_ == 0 || wanted >= coarsest_) return coarsest_;
+    std::size_t corners = 0;
+    for (const Ring& ring : rings_) corners += ring.size();
+    const double coarsest = corners > kVeryManyCorners ? kCoarser * coarsest_ : coarsest_;
     double pieces = 0;  // number of pieces times the square root of the tolerance
     for_bent_edges([&](Point a, Point b) {
         if (is_straight(a, b, wanted)) return;
         for_chunks(a, b, [&](Point from, Point to) { pieces += std::sqrt(deviation(chart, from, to)); });
     });
     const double root = pieces / kMaxPieces;
-    return std::clamp(root * root, wanted, coarsest_);
+    return std::clamp(root * root, wanted, coarsest);
 }
 
 /// Returns the deviation of edges in metres, or 0 if it is negligible relative to the buffer.
