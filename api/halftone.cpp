@@ -177,10 +177,10 @@ std::string_view obstacle_to_both(const Draft& draft) {
     return {};
 }
 
-/// Returns whether dots on both sides usually look better than ink dots only. The tables of core/README.md compare the
-/// two for palettes of one to six inks.
+/// Returns whether dots on both sides look better than ink dots only. With four or more custom inks, many mixtures give
+/// the same colour, and the grounds become ragged where the chosen mixture changes.
 bool is_better_on_both_sides(const Draft& draft) {
-    constexpr std::size_t kMostInksOfBoth = 5;
+    constexpr std::size_t kMostInksOfBoth = 3;
     return !draft.palette || draft.palette->inks.size() <= kMostInksOfBoth;
 }
 

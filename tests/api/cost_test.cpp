@@ -265,18 +265,10 @@ INSTANTIATE_TEST_SUITE_P(
                      kColours},
         HalftoneCase{
             "cmyk_tiff", {{"color", "cmyk"}, {"sites", "2000"}, {"scale", "12"}, {"format", "tiff"}}, 4, kColours},
-        HalftoneCase{"four_inks", {{"palette", "#ff48b0,#0078bf,#ffe800,#000"}, {"sites", "16000"}}, 4, kColours},
-        HalftoneCase{
-            "five_inks", {{"palette", "#ff48b0,#0078bf,#ffe800,#000,#00a95c"}, {"sites", "16000"}}, 4, kColours},
-        HalftoneCase{"five_inks_few",
-                     {{"palette", "#ff48b0,#0078bf,#ffe800,#000,#00a95c"}, {"sites", "2000"}, {"scale", "1"}},
+        HalftoneCase{"palette_both",
+                     {{"palette", "#ff48b0,#0078bf,#ffe800,#000"}, {"dots", "both"}, {"sites", "16000"}},
                      4,
                      kColours},
-        HalftoneCase{
-            "six_inks_both",
-            {{"palette", "#ff48b0,#0078bf,#ffe800,#000,#00a95c,#ff6c2f"}, {"dots", "both"}, {"sites", "16000"}},
-            4,
-            kColours},
         HalftoneCase{"palette_both_few", {{"palette", "#ff48b0,#0078bf"}, {"sites", "2000"}}, 2, kColours},
         HalftoneCase{"cmyk_points", {{"color", "cmyk"}, {"sites", "65536"}, {"format", "json"}}, 4, kColours},
         HalftoneCase{

@@ -551,17 +551,14 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
     for (const Options& options : {Options{{"style", "stroke"}, {"format", "svg"}},
                                    {{"tone", "density"}},
                                    {{"palette", "#f00"}, {"format", "csv"}},
-                                   {{"palette", "#f00,#0f0,#00f,#ff0,#0ff,#000"}},
-                                   {{"palette", "#f00,#0f0,#00f,#ff0,#000"}, {"format", "json"}},
-                                   {{"palette", "#f00,#0f0,#00f,#000"}, {"style", "stroke"}, {"format", "svg"}},
+                                   {{"palette", "#f00,#0f0,#00f,#000"}},
                                    {{"color", "cmyk"}, {"format", "json"}},
                                    {{"format", "svg"}, {"background", "transparent"}},
                                    {{"invert", "false"}}})
         EXPECT_EQ(dots(options), Dots::Ink);
     EXPECT_EQ(dots({{"background", "transparent"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "cmyk"}}), Dots::Both);
-    for (const auto* palette : {"#f00,#00f", "#f00,#0f0,#00f,#000", "#f00,#0f0,#00f,#ff0,#000"})
-        EXPECT_EQ(dots({{"palette", palette}}), Dots::Both) << palette;
+    EXPECT_EQ(dots({{"palette", "#f00,#00f"}}), Dots::Both);
     EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "ink"}}), Dots::Ink);
     EXPECT_EQ(dots({{"color", "rgb"}, {"dots", "both"}, {"format", "npy"}}), Dots::Both);
     EXPECT_EQ(dots({{"invert", "true"}}), Dots::Paper);
