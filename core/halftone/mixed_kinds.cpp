@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -94,6 +95,7 @@ public:
         const auto reach = plan_.colours.empty()
                                ? std::size_t{0}
                                : static_cast<std::size_t>(std::ceil(std::min(kReach * radius, kMostReach)));
+        const std::vector<std::uint64_t> grounds_of_cells = grounds_around(reach);
         std::vector<float> scratch;
         LightPlanes around = sharp_;
         for (std::vector<float>& each : around)
@@ -108,9 +110,10 @@ public:
                 const auto [red, green, blue] = light_at(around, i);
                 const Visibility visibility(std::array{red, green, blue});
                 float seen = kLeastVisibility;
-                for_grounds_around(i, reach, [&](unsigned ground) {
+                for (std::uint64_t left = grounds_of_cells[i]; left != 0; left &= left - 1) {
+                    const auto ground = static_cast<unsigned>(std::countr_zero(left));
                     seen = std::max(seen, visibility.of(mixture_->change(ground, k)));
-                });
+                }
                 kind.area[i] = relative_area(cover, seen);
             });
         }
@@ -168,21 +171,24 @@ private:
         }
     }
 
-    /// Calls work(ground) for each ground within a distance of a cell, across and down. May repeat a ground.
-    template <class Work>
-    void for_grounds_around(std::size_t cell, std::size_t reach, const Work& work) const {
+    /// Returns the grounds within a distance of each cell, across and down. Bit g stands for the set of inks g.
+    std::vector<std::uint64_t> grounds_around(std::size_t reach) const {
+        static_assert(kMostInks <= 6);
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
         const auto rows = static_cast<std::size_t>(plan_.cells.rows);
-        const std::size_t column = cell % columns, row = cell / columns;
-        unsigned last = grounds_[cell];
-        work(last);
-        for (std::size_t y = row - std::min(row, reach); y <= std::min(row + reach, rows - 1); ++y) {
-            for (std::size_t x = column - std::min(column, reach); x <= std::min(column + reach, columns - 1); ++x) {
-                const unsigned ground = grounds_[y * columns + x];
-                if (ground != last) work(ground);
-                last = ground;
-            }
-        }
+        std::vector<std::uint64_t> across(cells(), 0), around(cells(), 0);
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            const std::size_t column = i % columns;
+            const std::size_t last = i + std::min(columns - 1 - column, reach);
+            for (std::size_t j = i - std::min(column, reach); j <= last; ++j)
+                across[i] |= std::uint64_t{1} << grounds_[j];
+        });
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            const std::size_t row = i / columns;
+            const std::size_t last = i + std::min(rows - 1 - row, reach) * columns;
+            for (std::size_t j = i - std::min(row, reach) * columns; j <= last; j += columns) around[i] |= across[j];
+        });
+        return around;
     }
 
     /// Gives a cell the mean shares of the whole cells around it, or its own if there are none.
