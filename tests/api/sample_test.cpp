@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <numeric>
 
 #include "tests/api/files.h"
@@ -728,6 +729,29 @@ TEST(SampleOrder, StopsOnRequest) {
     source.request_stop();
     const std::string body = '{' + kTwenty + R"(,"iterations":0,"order":"progressive")";
     EXPECT_FALSE(run_sample(*parse(body + '}'), {}, decode_inline(), {source.get_token(), {}}, timings));
+}
+
+TEST(Sample, KeepsBuffersOfFineBordersAtAnyScale) {
+    // Squares of these scales are beyond the range of doubles.
+    constexpr int kCorners = 60'000;
+    const auto points = [](double scale) {
+        nlohmann::json corners;
+        for (int i = 0; i < kCorners; ++i) {
+            const double angle = 2 * std::numbers::pi * i / kCorners, radius = scale * (i % 2 == 0 ? 1 : 0.5);
+            corners.push_back({radius * std::cos(angle), radius * std::sin(angle)});
+        }
+        const nlohmann::json request{{"sites", 20}, {"buffer", 1e-3 * scale}, {"polygon", corners}};
+        return sample(request.dump()).at("points");
+    };
+    const auto usual = points(1);
+    for (const double scale : {0x1p-450, 0x1p450}) {
+        const auto scaled = points(scale);
+        ASSERT_EQ(scaled.size(), usual.size());
+        for (std::size_t i = 0; i < scaled.size(); ++i) {
+            for (std::size_t k = 0; k < 2; ++k)
+                EXPECT_NEAR(scaled[i][k].get<double>() / scale, usual[i][k].get<double>(), 1e-9) << scale;
+        }
+    }
 }
 
 }  // namespace
