@@ -11,6 +11,7 @@
 #include "core/halftone/bilinear.h"
 #include "core/halftone/blur_pyramid.h"
 #include "core/halftone/dot_print.h"
+#include "core/halftone/fit_rounds.h"
 #include "core/halftone/light_fit.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/pixel_ranges.h"
@@ -278,25 +279,10 @@ private:
 
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop, Executor& executor) {
-    std::vector<SizedDots> dots(sites.size());
-    if (std::ranges::all_of(sites, &std::vector<Point>::empty)) return dots;
+    if (std::ranges::all_of(sites, &std::vector<Point>::empty)) return std::vector<SizedDots>(sites.size());
     if (!plan.colours.empty()) return fit_light(plan, sites, fit, stop, executor);
-    constexpr int kRounds = 14, kRoundsOfCut = 4;
     DotFit sizes(plan, sites, executor);
-    for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {
-        if (round > 0 && round % kRoundsOfCut == 0) sizes.find_cut();
-        sizes.improve();
-    }
-    sizes.find_cut();
-    std::size_t dot = 0;
-    for (std::size_t kind = 0; kind < sites.size(); ++kind) {
-        for (std::size_t i = 0; i < sites[kind].size(); ++i, ++dot) {
-            dots[kind].radii.push_back(static_cast<float>(std::sqrt(static_cast<double>(sizes.areas()[dot]) / kPi)));
-            dots[kind].white.push_back(static_cast<std::uint8_t>(sizes.white_channels(dot)));
-            dots[kind].cut.push_back(static_cast<std::uint8_t>(sizes.cut_channels(dot)));
-        }
-    }
-    return dots;
+    return fit_in_rounds(sizes, sites, fit, stop);
 }
 
 }  // namespace ccdt
