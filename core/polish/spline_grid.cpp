@@ -137,19 +137,8 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Position along one side, in cells from the first grid point. On a torus, grid points are at the corners of cells, as
-/// in the Fourier transform. In a box, they are at the centres.
-inline double SplineGrid::along(double coordinate, double side, int cells) const {
-    const double share = coordinate / side;
-    return (torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0) - 0.5 / cells) * cells;
-}
-
-/// Returns the last grid point at or before a position along one side; -1 for a position before the first grid point.
-inline double SplineGrid::point_before(double place, int cells) {
-    return std::min(whole(place), cells - 1.0);  // rounding can put a position on a torus at its far end
-}
-
-/// Vectorised along() and point_before() for all coordinates.
+/// Determines the grid points from which points are spread. On a torus, grid points are at the corners of cells, as in
+/// the Fourier transform. In a box, they are at the centres.
 template <class Lanes>
 CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
@@ -165,19 +154,16 @@ CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array
     const Pairs none{}, all = none + 1.0;
     const Pairs clamped = share < none ? none : all < share ? all : share;
     const Pairs at = (torus_ ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
+    // Rounding can put a position on a torus at its far end.
     const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
     Places<Lanes> places;
     places.fractions = at - before;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         const Pair point = Lanes::pair(before, lane) + 1.0;
-        places.first[lane] = static_cast<std::size_t>(point[1]) * stride_ + static_cast<std::size_t>(point[0]);
+        places.rows[lane] = static_cast<std::size_t>(point[1]);
+        places.first[lane] = places.rows[lane] * stride_ + static_cast<std::size_t>(point[0]);
     }
     return places;
-}
-
-/// Returns the row of the padded grid at which the taps of a point begin.
-inline std::size_t SplineGrid::first_row(Point p) const {
-    return static_cast<std::size_t>(point_before(along(p.y, sides_.y, rows_), rows_) + 1);
 }
 
 void SplineGrid::release_memory() {
@@ -200,7 +186,7 @@ void SplineGrid::clear() {
 template <class Lanes>
 CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kCount>& points,
                                                const std::array<double, Lanes::kCount>& values) {
-    const auto [first, fractions] = places<Lanes>(points);
+    const auto [rows, first, fractions] = places<Lanes>(points);
     const auto weights = weights_at(fractions);
     const auto columns = across<Lanes>(weights);
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
@@ -225,7 +211,7 @@ void SplineGrid::spread(Point p, double value) {
 }
 
 void SplineGrid::spread_move(Point p, Point move) {
-    const auto [first, fraction] = places<OneLane>({p});
+    const auto [rows, first, fraction] = places<OneLane>({p});
     const Taps<Pair> weights = weights_at(fraction), slopes = slopes_at(fraction);
     const Point cell = this->cell();
     std::array<double, kTaps> along_x, across;
@@ -244,7 +230,7 @@ template <class Lanes>
 CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
-    const auto [first, fractions] = places<Lanes>(points);
+    const auto [rows, first, fractions] = places<Lanes>(points);
     const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
     // Sums over columns; each vector holds two successive columns of each point.
     std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
@@ -307,7 +293,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
-    const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
+    const auto band_of = [&](std::size_t i) { return places<OneLane>({points[i]}).rows[0] / kRows; };
     // [parts][bands] position in the order for the next point of each band in a part.
     std::vector<std::uint32_t> next(parts * bands, 0);
     for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
@@ -358,51 +344,17 @@ void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Poi
 }
 
 void SplineGrid::transform() {
-    if (torus_) {
-        fold();
-    } else {
-        close_up();
-    }
+    fold();
     forward();
 }
 
 void SplineGrid::transform_back() {
     backward();
-    if (torus_) {
-        unfold();
-    } else {
-        open_up();
-    }
+    unfold();
 }
 
-/// Sums the spread values on the grid. Values in the margins are added to the cells that the margins repeat.
+/// Adds the values in the margins to the cells that the margins repeat, and moves the sums to the grid.
 void SplineGrid::fold() {
-    const std::span<double> cells = grid();
-    const auto rows = static_cast<std::size_t>(rows_);
-    const auto add = [&](double& padded, std::size_t cell) { cells[cell] += padded; };
-    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
-        std::fill(cells.begin() + static_cast<std::ptrdiff_t>(begin * static_cast<std::size_t>(columns_)),
-                  cells.begin() + static_cast<std::ptrdiff_t>(end * static_cast<std::size_t>(columns_)), 0.0);
-        for (std::size_t row = begin; row < end; ++row) for_padded(kMargin + row, add);
-    });
-    for (std::size_t row = 0; row < kMargin; ++row) {
-        for_padded(row, add);
-        for_padded(kMargin + rows + row, add);
-    }
-}
-
-/// Copies the grid's values, and fills the margins by periodic or mirrored repetition.
-void SplineGrid::unfold() {
-    const std::span<double> cells = grid();
-    for_ranges(executor_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows,
-               [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t row = begin; row < end; ++row)
-                       for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
-               });
-}
-
-/// Does the same as fold() in place: adds the margins, then compacts the rows.
-void SplineGrid::close_up() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
     for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
@@ -414,21 +366,26 @@ void SplineGrid::close_up() {
         for_margins([&](std::size_t i, std::size_t to) { inside[to] += row[i]; });
         for (std::size_t i = kMargin; i < kMargin + columns; ++i) inside[i] += row[i];
     });
-    for (std::size_t row = 0; row < rows; ++row) {
-        const double* const from = padded_row(kMargin + row) + kMargin;
-        std::copy(from, from + columns, padded_.data() + row * columns);
-    }
+    double* const cells = grid().data();
+    // In a box, the cells overlap the padded rows: a row may be moved only after the rows before it.
+    for_ranges(torus_ ? executor_ : inline_executor(), rows, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+            std::copy_n(padded_row(kMargin + row) + kMargin, columns, cells + row * columns);
+    });
 }
 
-/// Does the same as unfold() in place.
-void SplineGrid::open_up() {
+/// Moves the grid's values to the padded rows, and fills the margins by periodic or mirrored repetition.
+void SplineGrid::unfold() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
-    for (std::size_t row = rows; row-- > 0;) {
-        const double* const from = padded_.data() + row * columns;
+    const double* const cells = grid().data();
+    const auto move = [&](std::size_t row) {
+        const double* const from = cells + row * columns;
         std::copy_backward(from, from + columns, padded_row(kMargin + row) + kMargin + columns);
-    }
+    };
+    for (std::size_t row = torus_ ? 0 : rows; row-- > 0;) move(row);  // in a box, the cells overlap the padded rows
     for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
+            if (torus_) move(row);
             double* const own = padded_row(kMargin + row);
             for_margins([&](std::size_t i, std::size_t inside) { own[i] = own[inside]; });
         }
@@ -473,19 +430,6 @@ void SplineGrid::for_margin_rows(Visit&& visit) {
         for (const std::size_t row : {i, kMargin + static_cast<std::size_t>(rows_) + i})
             visit(padded_row(row), padded_row(kMargin + folded(row, rows_)));
     }
-}
-
-/// Calls visit(value, number of the cell) for one padded row.
-template <class Visit>
-void SplineGrid::for_padded(std::size_t number, Visit&& visit) {
-    const auto columns = static_cast<std::size_t>(columns_);
-    const std::size_t start = folded(number, rows_) * columns;
-    double* row = &padded_[number * stride_];
-    for (std::size_t i = 0; i < kMargin; ++i) {
-        visit(row[i], start + folded(i, columns_));
-        visit(row[kMargin + columns + i], start + folded(kMargin + columns + i, columns_));
-    }
-    for (std::size_t i = 0; i < columns; ++i) visit(row[kMargin + i], start + i);
 }
 
 }  // namespace ccdt
