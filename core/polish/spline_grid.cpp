@@ -202,10 +202,6 @@ CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kC
     }
 }
 
-CCDT_TWO_LANES void SplineGrid::spread_two(const std::array<Point, 2>& points, const std::array<double, 2>& values) {
-    spread_few<TwoLanes>(points, values);
-}
-
 void SplineGrid::spread(Point p, double value) {
     spread_few<OneLane>({p}, {value});
 }
@@ -263,19 +259,22 @@ CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     return gradients;
 }
 
-CCDT_TWO_LANES std::array<Point, 2> SplineGrid::two_gradients(const std::array<Point, 2>& points) const {
-    return gradients_of<TwoLanes>(points);
-}
-
 Point SplineGrid::gradient(Point p) const {
     return gradients_of<OneLane>({p})[0];
 }
 
 void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradients) const {
-    std::size_t done = 0;
-    for (; has_two_lanes() && done + 2 <= points.size(); done += 2)
-        std::ranges::copy(two_gradients({points[done], points[done + 1]}), &gradients[done]);
-    for (; done < points.size(); ++done) gradients[done] = gradient(points[done]);
+    const std::size_t in_pairs = points.size() / 2 * 2;
+    with_lanes([&](auto lanes) CCDT_INLINE {
+        using Lanes = decltype(lanes);
+        for (std::size_t i = 0; i < in_pairs; i += Lanes::kCount) {
+            std::array<Point, Lanes::kCount> few;
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) few[lane] = points[i + lane];
+            few = gradients_of<Lanes>(few);
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) gradients[i + lane] = few[lane];
+        }
+    });
+    if (in_pairs < points.size()) gradients[in_pairs] = gradient(points[in_pairs]);
 }
 
 /// Calls add(numbers) with groups of the points for which counts(number) is true. The rows of the grid are divided into
@@ -327,12 +326,20 @@ void SplineGrid::spread(std::span<const Point> points, std::span<const double> v
     const auto value = [&](std::size_t i) { return values.empty() ? 1 : values[i]; };
     const auto counts = [&](std::size_t i) { return value(i) != 0; };
     add_all(points, counts, [&](std::span<const std::uint32_t> numbers) {
-        std::size_t done = 0;
-        for (; has_two_lanes() && done + 2 <= numbers.size(); done += 2) {
-            const std::uint32_t i = numbers[done], k = numbers[done + 1];
-            spread_two({points[i], points[k]}, {value(i), value(k)});
-        }
-        for (; done < numbers.size(); ++done) spread(points[numbers[done]], value(numbers[done]));
+        const std::size_t in_pairs = numbers.size() / 2 * 2;
+        with_lanes([&](auto lanes) CCDT_INLINE {
+            using Lanes = decltype(lanes);
+            for (std::size_t i = 0; i < in_pairs; i += Lanes::kCount) {
+                std::array<Point, Lanes::kCount> few;
+                std::array<double, Lanes::kCount> of_few;
+                for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+                    few[lane] = points[numbers[i + lane]];
+                    of_few[lane] = value(numbers[i + lane]);
+                }
+                spread_few<Lanes>(few, of_few);
+            }
+        });
+        if (in_pairs < numbers.size()) spread(points[numbers[in_pairs]], value(numbers[in_pairs]));
     });
 }
 

@@ -130,10 +130,8 @@ private:
     Places<Lanes> places(const std::array<Point, Lanes::kCount>& points) const;
     template <class Lanes>
     void spread_few(const std::array<Point, Lanes::kCount>& points, const std::array<double, Lanes::kCount>& values);
-    void spread_two(const std::array<Point, 2>& points, const std::array<double, 2>& values);
     template <class Lanes>
     std::array<Point, Lanes::kCount> gradients_of(const std::array<Point, Lanes::kCount>& points) const;
-    std::array<Point, 2> two_gradients(const std::array<Point, 2>& points) const;
     std::size_t padded_size() const;
     void acquire_memory();
     void fold();
