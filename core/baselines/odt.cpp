@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/baselines/site_mesh.h"
+#include "core/mesh/flips.h"
 
 namespace ccdt {
 
@@ -53,7 +54,7 @@ bool Circumcentres::step() {
         if (site % kStopStride == 0 && stop_.stop_requested()) break;
         moves |= move(site);
     }
-    mesh_.restore_delaunay();
+    restore_delaunay(mesh_);
     return moves;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/mesh/relocation.h"
 
 namespace ccdt {
 
@@ -197,7 +198,7 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
     constexpr double kThird = 1.0 / 3;
     if (!can_be_divided(triangle, kThird)) return false;
     const auto [a, b, c] = mesh_.places(triangle);
-    return mesh_.relocate(site, triangle, kThird * (a + b + c));
+    return relocate_site(mesh_, site, triangle, kThird * (a + b + c));
 }
 
 /// Whether a triangle is large enough to be divided.
@@ -302,7 +303,7 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
             if (!is_in_small_part(site) && move_away(site, least, clear)) return true;
         }
     }
-    return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
+    return moved != kNone && relocate_site(mesh_, moved, best.triangle, best.point);
 }
 
 /// Marks the data of a site, of its neighbours and of their neighbours as outdated.

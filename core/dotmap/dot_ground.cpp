@@ -12,6 +12,7 @@
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/start.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
 #include "core/random.h"
 
@@ -38,7 +39,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number, std::size_t featur
 std::optional<InteriorSampler> interior_of(const Domain& area) {
     const auto scaffold = triangulate(bare_border(area));
     if (!scaffold) return std::nullopt;
-    return InteriorSampler(Triangulation(0, *scaffold).inside_triangles());
+    return InteriorSampler(inside_triangles(Triangulation(0, *scaffold)));
 }
 
 /// Returns the position of a point along Morton's curve.

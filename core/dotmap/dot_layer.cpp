@@ -16,7 +16,10 @@
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt {
 
@@ -89,13 +92,13 @@ Result<void> DotLayer::start() {
     spacings_.resize(sites);
     for (std::size_t i = 0; i < fixed_.places.size(); ++i) {
         const std::size_t site = dots_.size() + i;
-        mesh().insert(static_cast<std::uint32_t>(site), fixed_.places[i]);
+        insert_site(mesh(), static_cast<std::uint32_t>(site), fixed_.places[i]);
         const double density = ground_.around(land_.to_user(fixed_.places[i]));
         radii_[site] = radius(density > 0 ? density : static_cast<double>(dots_.size()) / land_.area());
         before_[site] = fixed_.places[i];
     }
     if (auto inserted = insert_all(); !inserted) return inserted;
-    mesh().trim();
+    trim(mesh());
     result_.trace.push_back(measure());
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     return {};
@@ -125,7 +128,7 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
     std::vector<std::uint32_t> kept, left;
     for (const std::uint32_t dot : dots) (keeps_place(dot) ? kept : left).push_back(dot);
-    const auto refused = mesh().insert_all(kept, draw, 1, land_.resolution(), stop_);
+    const auto refused = insert_sites(mesh(), kept, draw, 1, land_.resolution(), stop_);
     left.insert(left.end(), refused.begin(), refused.end());
     for (const std::uint32_t dot : left) {
         if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
@@ -144,7 +147,7 @@ bool DotLayer::keeps_place(std::uint32_t dot) const {
 Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     const auto accept = [&](Point user) {
         const Point p = land_.to_unit(user);
-        return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && mesh().insert(dot, p, land_.resolution());
+        return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
     };
     std::optional<InteriorSampler> interior;
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
@@ -260,7 +263,7 @@ void DotLayer::ease(const PolishSettings& settings) {
 
 bool DotLayer::iterate() {
     relax(options_.passes);
-    if (!stopping()) mesh().restore_delaunay(stop_);
+    if (!stopping()) restore_delaunay(mesh(), stop_);
     if (stopping()) return false;
     result_.trace.push_back(measure());
     ++result_.iterations;
@@ -344,7 +347,7 @@ void DotLayer::even_out() {
 }
 
 void DotLayer::equalise(int passes) {
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     if (stopping()) return;
     measure();
     relax(passes);
@@ -414,7 +417,7 @@ void DotLayer::revert_moves() {
 }
 
 void DotLayer::restore() {
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     if (stopping()) return;
     find_aims();
     begin();
@@ -422,7 +425,7 @@ void DotLayer::restore() {
 
 void DotLayer::finish() {
     if (stopping()) return;
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     const double variation = measure();
     if (!stopping()) result_.polished = variation;
 }

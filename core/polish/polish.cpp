@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/polish/polish.h"
+#include "core/mesh/flips.h"
 
 #include <algorithm>
 #include <cmath>
@@ -137,7 +138,7 @@ void Polish::push_again(const PolishSettings& settings, const std::function<void
 }
 
 void Polish::restore_meshes(const std::stop_token& stop) {
-    for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.mesh->restore_delaunay(stop); });
+    for_each(stop, [&](const Layer& layer, std::span<Point>) { restore_delaunay(*layer.mesh, stop); });
     begin();
 }
 
