@@ -69,10 +69,10 @@ bool EqualCells::sweep(const std::stop_token& stop) {
 }
 
 bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
-    constexpr double kLeastGain = 1e-9;  // relative to the squared distance of the sites; less is a rounding error
+    constexpr double kMinGain = 1e-9;  // relative to the squared distance of the sites; less is a rounding error
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
-    const double least = kLeastGain * squared;
+    const double least = kMinGain * squared;
     // A sample gains no more than a sample would at the rim of the cell's circle, on the side of the other site.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);

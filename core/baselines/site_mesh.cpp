@@ -76,14 +76,14 @@ Point SiteMesh::end_of_way(Point from, Point to) const {
 
 /// Whether no triangle is inverted, flat, or outside the range in which positions on a torus are exact.
 bool SiteMesh::is_sound() const {
-    constexpr double kLeastShape = 1e-6;  // doubled area relative to the longest edge squared
-    constexpr double kFarthest = 1.25;
+    constexpr double kMinShape = 1e-6;  // doubled area relative to the longest edge squared
+    constexpr double kMaxCoordinate = 1.25;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto [a, b, c] = mesh_.places(t);
         const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-        if (!(cross(b - a, c - a) > kLeastShape * longest)) return false;
+        if (!(cross(b - a, c - a) > kMinShape * longest)) return false;
     }
-    const auto far = [](Point p) { return std::max(std::abs(p.x), std::abs(p.y)) > kFarthest; };
+    const auto far = [](Point p) { return std::max(std::abs(p.x), std::abs(p.y)) > kMaxCoordinate; };
     return std::ranges::none_of(sites(), far);
 }
 

@@ -14,10 +14,10 @@ namespace ccdt {
 
 namespace {
 
-// With any kKeptArea > 0, triangles stay counter-clockwise. kLeastShape must be well above 1e-16, the rounding error of
+// With any kKeptArea > 0, triangles stay counter-clockwise. kMinShape must be well above 1e-16, the rounding error of
 // an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps in a move
-constexpr double kLeastShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
+constexpr double kKeptArea = 0.1;   ///< least share of its area that a triangle keeps in a move
+constexpr double kMinShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
 /// Doubled area relative to the mean, below which a triangle takes the general path.
 constexpr double kSmall = 1e-2;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
@@ -390,7 +390,7 @@ bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std:
         return true;
     }
 
-    const std::size_t pairs = std::max((count + 1) / 2, kFewestPairs);
+    const std::size_t pairs = std::max((count + 1) / 2, kMinPairs);
     const bool plain = uniform_ && mesh_.is_free(largest);
     record[0] = site;
     for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
@@ -625,7 +625,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const double area = cross(from, to);
         const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
-        const double least = std::max(kLeastShape * longest, options_.least_height * std::sqrt(longest));
+        const double least = std::max(kMinShape * longest, options_.least_height * std::sqrt(longest));
         const double kept = std::min(area, std::max(kKeptArea * area, least));
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
@@ -704,7 +704,7 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
         const double longest = 2 * (dot(from, from) + dot(to, to));  // squared upper bound of all edge lengths
-        fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
+        fits &= moved >= kKeptArea * area && moved >= kMinShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }
     return fits;

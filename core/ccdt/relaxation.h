@@ -104,14 +104,14 @@ private:
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
     // goal (plain).
-    static constexpr std::size_t kFewestPairs = 2, kMaxPairs = 4;
-    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kFewestPairs + 1);
+    static constexpr std::size_t kMinPairs = 2, kMaxPairs = 4;
+    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kMinPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
-        return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
+        return static_cast<std::uint8_t>(2 * (pairs - kMinPairs) + (plain ? 1 : 0));
     }
     static constexpr std::size_t stride(std::uint8_t kind) {
-        const std::size_t pairs = kind / 2 + kFewestPairs;
+        const std::size_t pairs = kind / 2 + kMinPairs;
         return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
     }
 

@@ -111,10 +111,10 @@ void Resettlement::sum_around() {
 /// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing amount.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
-    constexpr double kLeast = 0.5;  // in sites; smaller amounts are due to waves or noise
+    constexpr double kMin = 0.5;  // in sites; smaller amounts are due to waves or noise
     std::vector<Candidate> found;
     for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
-        if (sign * around_[v] > kLeast && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
+        if (sign * around_[v] > kMin && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
     }
     std::ranges::sort(found, {}, [&](const Candidate& candidate) {
         return std::tuple(mesh_.part_of(candidate.site), -candidate.sites, candidate.site);
@@ -204,10 +204,10 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
 /// Whether a triangle is large enough to be divided.
 /// @param share  share of its area that the smallest of the three parts gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area of each part relative to the longest edge squared
+    constexpr double kMinShape = 1e-5;  // doubled area of each part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
+    const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
     return share * mesh_.doubled_area(triangle) >= least;
 }
 

@@ -25,9 +25,9 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kLongestPush = 0.4;  ///< relative to a dot's radius: neighbours keep more than half of their distance
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
-constexpr double kSmall = 0.01;       ///< share of the wanted area below which a triangle may be a needle
+constexpr double kMaxPush = 0.4;   ///< relative to a dot's radius: neighbours keep more than half of their distance
+constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
+constexpr double kSmall = 0.01;    ///< share of the wanted area below which a triangle may be a needle
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
@@ -285,7 +285,7 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
             const Point by = pushed.empty() ? Point{} : 1 / scale() * pushed[dot];
             moves_[dot] = by + push_off_neighbours(dot, reach, push);
             if (others_) moves_[dot] = moves_[dot] + push_off_others(dot, reach, push);
-            const double longest = kLongestPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
+            const double longest = kMaxPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
             if (squared > longest * longest) moves_[dot] = (longest / std::sqrt(squared)) * moves_[dot];
         }
     });
@@ -382,12 +382,12 @@ void DotLayer::apply() {
 
 /// Whether a triangle has kept enough of its area and has not become a needle.
 bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
+    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     if (area < kKeptArea * areas_[triangle]) return false;
     if (aims_[triangle] > 0 && area >= kSmall * aims_[triangle]) return true;
     const auto [a, b, c] = mesh().places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, land_.resolution() * std::sqrt(longest));
+    const double least = std::max(kMinShape * longest, land_.resolution() * std::sqrt(longest));
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
 }
 

@@ -15,7 +15,7 @@ namespace ccdt {
 namespace {
 
 /// Least radius of curvature of the ellipsoid, in metres.
-constexpr double kLeastRadius = 6'335'439;
+constexpr double kMinRadius = 6'335'439;
 
 /// Tolerance of coordinates at the ends of their ranges, in degrees: ten micrometres.
 constexpr double kClose = 1e-10;
@@ -183,7 +183,7 @@ private:
 Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
     : stop_(stop),
       sites_(static_cast<double>(sites)),
-      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kLeastRadius : 0),
+      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kMinRadius : 0),
       west_(degrees.bounds().min.x),
       east_(degrees.bounds().max.x) {
     closes_ = east_ - west_ > kTurn - kClose;
@@ -315,8 +315,8 @@ std::optional<Chart> Charting::simple_chart() const {
 double Charting::pitch() const {
     double area = 0;
     for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
-    constexpr double kLeast = 1e-20;
-    return std::sqrt(std::max(area, kLeast) / sites_);
+    constexpr double kMin = 1e-20;
+    return std::sqrt(std::max(area, kMin) / sites_);
 }
 
 /// Returns the deviation of an edge from a straight line on a chart, as a distance on the ground.
@@ -381,8 +381,8 @@ double Charting::tolerance(const Chart& chart) const {
 
 /// Returns the deviation of edges in metres, or 0 if it is negligible relative to the buffer.
 double Charting::error(double tolerance) const {
-    constexpr double kLargestRadius = 6'399'594;
-    return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kLargestRadius : 0;
+    constexpr double kMaxRadius = 6'399'594;
+    return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kMaxRadius : 0;
 }
 
 /// Appends the approximation of an edge on a chart, without the end point.
@@ -448,9 +448,9 @@ Ring circle(double angle) {
 
 /// @param far  inside the region
 Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
-    constexpr double kLargest = 20 * kDegree, kLeast = kDegree;
-    const double angle = std::min(kLargest, far.distance - 2 * step_ - buffer_);
-    if (angle < kLeast) {
+    constexpr double kMaxAngle = 20 * kDegree, kMinAngle = kDegree;
+    const double angle = std::min(kMaxAngle, far.distance - 2 * step_ - buffer_);
+    if (angle < kMinAngle) {
         return failure(ErrorCode::Unusable,
                        "the polygon is strewn over all of the globe: no place is some degrees from its border");
     }
@@ -475,12 +475,12 @@ Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
 }
 
 Result<std::vector<ChartedPart>> Charting::execute() {
-    constexpr double kLeastExtent = 1e-7;  // in degrees: a centimetre
+    constexpr double kMinExtent = 1e-7;  // in degrees: a centimetre
     find_seam();
     sample_border();
     if (stop_.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the polygon was charted");
     const double distance = pitch();
-    if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
+    if (distance * std::sqrt(sites_) < kMinExtent * kDegree)
         return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
     coarsest_ = kTolerance * distance;
     const Direction in_the_pacific = direction_of({-150, -30});

@@ -143,10 +143,10 @@ void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
 }  // namespace
 
 bool insert_site(Triangulation& mesh, std::uint32_t site, Point p, double margin) {
-    constexpr std::size_t kUsual = 32;  // edges on the stack
+    constexpr std::size_t kReservedEdges = 32;  // edges on the stack
     Region whole;
     whole.last = mesh.search_start();
-    whole.stack.reserve(kUsual);
+    whole.stack.reserve(kReservedEdges);
     Region::Site pending;
     const Outcome outcome = insert_in(mesh, whole, site, p, margin, pending);
     mesh.set_search_start(whole.last);
@@ -155,11 +155,13 @@ bool insert_site(Triangulation& mesh, std::uint32_t site, Point p, double margin
 
 std::vector<std::uint32_t> insert_sites(Triangulation& mesh, std::span<const std::uint32_t> sites, const Draw& draw,
                                         int attempts, double margin, const std::stop_token& stop) {
-    constexpr std::size_t kSeen = 64;      // triangles sampled per block, to find one inside each block
-    constexpr std::size_t kPresent = 384;  // with fewer sites, too little of a block lies inside its rim
+    constexpr std::size_t kSamplesPerBlock = 64;    // triangles sampled per block, to find one inside each block
+    constexpr std::size_t kMinSitesPerBlock = 384;  // with fewer sites, too little of a block lies inside its rim
     if (sites.empty()) return {};
-    Regions regions(mesh.blocks(), kPresent * mesh.blocks().sites() / std::max(sites.size(), kPresent));
-    const std::size_t stride = std::max<std::size_t>(1, mesh.triangle_count() / (kSeen * mesh.blocks().count(0)));
+    Regions regions(mesh.blocks(),
+                    kMinSitesPerBlock * mesh.blocks().sites() / std::max(sites.size(), kMinSitesPerBlock));
+    const std::size_t stride =
+        std::max<std::size_t>(1, mesh.triangle_count() / (kSamplesPerBlock * mesh.blocks().count(0)));
     for (std::size_t i = 0; i < mesh.triangle_count(); i += stride) {
         const auto t = static_cast<std::uint32_t>(i);
         const auto& c = mesh.triangles()[t].corners;
