@@ -161,7 +161,7 @@ bool Construction::is_exact(int iteration) const {
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
 }
 
-bool Construction::goes_on() const {
+bool Construction::has_next_iteration() const {
     if (stopping() || result_.iterations >= options_.iterations) return false;
     return !(options_.tolerance && variation() < *options_.tolerance);
 }
@@ -203,7 +203,7 @@ bool Construction::iterate() {
     }
     result_.trace.push_back(variation);
     ++result_.iterations;
-    if (goes_on()) return true;
+    if (has_next_iteration()) return true;
     relaxation_.reset();
     goals_ = {};
     return true;

@@ -228,12 +228,12 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
         std::optional<Point> place;
         for (int attempt = 0; attempt < kAttempts && !place; ++attempt) {
             const Point p = rounded(area.to_user(start.draw(site, attempt)));
-            if (attempt < kClearAttempts ? is_clear(feature, p) : may_be(feature, p)) place = p;
+            if (attempt < kClearAttempts ? is_clear(feature, p) : may_lie(feature, p)) place = p;
         }
         if (!place) {
             const auto accept = [&](Point p) {
                 p = rounded(p);
-                if (may_be(feature, p)) place = p;
+                if (may_lie(feature, p)) place = p;
                 return place.has_value();
             };
             if (auto drawn = draw_again(feature, seed + site, accept, interior); !drawn) return drawn;
@@ -294,7 +294,7 @@ double DotGround::around(Point p) const {
     return density;
 }
 
-bool DotGround::may_be(std::uint32_t feature, Point p) const {
+bool DotGround::may_lie(std::uint32_t feature, Point p) const {
     return map_.areas[feature].contains(p) && (is_uniform() || density(p) > 0);
 }
 

@@ -141,13 +141,13 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
 bool DotLayer::keeps_place(std::uint32_t dot) const {
     const auto& [place, feature] = dots_[dot];
     const Point rounded = land_.to_user(land_.to_unit(place));
-    return rounded == place || ground_.may_be(feature, rounded);
+    return rounded == place || ground_.may_lie(feature, rounded);
 }
 
 Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     const auto accept = [&](Point user) {
         const Point p = land_.to_unit(user);
-        return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
+        return ground_.may_lie(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
     };
     std::optional<InteriorSampler> interior;
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
@@ -220,7 +220,7 @@ void DotLayer::soften_borders() {
     });
 }
 
-bool DotLayer::goes_on() const {
+bool DotLayer::has_next_iteration() const {
     if (stopping() || result_.iterations >= options_.iterations) return false;
     return !(options_.tolerance && variation() < *options_.tolerance);
 }
@@ -232,7 +232,7 @@ Point DotLayer::fenced(std::uint32_t dot, Point to) const {
     const Point there = ground_.towards(dots_[dot].feature, place(dot), wanted);
     if (there == wanted) return to;
     const Point rounded = land_.to_unit(there);
-    return ground_.may_be(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
+    return ground_.may_lie(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
 }
 
 Relaxation& DotLayer::relaxation() {
@@ -253,7 +253,7 @@ void DotLayer::relax(int passes) {
     goals_ = relaxation().take_goals().release();
 }
 
-void DotLayer::ease(const PolishSettings& settings) {
+void DotLayer::polish_between(const PolishSettings& settings) {
     constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final places
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
     begin();
@@ -267,7 +267,7 @@ bool DotLayer::iterate() {
     if (stopping()) return false;
     result_.trace.push_back(measure());
     ++result_.iterations;
-    if (!goes_on()) relaxation_.reset();
+    if (!has_next_iteration()) relaxation_.reset();
     return true;
 }
 

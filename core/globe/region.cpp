@@ -134,7 +134,7 @@ public:
     double pitch() const;
 
     /// Projects the region onto an existing chart.
-    Result<Domain> lay_on(const Chart& chart, double pitch);
+    Result<Domain> project_onto(const Chart& chart, double pitch);
 
 private:
     bool is_seam(Point a, Point b) const { return closes_ && a.x == b.x && (a.x == west_ || a.x == east_); }
@@ -161,8 +161,8 @@ private:
     void for_bent_edges(Visit visit) const;
     double tolerance(const Chart& chart) const;
     double error(double tolerance) const;
-    void lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
-    std::vector<Ring> lay_all(const Chart& chart, double tolerance) const;
+    void project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
+    std::vector<Ring> project_rings(const Chart& chart, double tolerance) const;
     Result<std::vector<ChartedPart>> on_one_chart(const Chart& chart) const;
     Result<std::vector<ChartedPart>> on_two_charts(const Far& far) const;
 
@@ -386,7 +386,7 @@ double Charting::error(double tolerance) const {
 }
 
 /// Appends the approximation of an edge on a chart, without the end point.
-void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
+void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
     constexpr double kMaxPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
         plane.push_back(chart.to_plane(direction_of(from)));
@@ -399,7 +399,7 @@ void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring&
 }
 
 /// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the ring runs back and forth.
-std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const {
+std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
         Ring& plane = planes.emplace_back();
@@ -408,10 +408,10 @@ std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const 
             if (is_pole(a, b)) {
                 plane.push_back(chart.to_plane(direction_of(a)));
             } else if (!is_seam(a, b)) {
-                lay(chart, tolerance, a, b, plane);
+                project_edge(chart, tolerance, a, b, plane);
             } else {
                 for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
-                    if (seam_sides_[piece] == 1) return lay(chart, tolerance, from, to, plane);
+                    if (seam_sides_[piece] == 1) return project_edge(chart, tolerance, from, to, plane);
                     plane.push_back(chart.to_plane(direction_of(from)));
                 });
             }
@@ -422,7 +422,7 @@ std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const 
 
 Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) const {
     const double tolerance = this->tolerance(chart);
-    auto domain = Domain::enclosed_by(lay_all(chart, tolerance), stop_);
+    auto domain = Domain::enclosed_by(project_rings(chart, tolerance), stop_);
     if (!domain) return tl::unexpected(domain.error());
     std::vector<ChartedPart> parts;
     parts.push_back({chart, *std::move(domain), 0, error(tolerance), coarsest_});
@@ -457,7 +457,7 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     const Chart chart(-far.direction), opposite(far.direction);
     // Seen from the centre, the circle encloses everything except the hole, which is the second part.
     const double tolerance = this->tolerance(chart);
-    std::vector<Ring> rings = lay_all(chart, tolerance);
+    std::vector<Ring> rings = project_rings(chart, tolerance);
     rings.push_back(circle(std::numbers::pi - angle));
     auto most = Domain::enclosed_by(rings, stop_);
     if (!most) return tl::unexpected(most.error());
@@ -469,9 +469,9 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     return parts;
 }
 
-Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
+Result<Domain> Charting::project_onto(const Chart& chart, double pitch) {
     find_seam();
-    return Domain::enclosed_by(lay_all(chart, kTolerance * pitch), stop_);
+    return Domain::enclosed_by(project_rings(chart, kTolerance * pitch), stop_);
 }
 
 Result<std::vector<ChartedPart>> Charting::execute() {
@@ -535,7 +535,7 @@ double ground_pitch(const Domain& degrees, std::size_t sites) {
 }
 
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop) {
-    return Charting(degrees, 1, 0, stop).lay_on(chart, pitch);
+    return Charting(degrees, 1, 0, stop).project_onto(chart, pitch);
 }
 
 }  // namespace ccdt

@@ -135,7 +135,7 @@ public:
 
     /// Returns the region of a depth that loses the next point. At each level, chooses the half with the larger share
     /// of remaining points.
-    std::size_t turn(int depth) const {
+    std::size_t next_region(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
             const std::size_t first = 2 * region, second = first + 1;
@@ -147,7 +147,7 @@ public:
     }
 
     /// Counts the removal of a point from a region of a depth, whether or not the region was the next in turn.
-    void take(int depth, std::size_t region) {
+    void count_removal(int depth, std::size_t region) {
         for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
     }
 
@@ -191,28 +191,28 @@ public:
         : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
           y_(domain.unit_bounds().height(), distance, domain.is_torus()),
           wanted_(x_.nodes * y_.nodes),
-          there_(wanted_.size()) {
+          actual_(wanted_.size()) {
         const float per_reference = 1 / static_cast<float>(reference.size());
         for (const Point p : reference) add(around(p), per_reference, wanted_);
         around_.reserve(points.size());
         for (const Point p : points) {
             around_.push_back(around(p));
-            add(around_.back(), 1, there_);
+            add(around_.back(), 1, actual_);
         }
         join(wanted_);
-        join(there_);
+        join(actual_);
     }
 
     /// Returns the wanted smoothed number of points around a point, per point in all.
     float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
 
     /// Returns the actual smoothed number of points around a point.
-    float there(std::uint32_t point) const { return read(around_[point], there_); }
+    float actual(std::uint32_t point) const { return read(around_[point], actual_); }
 
     void remove(std::uint32_t point) {
         const Around& at = around_[point];
         const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
-        if (!repeats) return add(at, -1, there_);
+        if (!repeats) return add(at, -1, actual_);
         for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
                  [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
     }
@@ -271,7 +271,7 @@ private:
     /// Subtracts from a node and from all nodes identical to it.
     void lower(std::size_t column, std::size_t row, float weight) {
         for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
-            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) there_[y * x_.nodes + x] -= weight;
+            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) actual_[y * x_.nodes + x] -= weight;
         }
     }
 
@@ -291,7 +291,7 @@ private:
 
     Axis x_, y_;
     std::vector<float> wanted_;   ///< [nodes] wanted smoothed number of points, per point in all
-    std::vector<float> there_;    ///< [nodes] actual smoothed number of points
+    std::vector<float> actual_;   ///< [nodes] actual smoothed number of points
     std::vector<Around> around_;  ///< nodes around each point
 };
 
@@ -549,11 +549,11 @@ private:
             const auto [square, i, j] = pairs[next_pair_];
             if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i, left) > excess(j, left) ? i : j;
         }
-        const std::size_t region = regions_.turn(depth_);
+        const std::size_t region = regions_.next_region(depth_);
         return most_crowded(begins_[region], begins_[region + 1], left);
     }
 
-    float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->there(i); }
+    float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->actual(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
     /// Returns the point with the largest excess. bounds_ stores excesses without their wanted part. During a step such
@@ -599,7 +599,7 @@ private:
         crowd_->remove(i);
         surplus_->remove(i);
         const auto region = std::ranges::upper_bound(begins_, i) - begins_.begin() - 1;
-        regions_.take(depth_, static_cast<std::size_t>(region));
+        regions_.count_removal(depth_, static_cast<std::size_t>(region));
     }
 
     void keep_rest() {

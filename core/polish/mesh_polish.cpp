@@ -70,7 +70,7 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
         corner = {whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
     }
     const Point place = p - corner;
-    const auto here = support_.here(place);
+    const auto here = support_.inset_in_cell(place);
     if (here == place) return p;
     return inside(corner + (here ? *here : support_.nearest(place, kReach * spacing())));
 }
@@ -258,7 +258,7 @@ void MeshPolish::measure_spacings(const Triangulation& mesh) {
     });
 }
 
-void MeshPolish::silence(Triangulation& mesh, const std::stop_token& stop) {
+void MeshPolish::remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop) {
     if (!stealth_) stealth_.emplace(domain_, mesh.site_count(), executor_);
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
     if (stealth_->displacements(sites, moves_, stop)) apply(mesh);

@@ -79,7 +79,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
     repeat(settings.stealth_rounds, stop, after,
-           [&](int) { layers_.front().steps->silence(*layers_.front().mesh, stop); });
+           [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
 }
 
 /// Calls function(layer, moves) for each ink until stopped; `moves` is empty if there is only one ink.

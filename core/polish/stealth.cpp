@@ -64,7 +64,7 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Executor& executor)
 }
 
 bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
-    if (!measure(sites, stop) || largest_power_ < kSilence) return false;
+    if (!measure(sites, stop) || largest_power_ < kNegligiblePower) return false;
     Coefficients left(waves_.size()), eased(waves_.size()), changed(waves_.size()), potential(waves_.size());
     std::ranges::transform(sums_, left.begin(), [](const auto& sum) { return -sum; });
     precondition(left, eased);
