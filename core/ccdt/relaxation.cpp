@@ -488,7 +488,7 @@ void Relaxation::move_batch(const Group& group) {
     }
 }
 
-/// Whether a record contains a site among its neighbours.
+/// Whether a site is a neighbour of a record's site.
 template <std::size_t kPairs>
 bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) {
     bool found = false;

@@ -12,9 +12,8 @@
 namespace ccdt {
 
 /// Returns the values of a B-spline at the grid points around a position. Their sum is 1.
-/// @param f  position, in cells, in [0, 1]. For an odd degree, it is measured from the last grid point before the
-///           position. For degree 2, it is measured from the middle between the first and the second of the three grid
-///           points.
+/// @param f  offset of the position in its cell, in [0, 1] and in units of cells. For an odd degree, cells lie between
+///           grid points. For degree 2, grid points are at the centres of cells.
 template <int kDegree, class Number>
 CCDT_INLINE inline std::array<Number, kDegree + 1> b_spline(Number f) {
     static_assert(kDegree == 2 || kDegree == 3 || kDegree == 5);

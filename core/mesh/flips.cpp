@@ -14,7 +14,7 @@ namespace {
 using Mesh = Triangulation;
 constexpr std::uint32_t kNone = Mesh::kNone;
 
-/// An edge that needs a flip, and the block of the four vertices around it.
+/// An edge that is not Delaunay, and the block of the four vertices of its two triangles.
 struct Flip {
     std::uint32_t edge;
     SiteBlocks::Block block;

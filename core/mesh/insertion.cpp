@@ -33,6 +33,8 @@ struct Location {
     Shift shift;  ///< shift of the point from its given position
 };
 
+/// Result of an attempt to insert a site. Elsewhere: the position, or a triangle that would change, lies outside the
+/// region.
 enum class Outcome { Done, Refused, Elsewhere };
 
 /// Walks towards a place. Each step crosses an edge that has the place on its right. The edge tried first varies from
@@ -122,7 +124,7 @@ Outcome insert_in(Triangulation& mesh, Region& region, std::uint32_t site, Point
     return Outcome::Done;
 }
 
-/// Inserts those sites of a batch that lie within a region.
+/// Inserts the sites of a batch whose positions lie within a region. Leaves the others for a larger region.
 void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
     constexpr std::size_t kStopStride = 4096;
     legalise(mesh, region);

@@ -18,7 +18,7 @@ public:
     /// Least number of sites of a block, unless there is only one block.
     static constexpr std::size_t kMinSites = 2048;
 
-    /// A block of some level.
+    /// A block, given by its level and its number on this level.
     struct Block {
         int level = 0;
         std::uint32_t number = 0;

@@ -74,6 +74,7 @@ public:
     /// Number of sites that may move: the first ones. All sites may move unless fix_last() was called.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
+    /// Declares that the last `count` sites never move.
     void fix_last(std::size_t count);
     /// Blocks of the free sites, which can be processed in parallel.
     const SiteBlocks& blocks() const { return blocks_; }
@@ -136,6 +137,7 @@ public:
     /// Part in which a vertex lies; kNone for a vertex outside the domain. Before trim(), the four corners of the box
     /// are vertices outside.
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
+
     /// Wraps sites of a torus that have left the box by a quarter of a period or more back into it.
     void wrap();
 
@@ -144,10 +146,11 @@ public:
 
     // The following members are for the algorithms of this folder.
 
+    /// A triangle. Edge i runs from corners[i] to corners[(i + 1) % 3].
     struct Triangle {
-        std::array<std::uint32_t, 3> corners{};
-        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
-        std::array<Shift, 3> shifts{};  ///< shifts along the edges
+        std::array<std::uint32_t, 3> corners{};                   ///< counter-clockwise
+        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};  ///< twins of the three half-edges
+        std::array<Shift, 3> shifts{};                            ///< shifts along the edges
         std::uint8_t flags = 0;
 
         // Bit 1 << i is set if edge i of the triangle is constrained.
@@ -188,7 +191,7 @@ public:
     /// Sets has_changed() of all vertices to false.
     void forget_changes() { changed_.assign(points_.size(), 0); }
 
-    /// Sets the part of each vertex.
+    /// Sets the part of each vertex, and the number of parts.
     void set_parts(std::vector<std::uint32_t> part_of, std::size_t count);
     void set_part(std::uint32_t vertex, std::uint32_t part) {
         if (!part_of_.empty()) part_of_[vertex] = part;
