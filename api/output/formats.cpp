@@ -15,18 +15,18 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kLeastText = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
+constexpr std::size_t kMinTextBytes = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
 
 /// Minimum bytes of a site with its own Feature.
-constexpr std::size_t kLeastFeature =
+constexpr std::size_t kMinFeatureBytes =
     std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
 
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
-constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
-constexpr Estimate kFeatures{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
-constexpr Estimate kPath{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
-constexpr Estimate kColours{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
+constexpr Estimate kNumbersCost{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
+constexpr Estimate kFeaturesCost{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
+constexpr Estimate kPathCost{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
+constexpr Estimate kColoursCost{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
 void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
     write_csv(inks, body, stop);
@@ -67,63 +67,66 @@ constexpr PointFormat kTiffPoints{
 constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   0,
                                   {},
-                                  kColours,
+                                  kColoursCost,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {24, 0.3 * kMicrosecond}}};
+constexpr PointFormat kSvgPoints{
+    kSvg, 0, kPathCost, {}, VectorWriter{write_svg, write_map_svg, {24, 0.3 * kMicrosecond}}};
 constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
                                  0,
-                                 kPath,
+                                 kPathCost,
                                  {},
                                  VectorWriter{write_pdf, write_map_pdf, {40, 0.3 * kMicrosecond}, true}};
 constexpr PointFormat kHpglPoints{
     {"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""},
     0,
-    kPath,
+    kPathCost,
     {},
     VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {18, 0.2 * kMicrosecond}, true, true}};
 // G-code has no registered media type.
 constexpr PointFormat kGcodePoints{
     {"gcode", "G-code", "gcode", "text/x-gcode", ""},
     0,
-    kPath,
+    kPathCost,
     {},
     VectorWriter{plot_inks<write_gcode>, plot_map<write_gcode>, {32, 0.3 * kMicrosecond}, true, true}};
 constexpr PointFormat kDxfPoints{
     {"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
     0,
-    kPath,
+    kPathCost,
     {},
     VectorWriter{plot_inks<write_dxf>, plot_map<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
-constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
+constexpr PointFormat kJsonPoints{
+    kJson, kMinTextBytes, kNumbersCost, {}, ListWriter{false, write_json, write_map_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
-    kGeoJson, kLeastFeature, kFeatures, {}, ListWriter{true, write_point_features, write_map_point_features}, true};
+    kGeoJson, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_features, write_map_point_features},
+    true};
 constexpr PointFormat kGeoJsonPoints{
-    kGeoJson, kLeastText,           kNumbers, {}, ListWriter{true, write_feature, write_map_features},
+    kGeoJson, kMinTextBytes,        kNumbersCost, {}, ListWriter{true, write_feature, write_map_features},
     false,    &kGeoJsonSinglePoints};
 // The media type is in common use, but not registered.
 constexpr PointFormat kJsonLines{{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson", ""},
-                                 kLeastFeature,
-                                 kFeatures,
+                                 kMinFeatureBytes,
+                                 kFeaturesCost,
                                  {},
                                  ListWriter{true, write_point_lines, write_map_point_lines},
                                  true};
 constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geojsons", "application/geo+json-seq", ""},
-                                    kLeastFeature,
-                                    kFeatures,
+                                    kMinFeatureBytes,
+                                    kFeaturesCost,
                                     {},
                                     ListWriter{true, write_point_sequence, write_map_point_sequence},
                                     true};
 constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=present"},
-                                 kLeastText,
-                                 kNumbers,
+                                 kMinTextBytes,
+                                 kNumbersCost,
                                  {},
                                  ListWriter{true, list_csv, list_map_csv},
                                  true};
 // NPY has no registered media type.
 constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
                                  2 * sizeof(double),
-                                 kNumbers,
+                                 kNumbersCost,
                                  {},
                                  ListWriter{true, list_npy, list_map_npy}};
 

@@ -17,8 +17,8 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
-constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
+constexpr std::size_t kTypicalPointBytes = 41;  ///< `[x,y],` with 17 digits each
+constexpr std::size_t kStopStride = 4'096;      ///< points between two checks of the stop token
 
 /// Appends a number. Throws if the number is not finite, since JSON cannot express it and clients expect a number.
 void append_number(std::string& out, double value) {
@@ -67,7 +67,7 @@ void write_list(Body& body, std::span<const Element> list, AppendElement append_
 }
 
 void write_points(Body& body, std::span<const Point> points, const std::stop_token& stop) {
-    body.expect(body.text().size() + kUsualPoint * points.size());
+    body.expect(body.text().size() + kTypicalPointBytes * points.size());
     write_list(body, points, append_point, stop);
 }
 
@@ -475,7 +475,7 @@ void write_feature(std::span<const InkDots> inks, const Report& report, Body& bo
 
 void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
     std::string& out = body.text();
-    body.expect(kUsualPoint * map.size());
+    body.expect(kTypicalPointBytes * map.size());
     out += "{\"points\":[";
     bool first = true;
     for (const MapDots& each : map.classes) {
@@ -509,7 +509,7 @@ void write_map_json(const MapOfDots& map, const Report& report, Body& body, cons
 
 void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
     std::string& out = body.text();
-    body.expect(kUsualPoint * map.size());
+    body.expect(kTypicalPointBytes * map.size());
     out += R"({"type":"FeatureCollection",)";
     append_map_run(out, map, report);
     out += ",\"features\":[";

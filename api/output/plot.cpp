@@ -31,10 +31,10 @@ double distance(Point a, Point b) {
 /// @param from, to  radii at the beginning and at the end of the turn
 void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
     constexpr double kTolerance = 1.0 / 50;
-    constexpr int kFewest = 8;
+    constexpr int kMinCorners = 8;
     const double outer = std::max(from, to);
     const double step = 2 * std::acos(std::max(1 - kTolerance * pen / outer, 0.0));
-    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kFewest);
+    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kMinCorners);
     for (int i = 1; i <= count; ++i) {
         const double share = static_cast<double>(i) / count;
         const double angle = 2 * std::numbers::pi * share;
@@ -110,9 +110,9 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
 }
 
 Result<void> check_sides(const Page& page, const std::string& field) {
-    constexpr double kLeast = 0.01, kMax = 100'000;
+    constexpr double kMinSide = 0.01, kMax = 100'000;
     const Point size = page.size();
-    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMax) return {};
+    if (std::min(size.x, size.y) >= kMinSide && std::max(size.x, size.y) <= kMax) return {};
     std::string message = "width_mm makes a page of ";
     append_shortest(message, size.x);
     message += " x ";

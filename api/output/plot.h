@@ -96,11 +96,11 @@ Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawi
 /// to time, and returns early if it is false. Points are relative to the upper left corner of the page.
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
-    constexpr std::size_t kBetween = 1'000;
+    constexpr std::size_t kCheckInterval = 1'000;
     const Placing place(plot.page, plot.page.unit());
     const bool joined = plot.style == DotStyle::Path;
     for (std::size_t i = 0; i < run.path.size(); ++i) {
-        if (i % kBetween == 0 && !medium.goes_on()) return;
+        if (i % kCheckInterval == 0 && !medium.goes_on()) return;
         const Point centre = place(run.points[run.path[i]]);
         if (joined && i > 0) {
             medium.line_to(centre);

@@ -21,8 +21,8 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kUsualDot = 64;   // bytes of a dot
-constexpr int kDigits = 6;              // significant digits of the longer side of a page
+constexpr std::size_t kTypicalDotBytes = 64;  // bytes of a dot
+constexpr int kDigits = 6;                    // significant digits of the longer side of a page
 constexpr int kMaxDecimals = 300;
 
 /// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
@@ -95,7 +95,7 @@ public:
           decimals_(
               std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
-        body_.expect(dots * kUsualDot);
+        body_.expect(dots * kTypicalDotBytes);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
         if (page.width_mm) {
             write(width_, R"(mm" height=")", height_, "mm");
@@ -190,10 +190,10 @@ private:
 
         void line_to(Point at) {
             // A longer line is continued in another path.
-            constexpr std::size_t kLongest = 250'000;
+            constexpr std::size_t kMaxPoints = 250'000;
             document_.write("L", at.x, " ", at.y);
             is_touch_ = false;
-            if (++points_ < kLongest) return;
+            if (++points_ < kMaxPoints) return;
             close();
             begin(at);
             is_touch_ = false;

@@ -11,10 +11,10 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
-constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a comma and a line break
-constexpr std::size_t kUsualName = 8;       ///< usual bytes of an ink's name and a comma
-constexpr std::size_t kNpyAlignment = 64;   ///< alignment of the offset of the first number
+constexpr std::size_t kStopStride = 4'096;     ///< points between two checks of the stop token
+constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers of 18 characters, a comma and a line break
+constexpr std::size_t kTypicalNameBytes = 8;   ///< usual bytes of an ink's name and a comma
+constexpr std::size_t kNpyAlignment = 64;      ///< alignment of the offset of the first number
 
 /// @param ranks  of the points; may be empty
 /// @param end    end of each line
@@ -129,7 +129,7 @@ void append_columns(std::string& out, const CarriedProperties& properties, std::
 void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
     if (inks.front().two_sides != nullptr) return write_two_sides(inks, body, stop);
     const bool named = are_named(inks);
-    body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
+    body.expect((count_points(inks) + 1) * (kTypicalLineBytes + (named ? kTypicalNameBytes : 0)));
     const bool ranked = !named && !inks.front().dots.ranks.empty();
     body.text().append("x,y").append(named ? ",ink" : ranked ? ",rank" : "").append("\r\n");
     for (const InkDots& each : inks)
@@ -171,7 +171,7 @@ void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token&
 
 void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop) {
     const bool named = map.are_named();
-    body.expect((map.size() + 1) * (kUsualLine + kUsualName));
+    body.expect((map.size() + 1) * (kTypicalLineBytes + kTypicalNameBytes));
     body.text().append("x,y").append(map.are_ranked() ? ",rank" : "").append(named ? ",feature,class" : ",feature");
     if (map.properties != nullptr) {
         for (const std::string& name : map.properties->names) body.text().append(",").append(quoted(name));

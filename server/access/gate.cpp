@@ -36,8 +36,8 @@ Result<std::shared_ptr<const KeyRing>> read_api_keys(const std::string& file) {
 Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys& signing) {
     constexpr std::string_view kVariable = "CCDT_SIGNING_KEY";
     if (signing.empty()) return nullptr;
-    if (!signing.file.empty()) return KeyRing::read(signing.file, Gate::kShortestSigningKey).map(share);
-    return KeyRing::of(std::string(kVariable), signing.key, Gate::kShortestSigningKey)
+    if (!signing.file.empty()) return KeyRing::read(signing.file, Gate::kMinSigningKeyLength).map(share);
+    return KeyRing::of(std::string(kVariable), signing.key, Gate::kMinSigningKeyLength)
         .map(share)
         .map_error([&](Error error) {
             error.message.insert(0, std::string(kVariable) + ": ");

@@ -42,7 +42,7 @@ public:
 
     /// Minimum length of a signing key, in characters. It is longer than that of an API key, because whoever has a
     /// signed URL can try keys offline.
-    static constexpr std::size_t kShortestSigningKey = 32;
+    static constexpr std::size_t kMinSigningKeyLength = 32;
 
     struct Verdict {
         std::string key;             ///< name of the API key that the request has; empty: none

@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kPollInterval{200};
 constexpr std::chrono::seconds kRetryAfter{1};
 
 /// Maximum size of a result that is sent whole, in bytes; larger ones are sent in pieces.
-constexpr std::size_t kWhole = api::Body::kWhole;
+constexpr std::size_t kMaxInMemory = api::Body::kMaxInMemory;
 
 /// Makes an answer that must not be stored, such as the status of a job.
 Response for_now(std::string media_type, std::string body) {
@@ -73,7 +73,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
-    const bool in_pieces = job->result_bytes > kWhole;
+    const bool in_pieces = job->result_bytes > kMaxInMemory;
     auto lease = memory_.reserve(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
     auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);

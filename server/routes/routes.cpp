@@ -27,20 +27,20 @@ namespace {
 
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
-constexpr std::size_t kLongestId = 64;
+constexpr std::size_t kMaxIdLength = 64;
 
 /// Maximum length of a logged origin, in bytes: its host has at most 253.
-constexpr std::size_t kLongestOrigin = 300;
-constexpr std::size_t kLongestHost = 260;
+constexpr std::size_t kMaxOriginLength = 300;
+constexpr std::size_t kMaxHostLength = 260;
 
 /// Maximum size of a text, in bytes, that is compressed here; longer ones are compressed by workers.
-constexpr std::size_t kQuickToCompress = 262'144;
+constexpr std::size_t kMaxQuicklyCompressed = 262'144;
 
 /// All methods that some path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
 /// Seconds after which a worker that continues although its job was cancelled counts as stuck.
-constexpr double kLongestOverdue = 10;
+constexpr double kMaxOverdueSeconds = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
     char text[17];
@@ -233,7 +233,7 @@ Gate::Credential Routes::needed(const Found& found, const Request& request) {
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
     const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
-    const std::string asked = request.authority.substr(0, kLongestHost);
+    const std::string asked = request.authority.substr(0, kMaxHostLength);
     if (!warned_of_hosts_.exchange(true))
         warn_("a request for the host " + asked + " was refused; --allowed-host with this name would allow it. " +
               "Further refusals of hosts are not logged");
@@ -307,7 +307,7 @@ HttpResult<Response> Routes::ready(const Incoming& /*incoming*/) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
     if (auto missing = missing_(); !missing.empty()) return computing_.busy(503, std::move(missing));
     const WorkerPool::Load load = pool_.load();
-    if (load.overdue_seconds > kLongestOverdue)
+    if (load.overdue_seconds > kMaxOverdueSeconds)
         return computing_.busy(503, "a worker does not stop when it is told to");
     if (load.backlog_seconds > std::chrono::duration<double>(config_.timeout).count())
         return computing_.busy(503, "waiting requests take longer than the timeout");
@@ -350,7 +350,7 @@ Response Routes::preflight(std::string_view allow, const Request& request) const
 
 std::string Routes::request_id(const Request& request) {
     const auto given = request.header("X-Request-ID");
-    if (api::is_plain_name(given, kLongestId)) return std::string(given);
+    if (api::is_plain_name(given, kMaxIdLength)) return std::string(given);
     return id_prefix_ + hexadecimal(++requests_, 8);
 }
 
@@ -373,7 +373,7 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
         response.stream && !response.length && is_compressible(response.media_type);  // compressed by a worker
     if (!done && !told && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
-    if (!done && !told && !streamed && response.body.size() <= kQuickToCompress &&
+    if (!done && !told && !streamed && response.body.size() <= kMaxQuicklyCompressed &&
         accepts_gzip(request.header("Accept-Encoding"))) {
         response.body = *gzip(response.body);
         response.coding = "gzip";
@@ -384,7 +384,7 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
 /// Logs a warning when a page of another origin is refused for the first time. The warning names the flag that would
 /// allow the origin, because browsers do not show the reason to users.
 void Routes::warn_of_refused_origin(const Request& request) {
-    const auto origin = request.header("Origin").substr(0, kLongestOrigin);
+    const auto origin = request.header("Origin").substr(0, kMaxOriginLength);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;
     if (warned_of_origins_.exchange(true)) return;
     warn_("a page of " + std::string(origin) + " may not call this server; --cors-origin " + std::string(origin) +

@@ -68,7 +68,7 @@ std::size_t write(Body& body, std::string_view text) {
 }
 
 TEST(Body, IsHeldInMemoryIfSmall) {
-    const std::string text = numbers(Body::kWhole - 1);
+    const std::string text = numbers(Body::kMaxInMemory - 1);
     const Answer before = head();
     Sink sink;
     Body body(before, &sink, {});
@@ -81,7 +81,7 @@ TEST(Body, IsHeldInMemoryIfSmall) {
 }
 
 TEST(Body, IsHeldInMemoryWithoutReceiver) {
-    const std::string text = numbers(2 * Body::kWhole);
+    const std::string text = numbers(2 * Body::kMaxInMemory);
     const Answer before = head();
     Body body(before, nullptr, {});
     write(body, text);
@@ -91,7 +91,7 @@ TEST(Body, IsHeldInMemoryWithoutReceiver) {
 }
 
 TEST(Body, IsStreamedInPiecesIfLarge) {
-    const std::string text = numbers(2 * Body::kWhole + 12'345);
+    const std::string text = numbers(2 * Body::kMaxInMemory + 12'345);
     const Answer before = head();
     Sink sink;
     Body body(before, &sink, {});
@@ -109,11 +109,11 @@ TEST(Body, IsStreamedInPiecesIfLarge) {
 }
 
 TEST(Body, StopsOnceReceiverStops) {
-    const std::string text = numbers(4 * Body::kWhole);
+    const std::string text = numbers(4 * Body::kMaxInMemory);
     const Answer before = head();
     Sink sink(20);
     Body body(before, &sink, {});
-    EXPECT_LT(write(body, text), 2 * Body::kWhole);
+    EXPECT_LT(write(body, text), 2 * Body::kMaxInMemory);
     const auto answer = body.finish(before);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
@@ -125,7 +125,7 @@ TEST(Body, ReportsIfNotReproducibleBecauseHurried) {
     Sink sink;
     Body large(before, &sink, path_stop.get_token()), small(before, &sink, path_stop.get_token());
     path_stop.request_stop();
-    write(large, numbers(Body::kWhole + 10'000));
+    write(large, numbers(Body::kMaxInMemory + 10'000));
     ASSERT_EQ(sink.heads.size(), 1U);
     EXPECT_FALSE(sink.heads.front().repeats);
     EXPECT_FALSE(small.finish(before)->repeats);
