@@ -154,7 +154,7 @@ constexpr std::array<Routes::Route, Routes::Table::kFixed.size() + kOperations.s
 
 Routes::Routes(const Config& config, Parts parts)
     : config_(config),
-      gate_(parts.gate),
+      access_control_(parts.access_control),
       pool_(parts.pool),
       metrics_(parts.metrics),
       missing_(std::move(parts.missing)),
@@ -213,20 +213,22 @@ Routes::Found Routes::find(const Request& request) {
 
 /// Returns the credential that a request needs. Unknown paths below /health/ need none, so that they are answered with
 /// 404.
-Gate::Credential Routes::needed(const Found& found, const Request& request) {
-    const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
+AccessControl::Credential Routes::needed(const Found& found, const Request& request) {
+    const auto key_unless = [](bool free) {
+        return free ? AccessControl::Credential::None : AccessControl::Credential::Key;
+    };
     if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
     switch (found.route->access) {
         case Access::ApiKey:
-            return Gate::Credential::Key;
+            return AccessControl::Credential::Key;
         case Access::Signature:
-            return Gate::Credential::Signature;
+            return AccessControl::Credential::Signature;
         case Access::Read:
             return key_unless(is_taken(request.method, "GET"));
         case Access::Anyone:
             break;
     }
-    return Gate::Credential::None;
+    return AccessControl::Credential::None;
 }
 
 /// Refuses requests for hosts that are not allowed. Health checks are answered for any host.
@@ -242,7 +244,7 @@ HttpResult<void> Routes::check_host(const Found& found, const Request& request) 
 
 /// Checks a request's credentials and rate, and stores the client's identity in the connection and the record.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
-    auto verdict = gate_.check(request, connection.client().address, needed(found, request));
+    auto verdict = access_control_.check(request, connection.client().address, needed(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
     record.signer = std::move(verdict.signer);
     return std::move(verdict.admission);

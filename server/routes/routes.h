@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 #include "server/config/config.h"
 #include "server/http/connection.h"
 #include "server/http/message.h"
@@ -32,7 +32,7 @@ public:
 
     /// Parts that answer requests. All of them must outlive the routes.
     struct Parts {
-        Gate& gate;
+        AccessControl& access_control;
         WorkerPool& pool;
         MemoryBudget& waiting_memory;  ///< budget for requests, in addition to the memory of the pool's jobs
         Compute compute;
@@ -89,7 +89,7 @@ private:
     };
     static Found find(const Request& request);
     static std::string allowed_methods(const Route& route);
-    static Gate::Credential needed(const Found& found, const Request& request);
+    static AccessControl::Credential needed(const Found& found, const Request& request);
 
     HttpResult<void> admit(const Found& found, const Request& request, Connection& connection, Record& record);
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
@@ -115,7 +115,7 @@ private:
     void add_common_headers(const Request& request, Response& response) const;
 
     const Config config_;
-    Gate& gate_;
+    AccessControl& access_control_;
     WorkerPool& pool_;
     const Metrics& metrics_;
     const Missing missing_;

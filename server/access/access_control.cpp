@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 
 #include <string_view>
 #include <utility>
@@ -33,11 +33,11 @@ Result<std::shared_ptr<const KeyRing>> read_api_keys(const std::string& file) {
 
 }  // namespace
 
-Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys& signing) {
+Result<std::shared_ptr<const KeyRing>> read_signing_keys(const AccessControl::SigningKeys& signing) {
     constexpr std::string_view kVariable = "CCDT_SIGNING_KEY";
     if (signing.empty()) return nullptr;
-    if (!signing.file.empty()) return KeyRing::read(signing.file, Gate::kMinSigningKeyLength).map(share);
-    return KeyRing::of(std::string(kVariable), signing.key, Gate::kMinSigningKeyLength)
+    if (!signing.file.empty()) return KeyRing::read(signing.file, AccessControl::kMinSigningKeyLength).map(share);
+    return KeyRing::of(std::string(kVariable), signing.key, AccessControl::kMinSigningKeyLength)
         .map(share)
         .map_error([&](Error error) {
             error.message.insert(0, std::string(kVariable) + ": ");
@@ -45,7 +45,7 @@ Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys
         });
 }
 
-Result<void> Gate::read_keys() {
+Result<void> AccessControl::read_keys() {
     auto api = read_api_keys(key_file_);
     if (!api) return tl::unexpected(std::move(api.error()));
     auto signing = read_signing_keys(signing_);
@@ -55,14 +55,15 @@ Result<void> Gate::read_keys() {
     return {};
 }
 
-Gate::Verdict Gate::check(const Request& request, const std::string& address, Credential needed) {
+AccessControl::Verdict AccessControl::check(const Request& request, const std::string& address, Credential needed) {
     if (needed == Credential::None) return {{}, address, {}, {}};
     const Keys keys = this->keys();
     if (needed == Credential::Signature && keys.signing) return check_signature(*keys.signing, request, address);
     return check_key(keys.api.get(), request, address);
 }
 
-Gate::Verdict Gate::check_key(const KeyRing* ring, const Request& request, const std::string& address) {
+AccessControl::Verdict AccessControl::check_key(const KeyRing* ring, const Request& request,
+                                                const std::string& address) {
     const auto key = bearer_key(request.header("Authorization"));
     const auto name = ring != nullptr && !key.empty() ? ring->find(key) : std::nullopt;
     Verdict verdict{name.value_or(""), name ? "key " + *name : address, {}, {}};
@@ -72,7 +73,8 @@ Gate::Verdict Gate::check_key(const KeyRing* ring, const Request& request, const
     return verdict;
 }
 
-Gate::Verdict Gate::check_signature(const KeyRing& ring, const Request& request, const std::string& address) {
+AccessControl::Verdict AccessControl::check_signature(const KeyRing& ring, const Request& request,
+                                                      const std::string& address) {
     Verdict verdict{{}, address, count(address), {}};
     if (!verdict.admission || is_preflight(request)) return verdict;
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -86,19 +88,19 @@ Gate::Verdict Gate::check_signature(const KeyRing& ring, const Request& request,
 }
 
 /// Counts a request, and refuses it if the rate limit is exceeded.
-HttpResult<void> Gate::count(const std::string& client) {
+HttpResult<void> AccessControl::count(const std::string& client) {
     const auto wait = client.empty() ? std::chrono::seconds(0) : take(client);
     if (wait.count() == 0) return {};
     return busy(429, "too many requests for this key or address (rate-limit)", wait);
 }
 
 /// Counts a request in Redis, or locally if Redis is not configured or does not reply.
-std::chrono::seconds Gate::take(const std::string& client) {
+std::chrono::seconds AccessControl::take(const std::string& client) {
     const auto wait = shared_ ? shared_->take(client) : std::nullopt;
     return wait ? *wait : limiter_.take(client);
 }
 
-Gate::Keys Gate::keys() const {
+AccessControl::Keys AccessControl::keys() const {
     const std::lock_guard lock(mutex_);
     return keys_;
 }

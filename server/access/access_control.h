@@ -23,7 +23,7 @@ namespace ccdt::server {
 /// Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send preflights without
 /// keys, so preflights need none and are counted by address. Requests with a signed URL are also counted by address,
 /// because all visitors of a page have URLs signed by the same key. Thread-safe.
-class Gate {
+class AccessControl {
 public:
     /// Credential that a request needs.
     enum class Credential {
@@ -52,9 +52,10 @@ public:
     };
 
     /// @param key_file  empty: no key is needed
-    /// @param shared    Redis in which several servers share their counts; must outlive the gate; null: counts are
+    /// @param shared    Redis in which several servers share their counts; must outlive this object; null: counts are
     ///                  local
-    Gate(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr, SigningKeys signing = {})
+    AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,
+                  SigningKeys signing = {})
         : key_file_(std::move(key_file)), signing_(std::move(signing)), limiter_(rate) {
         if (shared != nullptr) shared_.emplace(*shared, rate);
     }
@@ -88,6 +89,6 @@ private:
 
 /// Reads the signing keys from the file or, if no file is named, from `key`. Returns null if both are empty.
 /// Errors: those of KeyRing; the message names the file or the variable.
-Result<std::shared_ptr<const KeyRing>> read_signing_keys(const Gate::SigningKeys& signing);
+Result<std::shared_ptr<const KeyRing>> read_signing_keys(const AccessControl::SigningKeys& signing);
 
 }  // namespace ccdt::server
