@@ -22,7 +22,7 @@ constexpr std::chrono::seconds kRetryAfter{1};
 constexpr std::size_t kMaxInMemory = api::Body::kMaxInMemory;
 
 /// Makes an answer that must not be stored, such as the status of a job.
-Response for_now(std::string media_type, std::string body) {
+Response uncached_response(std::string media_type, std::string body) {
     Response response;
     response.media_type = std::move(media_type);
     response.body = std::move(body);
@@ -31,7 +31,7 @@ Response for_now(std::string media_type, std::string body) {
 }
 
 Response document(const Job& job) {
-    return for_now("application/json", status_json(job) + '\n');
+    return uncached_response("application/json", status_json(job) + '\n');
 }
 
 /// Makes the problem that says why there is no result.
@@ -52,7 +52,7 @@ std::string event(const Job& job) {
 
 }  // namespace
 
-Response accepted(const Job& job) {
+Response accepted_response(const Job& job) {
     Response response = document(job);
     response.status = 202;
     response.headers.push_back({"Location", "/jobs/" + job.id});
@@ -121,7 +121,7 @@ HttpResult<Response> JobRoutes::remove(const std::string& id, const Connection& 
 HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& connection) const {
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
-    Response response = for_now("text/event-stream", {});
+    Response response = uncached_response("text/event-stream", {});
     response.headers.push_back({"X-Accel-Buffering", "no"});  // disables nginx' buffering
     response.stream = [this, &connection, watch = *std::move(watch)](const Send& send, Record&) {
         send_events(watch, connection, send);

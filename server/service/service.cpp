@@ -148,7 +148,7 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                        .compute = compute_in(*parts_.computing),
                        .jobs = jobs_,
                        .metrics = metrics_,
-                       .missing = [this] { return missing(); },
+                       .obstacle = [this] { return obstacle(); },
                        .warn = [this](const std::string& what) { log_.warning(what); },
                        .answers = parts_.redis.answers.get(),
                        .read_shapefile =
@@ -192,15 +192,15 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// Returns a message that says what prevents computations now; empty if nothing does.
-std::string Service::missing() const {
+/// Returns the reason why the server cannot compute now; empty if it can.
+std::string Service::obstacle() const {
     if (!parts_.decoder->is_ready()) return "the picture decoder is being restarted";
     if (!parts_.decoder->is_responsive()) return "the picture decoder does not answer";
     if (!parts_.computing->is_ready()) return "the fork server of computations is being restarted";
     return parts_.computing->is_responsive() ? "" : "the fork server of computations does not answer";
 }
 
-/// Collects the metrics that other parts count.
+/// Collects the metrics that other classes count.
 Metrics::Watched Service::figures() const {
     auto computing = parts_.computing->counts();
     computing.decoder_deaths += decoding_.deaths();

@@ -85,7 +85,7 @@ private:
     static Result<Parts> start_parts(const Config& config, const Log& log);
     Service(const Config& config, Parts parts, const Log& log);
 
-    std::string missing() const;
+    std::string obstacle() const;
     Metrics::Watched figures() const;
 
     const Config config_;
