@@ -62,9 +62,9 @@ class Redis:
             return False
 
     def cli(self, *arguments):
-        told = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
+        result = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
                               timeout=PATIENCE, check=True)
-        return told.stdout.strip()
+        return result.stdout.strip()
 
     def kill(self):
         self.process.kill()

@@ -208,8 +208,8 @@ def post_json(server, path, body, *arguments):
 def figures_at_rest(server):
     """Returns /metrics once all answers are counted, which happens after they are sent."""
     def find():
-        told = ask(server, "/metrics").body.decode()
-        return told if "\nccdt_connections_open 1\n" in told else None
+        metrics = ask(server, "/metrics").body.decode()
+        return metrics if "\nccdt_connections_open 1\n" in metrics else None
 
     return wait_until(find, "the end of all other connections")
 

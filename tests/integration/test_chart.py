@@ -163,8 +163,8 @@ class Chart(unittest.TestCase):
                                pause + int(variables_of(documents)["CCDT_DRAIN_TIMEOUT"]))
 
     def test_sets_only_variables_of_the_server(self):
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-        known = set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
+        output = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+        known = set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
         for documents in self.releases.values():
             self.assertEqual(set(variables_of(documents)) - known, set())
         set_ = {name: value for name, value in variables_of(self.releases["whole"]).items() if value is not None}
@@ -210,8 +210,8 @@ class Chart(unittest.TestCase):
         self.assertEqual(endpoint["relabelings"], [{"targetLabel": "job", "replacement": "ccdt"}])
 
     def test_has_the_servers_version(self):
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
-        self.assertEqual(yaml.safe_load((CHART / "Chart.yaml").read_text())["appVersion"], told.stdout.split()[1])
+        result = subprocess.run([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(yaml.safe_load((CHART / "Chart.yaml").read_text())["appVersion"], result.stdout.split()[1])
 
 
 if __name__ == "__main__":

@@ -51,8 +51,8 @@ class Check(unittest.TestCase):
         self.assertEqual(values["--port"], ("0", "PORT"))
         self.assertEqual(values["--memory"], ("4GiB", "CCDT_MEMORY"))
         self.assertEqual(values["--queue"], ("48", "default"))
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual(list(values), re.findall(r"^  (--[a-z-]+) [A-Z]", told, re.MULTILINE))
+        output = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(list(values), re.findall(r"^  (--[a-z-]+) [A-Z]", output, re.MULTILINE))
         self.assertIn("in force: ", parts["decoder"][1])
         self.assertEqual(parts["worker"][0], "good")
         self.assertRegex(parts["memory"][1], r"^\d+ MiB of 4096 ")

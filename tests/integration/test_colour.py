@@ -305,8 +305,8 @@ class Runs(unittest.TestCase):
             self.assertEqual(accepted.status, 202, accepted)
             job = accepted.headers["location"]
             stream = ask(server, job + "/events", "--no-buffer").body.decode()
-            told = [line for line in stream.splitlines() if line.startswith("data:")]
-            progress = [float(line.split('"progress":')[1].split(",")[0].rstrip("}")) for line in told]
+            lines = [line for line in stream.splitlines() if line.startswith("data:")]
+            progress = [float(line.split('"progress":')[1].split(",")[0].rstrip("}")) for line in lines]
             self.assertEqual(progress, sorted(progress))
             self.assertEqual(progress[-1], 1)
             now = ask(server, "/halftone?sites=9000&color=cmyk", data=ASTRONAUT)

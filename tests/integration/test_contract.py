@@ -130,8 +130,8 @@ class Document(ContractCase):
         self.assertEqual(self.ask("/openapi.json", "--head").headers["etag"], answer.headers["etag"])
 
     def test_has_the_version_of_the_server(self):
-        told = subprocess.run([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
-        self.assertEqual(told.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
+        result = subprocess.run([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(result.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
 
     def test_has_valid_schemas(self):
         for name, described in DOCUMENT["components"]["schemas"].items():
@@ -321,8 +321,8 @@ class Options(ContractCase):
                     self.take(path, option, word)
             if words:
                 detail = self.refuse(path, option, "nonsense").split("nonsense")[1]
-                told = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
-                self.assertEqual(sorted(told), sorted(words), option)
+                named = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
+                self.assertEqual(sorted(named), sorted(words), option)
                 tried += 1
         self.assertGreater(tried, 10)
 
@@ -489,11 +489,11 @@ class Statuses(ContractCase):
                 self.see_locked(server, 401)
         self.see_streams()
         self.see_pictures()
-        told = {(path, status) for path, _, operation in operations() for status in operation["responses"]
-                if not status.endswith("XX")}
+        documented = {(path, status) for path, _, operation in operations() for status in operation["responses"]
+                      if not status.endswith("XX")}
         # What is common to all that compute is provoked at one of them.
         alike = {(path, status) for path in (*COMPUTING, "/halftone/{name}") for status in ("503", "504")}
-        self.assertEqual(told - self.seen - set(self.ELSEWHERE) - alike, set())
+        self.assertEqual(documented - self.seen - set(self.ELSEWHERE) - alike, set())
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())
 
     def see_pictures(self):
@@ -531,12 +531,12 @@ class Statuses(ContractCase):
         errors = set(re.findall(r"(?:\b(?:problem|busy)\(|\bProblem\{|\? )([45]\d\d)\b", source))
         errors |= set(re.findall(r"return ([45]\d\d);", (SERVER / "http" / "problem.cpp").read_text()))
         self.assertGreater(len(errors), 15)
-        told = {status for _, _, operation in operations() for status in operation["responses"]}
+        documented = {status for _, _, operation in operations() for status in operation["responses"]}
         for status in ("4XX", "5XX"):
             described = resolve(next(operation["responses"][status] for _, _, operation in operations()))
-            told |= set(re.findall(r"\b[45]\d\d\b", described["description"]))
-        self.assertEqual(errors - told, set())
-        self.assertEqual({status for status in told if re.fullmatch(r"[45]\d\d", status)} - errors, set())
+            documented |= set(re.findall(r"\b[45]\d\d\b", described["description"]))
+        self.assertEqual(errors - documented, set())
+        self.assertEqual({status for status in documented if re.fullmatch(r"[45]\d\d", status)} - errors, set())
 
     def test_in_the_readme_are_documented(self):
         rows = re.findall(r"^\| (\d{3}(?:, \d{3})*) \| ", (ROOT / "api" / "README.md").read_text(), re.MULTILINE)

@@ -105,8 +105,8 @@ class Family:
 
 
 def restarts(server):
-    told = ask(server, "/metrics").body.decode()
-    return int(float(re.search(r"^ccdt_decoder_restarts_total (\S+)$", told, re.MULTILINE)[1]))
+    metrics = ask(server, "/metrics").body.decode()
+    return int(float(re.search(r"^ccdt_decoder_restarts_total (\S+)$", metrics, re.MULTILINE)[1]))
 
 
 def is_ready(server):
@@ -151,7 +151,7 @@ class Start(unittest.TestCase):
 
     def test_fails_if_one_of_its_programs_cannot_start(self):
         ours = pathlib.Path(os.environ["CCDT_SERVER"]).parent
-        for broken, told in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
+        for broken, message in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
                              ("ccdt-worker", "cannot start the worker: it exited with 3")):
             with self.subTest(broken=broken), tempfile.TemporaryDirectory() as folder:
                 for name in ("ccdt-decoder", "ccdt-server", "ccdt-worker"):
@@ -165,7 +165,7 @@ class Start(unittest.TestCase):
                 done = subprocess.run([f"{folder}/ccdt-server", "--port=0"], capture_output=True, text=True,
                                       timeout=PATIENCE, check=False)
                 self.assertEqual(done.returncode, 1)
-                self.assertIn(told, done.stderr)
+                self.assertIn(message, done.stderr)
 
 
 class Restarts(unittest.TestCase):
@@ -240,9 +240,9 @@ class Confinement(ServerCase):
             wait_until(lambda process=process: is_closed(process))
 
     def test_is_as_logged(self):
-        told = self.server.wait_for_log("pictures are decoded by user ")
-        user = re.search(r"by user (\d+)", told)[1]
-        there = re.search(r"in force: (.*?)(?:; not in force|$)", told)[1]
+        line = self.server.wait_for_log("pictures are decoded by user ")
+        user = re.search(r"by user (\d+)", line)[1]
+        there = re.search(r"in force: (.*?)(?:; not in force|$)", line)[1]
         family = Family(self.server)
         for process in (family.helper(), family.spare()):
             status = dict(line.split(":\t", 1) for line in (PROC / str(process.id) / "status").read_text().splitlines())
@@ -291,8 +291,8 @@ exec unshare --mount sh -ec '
             enter.write_text(self.ENTER)
             enter.chmod(0o755)
             with Server(program=enter) as server:
-                told = server.wait_for_log("pictures are decoded by user ")
-                self.assertRegex(told, "in force: .*mount namespace.*; not in force: .*empty root directory")
+                line = server.wait_for_log("pictures are decoded by user ")
+                self.assertRegex(line, "in force: .*mount namespace.*; not in force: .*empty root directory")
                 self.assertEqual(ask(server, "/halftone?sites=50", data=CAMERA).status, 200)
                 self.assertEqual(server.stop(), 0)
 

@@ -97,8 +97,8 @@ class Formats(ServerCase):
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(answer.body)
             file.flush()
-            told = subprocess.run(["file", file.name], capture_output=True, text=True, check=True).stdout
-            self.assertIn("1024 x 1024, 1-bit", told)
+            output = subprocess.run(["file", file.name], capture_output=True, text=True, check=True).stdout
+            self.assertIn("1024 x 1024, 1-bit", output)
             checker = shutil.which("pngcheck")
             self.assertIsNotNone(checker)
             subprocess.run([checker, "-q", file.name], check=True)

@@ -24,7 +24,7 @@ UNIT = {"type": "rectangle", "width": 1, "height": 1}
 
 BASE = "debian:12-slim"
 IMAGE = "ccdt-server:test"
-LARGEST = 400_000_000
+MAX_BYTES = 400_000_000
 EPOCH = "1767225600"
 
 # Uses the network of the machine, since podman may lack what it needs for a network of its own.
@@ -90,7 +90,7 @@ class Image(unittest.TestCase):
         return self.files.extractfile(path).read()
 
     def test_is_no_larger_than_documented(self):
-        self.assertLess(self.settings["Size"], LARGEST)
+        self.assertLess(self.settings["Size"], MAX_BYTES)
 
     def test_has_its_settings(self):
         config = self.settings["Config"]
@@ -123,9 +123,10 @@ class Image(unittest.TestCase):
             self.assertRegex(component["purl"],
                              r"^pkg:deb/debian/[a-z0-9.%B-]+@[^ @:+]+\?arch=[a-z0-9]+&distro=debian-12$")
         folder = "var/lib/dpkg/status.d/"
-        told = {entry.name.removeprefix(folder): re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
-                for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
-        self.assertEqual(told, listed)
+        installed = {entry.name.removeprefix(folder):
+                     re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
+                     for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
+        self.assertEqual(installed, listed)
         for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core", "ca-certificates"):
             self.assertIn(name, listed)
             self.assertTrue(self.read(f"usr/share/doc/{name}/copyright"))
@@ -146,9 +147,9 @@ class Image(unittest.TestCase):
             for here, there in zip(answers(outside), answers(inside)):
                 self.assertEqual((here.status, there.status), (200, 200))
                 self.assertEqual(here.body, there.body)
-            asked = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
+            result = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
                            check=False)
-            self.assertEqual(asked.returncode, 0, asked.stderr)
+            self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("by user 10001; in force: no root, no capabilities",
                           inside.wait_for_log("are decoded by user"))
             self.assertIn("system call filter", inside.log())

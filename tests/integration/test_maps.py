@@ -107,10 +107,10 @@ class Maps(ServerCase):
     def test_repairable_polygons_may_be_rejected(self):
         given = [each["geometry"] for each in features("world-atlas/countries-50m.json", "countries")]
         wrong = next(geometry for geometry in given if not is_valid(geometry))
-        told = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong}).json()["repaired"][0]
+        repair = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong}).json()["repaired"][0]
         answer = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong, "invalid": "reject"})
         self.assertEqual(answer.status, 422)
-        self.assertEqual(answer.json()["errors"][0], told)
+        self.assertEqual(answer.json()["errors"][0], repair)
 
 
 if __name__ == "__main__":

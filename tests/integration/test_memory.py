@@ -42,10 +42,10 @@ def resident(process):
     total = 0
     for member in family(process):
         try:
-            told = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text()
+            status = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text()
         except OSError:
             continue
-        total += sum(int(size) for size in re.findall(r"^Pss:\s+(\d+) kB", told, re.MULTILINE)) << 10
+        total += sum(int(size) for size in re.findall(r"^Pss:\s+(\d+) kB", status, re.MULTILINE)) << 10
     return total
 
 

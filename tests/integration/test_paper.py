@@ -23,7 +23,7 @@ import drawing
 import tone
 
 # Maximum size of a figure in the repository, in bytes.
-LARGEST = 150_000
+MAX_BYTES = 150_000
 
 
 def run(*arguments, **environment):
@@ -75,12 +75,12 @@ class Quick(unittest.TestCase):
         for path in self.figures("svg"):
             root = xml.etree.ElementTree.parse(path).getroot()
             self.assertGreater(len(root), 10, path)
-            self.assertLess(path.stat().st_size, LARGEST, path)
+            self.assertLess(path.stat().st_size, MAX_BYTES, path)
         for path in self.figures("png"):
             with Image.open(path) as picture:
                 levels = numpy.unique(picture.convert("L"))
             self.assertEqual((levels[0], levels[-1]), (0, 255), path)
-            self.assertLess(path.stat().st_size, LARGEST, path)
+            self.assertLess(path.stat().st_size, MAX_BYTES, path)
 
     def test_variance_falls_in_both_polygons(self):
         self.assertEqual(set(self.results["figure_1"]), {"convex", "concave"})

@@ -47,8 +47,8 @@ def package_of(module):
     found = importlib.util.find_spec(module)
     if found is None:
         return None
-    told = subprocess.run(["dpkg", "--search", found.origin], capture_output=True, text=True, check=False)
-    return told.stdout.split(":")[0] or None
+    result = subprocess.run(["dpkg", "--search", found.origin], capture_output=True, text=True, check=False)
+    return result.stdout.split(":")[0] or None
 
 
 class Setup(unittest.TestCase):
@@ -74,8 +74,8 @@ class Setup(unittest.TestCase):
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():
-            told = subprocess.run([ROOT / "docker" / "packages", name], capture_output=True, text=True, check=True)
-            self.assertEqual(told.stdout.split(), packages)
+            result = subprocess.run([ROOT / "docker" / "packages", name], capture_output=True, text=True, check=True)
+            self.assertEqual(result.stdout.split(), packages)
         both = subprocess.run([ROOT / "docker" / "packages", "build", "test"], capture_output=True, text=True, check=True)
         self.assertEqual(both.stdout.split(), sections()["build"] + sections()["test"])
 
@@ -131,8 +131,8 @@ class Setup(unittest.TestCase):
         if not NODE.exists():
             self.skipTest("tests/page/install has not run")
         pinned = json.loads((ROOT / "tests" / "page" / "package.json").read_text())["optionalDependencies"]
-        told = subprocess.run([NODE, "--version"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual({f"v{version}\n" for version in pinned.values()}, {told})
+        output = subprocess.run([NODE, "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual({f"v{version}\n" for version in pinned.values()}, {output})
 
     def test_tests_unpack_their_tools(self):
         self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())

@@ -120,8 +120,8 @@ class Limits(unittest.TestCase):
         # ctest starts a new log in its working directory, even if it only lists tests.
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "CTestTestfile.cmake").write_text(f'subdirs("{build}")\n')
-            told = subprocess.run(["ctest", "--show-only=json-v1"], cwd=folder, capture_output=True, check=True).stdout
-        names = {test["name"]: {one["name"] for one in test["properties"]} for test in json.loads(told)["tests"]}
+            output = subprocess.run(["ctest", "--show-only=json-v1"], cwd=folder, capture_output=True, check=True).stdout
+        names = {test["name"]: {one["name"] for one in test["properties"]} for test in json.loads(output)["tests"]}
         self.assertGreater(len(names), 50)
         self.assertEqual([name for name, properties in names.items()
                           if "TIMEOUT" not in properties and not name.endswith("_NOT_BUILT")], [])
