@@ -4,7 +4,6 @@
 import csv
 import io
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
@@ -12,7 +11,7 @@ import numpy
 import shapely.geometry
 from PIL import Image, ImageDraw
 
-from harness import PICTURES, ServerCase, file_of, flat, inside, linear, pixels
+from harness import PICTURES, ServerCase, execute, file_of, flat, inside, linear, pixels
 from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
@@ -149,8 +148,8 @@ class Drawings(ServerCase):
                 with tempfile.TemporaryDirectory() as folder:
                     source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
                     source.write_bytes(self.halftone(data, query + "&format=svg").body)
-                    subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]),
-                                    "--output", str(target), str(source)], check=True)
+                    execute(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]),
+                             "--output", str(target), str(source)], check=True)
                     theirs = pixels(target.read_bytes(), "L") / 255
                 self.assertLess(abs(ours.mean() - theirs.mean()), 0.01)
                 self.assertLess(numpy.abs(ours - theirs).mean(), 0.02)
@@ -247,8 +246,8 @@ class Palettes(ServerCase):
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
             source.write_bytes(self.halftone(ASTRONAUT, query + "&format=svg").body)
-            subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]), "--output",
-                            str(target), str(source)], check=True)
+            execute(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]), "--output",
+                     str(target), str(source)], check=True)
             theirs = LIGHT[pixels(target.read_bytes(), "RGB")]
         self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
         self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)

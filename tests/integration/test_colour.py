@@ -4,7 +4,6 @@
 import csv
 import io
 import pathlib
-import subprocess
 import tempfile
 import unittest
 from xml.etree import ElementTree
@@ -13,7 +12,7 @@ import numpy
 import tifffile
 from PIL import Image
 
-from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, flat, pixels, post_json
+from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, execute, file_of, flat, pixels, post_json
 from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
@@ -42,7 +41,7 @@ def rendered(svg, width):
     with tempfile.TemporaryDirectory() as folder:
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
-        subprocess.run(["rsvg-convert", "--width", str(width), "--output", str(target), str(source)], check=True)
+        execute(["rsvg-convert", "--width", str(width), "--output", str(target), str(source)], check=True)
         return target.read_bytes()
 
 
@@ -149,7 +148,7 @@ class Formats(ServerCase):
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(binary.body)
             file.flush()
-            subprocess.run(["pngcheck", "-q", file.name], check=True)
+            execute(["pngcheck", "-q", file.name], check=True)
 
     def test_webp_looks_like_png(self):
         for query in ("", "&antialias=true", "&background=transparent", "&background=transparent&antialias=true"):

@@ -10,7 +10,7 @@ import unittest
 
 from jsonschema import Draft202012Validator, RefResolver
 
-from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
+from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, execute, file_of, pixels, post_json, read_line
 
 FILE = (ROOT / "api" / "openapi.json").read_bytes()
 DOCUMENT = json.loads(FILE)
@@ -130,7 +130,7 @@ class Document(ContractCase):
         self.assertEqual(self.ask("/openapi.json", "--head").headers["etag"], answer.headers["etag"])
 
     def test_has_the_version_of_the_server(self):
-        result = subprocess.run([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
+        result = execute([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
         self.assertEqual(result.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
 
     def test_has_valid_schemas(self):
@@ -522,7 +522,7 @@ class Statuses(ContractCase):
             with subprocess.Popen(["curl", "--silent", "--no-buffer", "--max-time", str(PATIENCE),
                                    server.url(job + "/events")],
                                   stdout=subprocess.PIPE) as stream:
-                stream.stdout.readline()
+                read_line(stream, "the first event of the job")
                 self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 503)
                 ask(server, job, "--request", "DELETE")
 

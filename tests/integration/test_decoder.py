@@ -11,7 +11,7 @@ import tempfile
 import threading
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_until
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, execute, file_of, flat, join, wait_until
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
@@ -194,7 +194,7 @@ class Restarts(unittest.TestCase):
             finally:
                 done.set()
                 for client in clients:
-                    client.join()
+                    join(client, "the last answer of a client")
             self.assertGreater(len(statuses), 10)
             self.assertEqual(set(statuses), {200})
             self.assertEqual(len(family.keepers()), 1, "no zombies")
@@ -284,7 +284,7 @@ exec unshare --mount sh -ec '
 """
 
     def test_lacks_an_empty_root_directory_and_logs_that(self):
-        if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
+        if execute(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
             self.skipTest("no mount namespace can be made here")
         with tempfile.TemporaryDirectory() as folder:
             enter = pathlib.Path(folder) / "enter"

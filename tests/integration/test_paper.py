@@ -5,7 +5,6 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -14,7 +13,7 @@ import xml.etree.ElementTree
 import numpy
 from PIL import Image
 
-from harness import PICTURES, file_of, linear
+from harness import PATIENCE, PICTURES, execute, file_of, linear
 
 PAPER = pathlib.Path(__file__).resolve().parent.parent / "bench" / "paper"
 sys.path.insert(0, str(PAPER))
@@ -27,8 +26,8 @@ MAX_BYTES = 150_000
 
 
 def run(*arguments, **environment):
-    return subprocess.run([PAPER / "run", *arguments], capture_output=True, text=True, check=False,
-                          env={**os.environ, **environment})
+    return execute([PAPER / "run", *arguments], 2 * PATIENCE, capture_output=True, text=True, check=False,
+                   env={**os.environ, **environment})
 
 
 class Quick(unittest.TestCase):

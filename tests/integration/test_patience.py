@@ -14,7 +14,7 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, wait_until
+from harness import PATIENCE, Call, Server, ServerCase, ask, execute, file_of, flat, join, wait_until
 from raw import AT_ONCE, MAX_MEMORY_RISE, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
@@ -211,7 +211,7 @@ class Idle(unittest.TestCase):
                 answers += [ask(server, "/capabilities").status for _ in range(10)]
             finally:
                 over.set()
-                thread.join()
+                join(thread, "the end of the flood")
             self.assertEqual(answers, [200] * len(answers))
 
     def test_one_is_closed_for_a_new_connection(self):
@@ -246,7 +246,7 @@ class FewFiles(unittest.TestCase):
     def test_running_out_of_them_is_logged_once(self):
         with Server("--max-connections-per-address=0", "--idle-timeout=300") as server:
             server.wait_for_log("pictures are decoded")
-            subprocess.run(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
+            execute(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
             with crowd(server, 60):
                 self.assertLess(ping(server), AT_ONCE)
                 server.wait_for_log("could not be accepted")

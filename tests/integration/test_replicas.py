@@ -13,7 +13,7 @@ import unittest
 
 import test_jobs
 from engine import Redis, SlowWay
-from harness import PATIENCE, Call, Server, ask, figures_at_rest, wait_until
+from harness import PATIENCE, Call, Server, ask, execute, figures_at_rest, wait_until
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -367,9 +367,9 @@ class Settings(unittest.TestCase):
     def test_tls_certificates_are_verified(self):
         with tempfile.TemporaryDirectory() as folder:
             certificate, key = pathlib.Path(folder, "certificate"), pathlib.Path(folder, "key")
-            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
-                            "-nodes", "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
-                            "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
+            execute(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+                     "-nodes", "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
+                     "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
             with Redis(certificate=(str(certificate), str(key))) as redis:
                 flag = f"--redis=rediss://localhost:{redis.port}"
                 with Server(flag, environment={"SSL_CERT_FILE": str(certificate)}) as server:

@@ -174,6 +174,7 @@ class FullDisk(unittest.TestCase):
         done = []
         while wait_for_end(self.server, job := submit(self.server, **self.LARGE)) == "succeeded":
             done.append(job)
+            self.assertLess(len(done), 1000, "jobs on a small disk")
         failed = json.loads(exchange(self.server, "GET", job)[2])
         self.assertEqual((failed.get("error") or {}).get("status"), 507, failed)
         self.assertEqual(exchange(self.server, "DELETE", job)[0], 204)

@@ -25,7 +25,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path += [str(HERE.parent / "integration"), str(HERE.parent / "soak")]
 import cases  # pylint: disable=wrong-import-position
 from engine import Redis, free_port  # pylint: disable=wrong-import-position
-from harness import Server  # pylint: disable=wrong-import-position
+from harness import Server, join  # pylint: disable=wrong-import-position
 from test_deploy import HAPROXY, Balancer  # pylint: disable=wrong-import-position
 
 LATER = {"Prefer": "respond-async"}
@@ -146,10 +146,10 @@ class Clients:
 
     def join(self):
         for thread in self.submitters:
-            thread.join()
+            join(thread, "the acceptance of all jobs", PATIENCE)
         self.over.set()
         for thread in self.askers:
-            thread.join()
+            join(thread, "the last synchronous answer", PATIENCE)
 
 
 def trouble(replicas, redis, clients, seconds):
