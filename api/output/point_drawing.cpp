@@ -34,7 +34,7 @@ constexpr std::string_view kLayers =
 class PlacedPath {
 public:
     /// All arguments must outlive this object.
-    /// @param ranks  of the points; may be empty
+    /// @param ranks  ranks of the points; may be empty
     PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
                const Placing& placing)
         : points_(points), ranks_(ranks), path_(path), placing_(placing) {}
@@ -270,7 +270,7 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
 }
 
 /// Writes a description of a run of dots, then the dots.
-/// @param ranks  of the dots; may be empty
+/// @param ranks  ranks of the dots; may be empty
 /// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
           const Colour* paper, DotDocument& document, const std::stop_token& stop) {

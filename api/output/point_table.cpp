@@ -16,7 +16,7 @@ constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers of 18 characters
 constexpr std::size_t kTypicalNameBytes = 8;   ///< usual bytes of an ink's name and a comma
 constexpr std::size_t kNpyAlignment = 64;      ///< alignment of the offset of the first number
 
-/// @param ranks  of the points; may be empty
+/// @param ranks  ranks of the points; may be empty
 /// @param end    end of each line
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {

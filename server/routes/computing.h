@@ -50,7 +50,7 @@ public:
     /// From now on, tells all clients that wait for a result that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
-    /// Makes a refusal of a request that may succeed once the backlog is done.
+    /// Makes the refusal of a request that may succeed after the waiting requests have been computed.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
