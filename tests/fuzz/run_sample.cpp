@@ -110,8 +110,8 @@ Ring take_ring_on_globe(Bytes& input) {
 
 /// Takes a distance in metres, from ten micrometres to a million metres.
 double take_metres(Bytes& input) {
-    constexpr double kLeast = -5, kMax = 6, kSteps = 255;
-    return std::pow(10, kLeast + (kMax - kLeast) * input.take<std::uint8_t>() / kSteps);
+    constexpr double kMin = -5, kMax = 6, kSteps = 255;
+    return std::pow(10, kMin + (kMax - kMin) * input.take<std::uint8_t>() / kSteps);
 }
 
 void take_region(Bytes& input, Members& members) {

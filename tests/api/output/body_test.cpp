@@ -12,10 +12,10 @@
 namespace ccdt::api {
 namespace {
 
-/// Takes at most `most` pieces.
+/// Takes at most `max_pieces` pieces.
 class Sink : public BodySink {
 public:
-    explicit Sink(std::size_t most = 1'000'000) : most_(most) {}
+    explicit Sink(std::size_t max_pieces = 1'000'000) : max_pieces_(max_pieces) {}
 
     Result<void> begin(const Answer& head) override {
         heads.push_back(head);
@@ -23,7 +23,7 @@ public:
     }
 
     Result<void> write(std::string_view piece) override {
-        if (pieces.size() == most_) return failure(ErrorCode::Stopped, "enough");
+        if (pieces.size() == max_pieces_) return failure(ErrorCode::Stopped, "enough");
         pieces.emplace_back(piece);
         return {};
     }
@@ -38,7 +38,7 @@ public:
     std::vector<std::string> pieces;
 
 private:
-    std::size_t most_;
+    std::size_t max_pieces_;
 };
 
 Answer head() {
