@@ -76,7 +76,7 @@ private:
 
 /// Returns the number of list elements between two calls of flush().
 /// @param extra  bytes of each element in addition to a few numbers
-inline std::size_t stride_of(std::size_t extra) {
+inline std::size_t flush_stride(std::size_t extra) {
     constexpr std::size_t kMaxStride = 4'096;
     return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMaxStride);
 }

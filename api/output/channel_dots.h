@@ -41,7 +41,7 @@ inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t c
 /// Returns the colour of the paper dots of a channel. If there are several channels, this is the colour that leaves the
 /// other channels unchanged when channels are mixed.
 /// @param palette  palette of the inks
-inline Colour bare_colour(std::span<const InkDots> kinds, const Palette& palette) {
+inline Colour paper_dot_colour(std::span<const InkDots> kinds, const Palette& palette) {
     if (!are_named(kinds)) return palette.paper;
     return palette.mixing == Mixing::Add ? kBlack : kWhite;
 }

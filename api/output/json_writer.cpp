@@ -403,7 +403,7 @@ constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 void write_single_points(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks,
                          std::string_view properties, const Separators& separators, bool is_first,
                          const std::stop_token& stop) {
-    const std::size_t stride = stride_of(properties.size());
+    const std::size_t stride = flush_stride(properties.size());
     const std::string_view all = properties.substr(0, properties.size() - (ranks.empty() && !properties.empty()));
     std::string& out = body.text();
     for (std::size_t i = 0; i < points.size(); ++i) {

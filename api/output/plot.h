@@ -92,15 +92,15 @@ Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawi
              const std::stop_token& stop);
 
 /// Draws a run with an object `medium`. For each stroke, calls medium.begin(Point), medium.line_to(Point) for the
-/// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.goes_on() from time
-/// to time, and returns early if it is false. Points are relative to the upper left corner of the page.
+/// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.should_continue()
+/// from time to time, and returns early if it is false. Points are relative to the upper left corner of the page.
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
     constexpr std::size_t kCheckInterval = 1'000;
-    const Placing place(plot.page, plot.page.unit());
+    const PageMapping place(plot.page, plot.page.unit());
     const bool joined = plot.style == DotStyle::Path;
     for (std::size_t i = 0; i < run.path.size(); ++i) {
-        if (i % kCheckInterval == 0 && !medium.goes_on()) return;
+        if (i % kCheckInterval == 0 && !medium.should_continue()) return;
         const Point centre = place(run.points[run.path[i]]);
         if (joined && i > 0) {
             medium.line_to(centre);

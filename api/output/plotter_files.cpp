@@ -19,7 +19,7 @@ public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
         : body_(body), stop_(stop), size_(plot.page.size()) {}
 
-    bool goes_on() { return body_.flush() && !stop_.stop_requested(); }
+    bool should_continue() { return body_.flush() && !stop_.stop_requested(); }
 
 protected:
     Point upright(Point p) const { return {p.x, size_.y - p.y}; }

@@ -36,11 +36,11 @@ public:
     /// All arguments must outlive this object.
     /// @param ranks  ranks of the points; may be empty
     PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
-               const Placing& placing)
-        : points_(points), ranks_(ranks), path_(path), placing_(placing) {}
+               const PageMapping& mapping)
+        : points_(points), ranks_(ranks), path_(path), mapping_(mapping) {}
 
     std::size_t size() const { return path_.size(); }
-    Point operator[](std::size_t i) const { return placing_(points_[path_[i]]); }
+    Point operator[](std::size_t i) const { return mapping_(points_[path_[i]]); }
 
     bool are_ranked() const { return !ranks_.empty(); }
     std::uint32_t rank(std::size_t i) const { return ranks_[path_[i]]; }
@@ -58,7 +58,7 @@ private:
     std::span<const Point> points_;
     std::span<const std::uint32_t> ranks_;
     std::span<const std::uint32_t> path_;
-    const Placing& placing_;
+    const PageMapping& mapping_;
 };
 
 /// Escapes a text for use as the value of an attribute.
@@ -179,7 +179,7 @@ private:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
             : document_(document), touch_(touch), stop_(stop) {}
 
-        bool goes_on() { return document_.body_.flush() && !stop_.stop_requested(); }
+        bool should_continue() { return document_.body_.flush() && !stop_.stop_requested(); }
 
         void begin(Point at) {
             if (points_ == 0) document_.write("<path d=\"");
@@ -249,7 +249,7 @@ private:
     int decimals_;
 };
 
-std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
+std::vector<Point> placed(std::span<const Point> points, const PageMapping& place) {
     std::vector<Point> result(points.size());
     std::transform(points.begin(), points.end(), result.begin(), place);
     return result;
@@ -274,7 +274,7 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
 /// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
           const Colour* paper, DotDocument& document, const std::stop_token& stop) {
-    const Placing place(plot.page, document.unit());
+    const PageMapping place(plot.page, document.unit());
     const PlacedPath dots(run.points, ranks, run.path, place);
     document.describe(run.points.size(), pen.radius, dots.length(), document.unit() * path_length(run.points),
                       plot.page.width_mm ? " mm" : "");
@@ -329,7 +329,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
                     const std::stop_token& path_stop, const std::stop_token& stop) {
     const Grounds& grounds = kinds.front().two_sides->grounds;
     const bool layered = are_named(kinds);
-    const Colour bare = bare_colour(kinds, palette);
+    const Colour bare = paper_dot_colour(kinds, palette);
     std::vector<ChannelDots> channels;
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
         ChannelDots& dots = channels.emplace_back(dots_of_channel(kinds, c));
@@ -337,7 +337,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
         dots.paper = path_through(dots.paper, dots.points, path_stop);
     }
     DotDocument document(page, count_points(kinds), kLayers, body);
-    const Placing place(page, document.unit());
+    const PageMapping place(page, document.unit());
     const std::vector<std::string> labels = pen_labels(grounds.inks);
     // Top-level layers get the first numbers, because some programs number only top-level layers.
     std::size_t number = layered ? channels.size() : 0;
@@ -437,7 +437,7 @@ void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& pag
 
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop) {
     const double scale = page.canvas.scale;
-    std::vector<Point> dots = placed(points, Placing(page, scale));
+    std::vector<Point> dots = placed(points, PageMapping(page, scale));
     if (page.periodic) add_copies(dots, scale * Point{page.box.width(), page.box.height()}, radius * scale + 1);
     Canvas canvas = page.canvas;
     canvas.scale = 1;

@@ -21,7 +21,7 @@ constexpr std::size_t kNpyAlignment = 64;      ///< alignment of the offset of t
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {
     std::string& out = body.text();
-    const std::size_t stride = stride_of(end.size());
+    const std::size_t stride = flush_stride(end.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i % stride == 0 && (!body.flush() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
