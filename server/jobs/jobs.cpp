@@ -336,7 +336,7 @@ bool Jobs::check_owned_locked(const RunPointer& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || run->settling) return true;
     if (owned == JobStore::Owned::Lost && run->stop != Stop::Gone) ++counts_.lost;
     drop_locked(run);
-    changed_locked(run->job.id);
+    followed_.mark_stale(run->job.id);
     return false;
 }
 
@@ -428,7 +428,7 @@ void Jobs::note(const RunPointer& run, const Progress& progress) {
     const std::lock_guard lock(mutex_);
     if (run->settling || run->stop == Stop::Gone) return;
     run->job.progress = {progress.done(), progress.iteration, progress.variation};
-    if (const auto followed = find_followed_locked(run->job.id)) advance_locked(*followed, run->job);
+    followed_.advance(run->job);
     if (!std::exchange(run->progress_stored, false)) return;
     runs_changed_ = true;
     wake_timekeeper_.notify_all();
@@ -454,7 +454,7 @@ void Jobs::settle(const RunPointer& run, End end) {
         erase_locked(run);
         if (stored && *stored) {
             job.finished = **stored;
-            publish_locked(job);
+            followed_.advance(job);
         } else if (stored) {
             if (run->stop != Stop::Gone) ++counts_.lost;
             return;
@@ -471,11 +471,6 @@ Result<std::optional<Time>> Jobs::store_end(End& end) {
     if (stored || !has_result || stored.error().code == ErrorCode::Stopped) return stored;
     end = {{}, not_stored(std::move(end.summary.job), stored.error())};
     return store_.finish(end.summary.job, {});
-}
-
-/// Informs followers of the end of a job.
-void Jobs::publish_locked(const Job& job) {
-    if (const auto followed = find_followed_locked(job.id)) advance_locked(*followed, job);
 }
 
 /// Fails all jobs that no server runs.
@@ -523,10 +518,7 @@ HttpResult<void> Jobs::remove(const std::string& id, const std::string& owner) {
         if (*cancelled) {
             stop(id);
             const Job& job = **cancelled;
-            {
-                const std::lock_guard lock(mutex_);
-                publish_locked(job);
-            }
+            followed_.advance(job);
             logger_({job, {}, {}, {}});
             return {};
         }
@@ -542,15 +534,7 @@ void Jobs::work() {
 }
 
 void Jobs::changed(const std::string& id) {
-    const std::lock_guard lock(mutex_);
-    changed_locked(id);
-}
-
-void Jobs::changed_locked(const std::string& id) {
-    const auto followed = find_followed_locked(id);
-    if (!followed) return;
-    followed->stale = true;
-    followed->changed.notify_all();
+    followed_.mark_stale(id);
 }
 
 void Jobs::stop(const std::string& id) {
@@ -559,102 +543,32 @@ void Jobs::stop(const std::string& id) {
 }
 
 void Jobs::missed() {
+    followed_.mark_all_stale();
     const std::lock_guard lock(mutex_);
-    for (const auto& [id, other] : followed_) {
-        const auto followed = other.lock();
-        if (!followed) continue;
-        followed->stale = true;
-        followed->changed.notify_all();
-    }
     for (const auto& [id, run] : runs_) run->progress_stored = false;
     has_work_ = runs_changed_ = true;
     wake_claimer_.notify_all();
     wake_timekeeper_.notify_all();
 }
 
-HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& owner) const {
-    FollowedPointer followed;
-    {
-        const std::lock_guard lock(mutex_);
-        std::erase_if(followed_, [](const auto& other) { return other.second.expired(); });
-        followed = find_followed_locked(id);
-        if (!followed) followed = std::make_shared<Followed>();
-        followed_[id] = followed;  // first, so that no notification is missed
-    }
+HttpResult<Jobs::Watch> Jobs::watch(const std::string& id, const std::string& owner) {
+    const auto followed = followed_.follow(id);  // first, so that no notification is missed
     const auto job = find(id, owner);
     if (!job) return tl::unexpected(job.error());
-    const std::lock_guard lock(mutex_);
-    advance_locked(*followed, *job);
-    return Watch(*this, followed);
-}
-
-Jobs::FollowedPointer Jobs::find_followed_locked(const std::string& id) const {
-    const auto found = followed_.find(id);
-    return found == followed_.end() ? nullptr : found->second.lock();
-}
-
-/// Updates the state of a followed job, unless a later state is known.
-void Jobs::advance_locked(Followed& followed, const Job& job) {
-    const Job& known = followed.job;
-    if (is_finished(known.status)) return;
-    const bool is_first = known.id.empty();
-    const bool is_later = job.claim > known.claim;
-    const bool is_further = job.progress.fraction > (is_later ? 0 : known.progress.fraction);
-    if (!is_first && !is_later && !is_further && !is_finished(job.status)) return;
-    if (!is_first && is_further && !is_finished(job.status)) followed.steps.push_back(job.progress);
-    followed.job = job;
-    followed.changed.notify_all();
+    followed->advance(*job);
+    return Watch(followed, [this](const std::string& job_id, FollowedJob& known) { look_again(job_id, known); });
 }
 
 /// Asks the store for the state of a job, which another server may run.
-void Jobs::look_again(const std::string& id, Followed& followed) const {
+void Jobs::look_again(const std::string& id, FollowedJob& followed) const {
     auto found = store_.find(id);
     if (!found) return;  // once the store can be reached again, missed() is called
-    if (*found) add_latest(**found);
-    const std::lock_guard lock(mutex_);
     if (*found) {
-        advance_locked(followed, **found);
+        add_latest(**found);
+        followed.advance(**found);
     } else {
-        followed.gone = true;
-        followed.changed.notify_all();
+        followed.mark_gone();
     }
-}
-
-std::optional<Job> Jobs::Watch::next(Clock::time_point until) {
-    std::unique_lock lock(jobs_.mutex_);
-    const Followed& followed = *job_;
-    while (!over_) {
-        if (seen_ && *seen_ < followed.steps.size()) {
-            Job job = followed.job;
-            job.status = JobStatus::Running;
-            job.finished.reset();
-            job.failure.reset();
-            job.progress = followed.steps[(*seen_)++];
-            return job;
-        }
-        const bool first = !seen_;
-        seen_ = followed.steps.size();
-        over_ = is_finished(followed.job.status) || followed.gone;
-        if (first || is_finished(followed.job.status)) return followed.job;
-        if (std::exchange(job_->stale, false)) {
-            const std::string id = followed.job.id;  // a copy, because another thread may assign followed.job meanwhile
-            lock.unlock();
-            jobs_.look_again(id, *job_);
-            lock.lock();
-            continue;
-        }
-        const auto has_news = [&] {
-            return *seen_ < followed.steps.size() || is_finished(followed.job.status) || followed.gone ||
-                   followed.stale;
-        };
-        if (!over_ && !job_->changed.wait_until(lock, until, has_news)) return std::nullopt;
-    }
-    return std::nullopt;
-}
-
-void Jobs::Watch::look_again() {
-    const std::lock_guard lock(jobs_.mutex_);
-    job_->stale = true;
 }
 
 void Jobs::drain() {

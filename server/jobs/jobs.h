@@ -21,6 +21,7 @@
 #include "core/result.h"
 #include "server/http/http.h"
 #include "server/http/problem.h"
+#include "server/jobs/followed_jobs.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_store.h"
@@ -47,8 +48,6 @@ struct JobEnd {
 ///
 /// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
-    struct Followed;
-
 public:
     using Clock = std::chrono::steady_clock;
     using Logger = std::function<void(const JobEnd&)>;
@@ -99,30 +98,10 @@ public:
     /// Cancels a job that has not ended, or deletes one that has.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
 
+    using Watch = JobWatch;
+
     /// Follows a job's progress.
-    class Watch {
-    public:
-        /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last
-        /// one the end. If another server runs the job, some iterations may be skipped.
-        /// @returns  none if there is no new state by `until`
-        std::optional<Job> next(Clock::time_point until);
-
-        /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
-        void look_again();
-
-        /// Whether there will be no further states: the job has ended or no longer exists.
-        bool is_over() const { return over_; }
-
-    private:
-        friend class Jobs;
-        Watch(const Jobs& jobs, std::shared_ptr<Followed> job) : jobs_(jobs), job_(std::move(job)) {}
-
-        const Jobs& jobs_;
-        const std::shared_ptr<Followed> job_;
-        std::optional<std::size_t> seen_;  ///< number of iterations
-        bool over_ = false;
-    };
-    HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
+    HttpResult<Watch> watch(const std::string& id, const std::string& owner);
 
     /// Stops all runs, and returns at once. If the store survives, unfinished jobs are left to the next process or to
     /// other servers. Otherwise unfinished jobs fail, and no more jobs are accepted.
@@ -159,16 +138,6 @@ private:
     };
     using RunPointer = std::shared_ptr<Run>;
 
-    /// A job that is being followed.
-    struct Followed {
-        Job job;
-        std::vector<JobProgress> steps;
-        bool stale = false;  ///< the store may have a newer state
-        bool gone = false;
-        std::condition_variable changed;
-    };
-    using FollowedPointer = std::shared_ptr<Followed>;
-
     void work() override;
     void changed(const std::string& id) override;
     void stop(const std::string& id) override;
@@ -196,11 +165,7 @@ private:
     std::size_t count_unstored_locked() const;
 
     void add_latest(Job& job) const;
-    FollowedPointer find_followed_locked(const std::string& id) const;
-    static void advance_locked(Followed& followed, const Job& job);
-    void changed_locked(const std::string& id);
-    void publish_locked(const Job& job);
-    void look_again(const std::string& id, Followed& followed) const;
+    void look_again(const std::string& id, FollowedJob& followed) const;
 
     void keep_time(const std::stop_token& closing);
     Clock::time_point stop_overdue_locked();
@@ -216,6 +181,7 @@ private:
     const Compute compute_;
     const Logger logger_;
     const std::size_t at_once_;  ///< limit of jobs in the pool at a time
+    FollowedJobs followed_;
 
     mutable std::mutex mutex_;  ///< guards the members up to `draining_`; released while the store is used
     std::condition_variable idle_;
@@ -224,7 +190,6 @@ private:
     bool has_work_ = false;      ///< the claimer should look for a job in the store
     bool runs_changed_ = false;  ///< runs have changed since the timekeeper last looked at them
     std::map<std::string, RunPointer> runs_;
-    mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
     std::size_t in_pool_ = 0;  ///< number of jobs in the pool
     Counts counts_;
     bool started_ = false;

@@ -22,6 +22,7 @@ RULES = (
     (re.compile(r"^gemmi/"), ("core/fourier/pocketfft_lines.h",)),
     (re.compile(r"^OpenImageIO/"), ("api/image/library_reader.cpp",)),
     (re.compile(r"^lcms2"), ("api/image/colour_profile.cpp",)),
+    (re.compile(r"^gif_lib\.h$"), ("api/image/gif_reader.cpp",)),
     (re.compile(r"^jpeglib\.h$"), ("api/image/ink_jpeg.cpp",)),
     (re.compile(r"^shapefil\.h$"), ("api/map/shapefile_reader.cpp",)),
     (re.compile(r"^zip\.h$"), ("api/map/zip_archive.cpp",)),
