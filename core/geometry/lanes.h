@@ -8,10 +8,6 @@
 
 #include "core/geometry/pair.h"
 
-// Marks functions that are inlined into code compiled for AVX2. All functions that take or return vectors of two pairs
-// must be marked.
-#define CCDT_INLINE __attribute__((always_inline))
-
 namespace ccdt {
 
 /// Whether the processor handles two pairs in one instruction.

@@ -14,6 +14,7 @@
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/lanes.h"
+#include "core/geometry/spreading.h"
 #include "core/globe/chart.h"
 #include "core/polish/cell_list.h"
 
@@ -212,15 +213,11 @@ public:
         const Around& at = around_[point];
         const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
         if (!repeats) return add(at, -1, there_);
-        const Weights x = spline(at.x), y = spline(at.y);
-        for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) lower(at.column + i, at.row + j, x[i] * y[j]);
-        }
+        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
+                 [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
     }
 
 private:
-    using Weights = std::array<float, 3>;
-
     /// Nodes along one side, at the centres of the cells and of one further cell beyond either end. On a torus, nodes a
     /// period apart are identical.
     struct Axis {
@@ -260,24 +257,16 @@ private:
     std::size_t node(const Around& at) const { return at.row * x_.nodes + at.column; }
 
     float read(const Around& at, const std::vector<float>& nodes) const {
-        const Weights x = spline(at.x), y = spline(at.y);
-        float sum = 0;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const float* row = nodes.data() + node(at) + j * x_.nodes;
-            sum += y[j] * (x[0] * row[0] + x[1] * row[1] + x[2] * row[2]);
-        }
-        return sum;
+        const float* const first = nodes.data() + node(at);
+        return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y),
+                        [&](std::size_t j, std::size_t i) { return first[j * x_.nodes + i]; });
     }
-
-    /// Returns the weights of the cell's node and its two neighbours.
-    static Weights spline(float t) { return {(1 - t) * (1 - t) / 2, 0.5F + t * (1 - t), t * t / 2}; }
 
     /// Adds a multiple of the weights to the nodes around a position.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
-        const Weights x = spline(at.x), y = spline(at.y);
-        for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) nodes[node(at) + j * x_.nodes + i] += factor * y[j] * x[i];
-        }
+        float* const first = nodes.data() + node(at);
+        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), factor,
+                 [&](std::size_t j, std::size_t i, float share) { first[j * x_.nodes + i] += share; });
     }
 
     /// Subtracts from a node and from all nodes identical to it.

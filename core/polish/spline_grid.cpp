@@ -9,36 +9,19 @@
 #include <utility>
 
 #include "core/geometry/lanes.h"
+#include "core/geometry/spreading.h"
 
 namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kTaps = 6;
+constexpr int kDegree = 5;
+constexpr std::size_t kTaps = kDegree + 1;
 constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
 /// Values at the six grid points around a position, for each number of a vector.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
-
-/// Returns the values of the quintic B-spline at the six grid points around a position.
-template <class Pairs>
-CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
-    const auto outer = [](Pairs d) CCDT_INLINE {  // at distance 2 + d
-        const Pairs g = 1.0 - d, g2 = g * g;
-        return g2 * g2 * g * (1.0 / 120);
-    };
-    const auto inner = [](Pairs d) CCDT_INLINE {  // at distance 1 + d
-        const Pairs x = 1.0 + d;
-        return 17.0 / 40 + x * (5.0 / 8 + x * (-7.0 / 4 + x * (5.0 / 4 + x * (-3.0 / 8 + x * (1.0 / 24)))));
-    };
-    const auto middle = [](Pairs d) CCDT_INLINE {  // at distance d
-        const Pairs d2 = d * d;
-        return 11.0 / 20 + d2 * (-0.5 + d2 * (0.25 - d * (1.0 / 12)));
-    };
-    const Pairs g = 1.0 - f;
-    return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
-}
 
 /// Returns the slopes of the quintic B-spline at the six grid points around a position.
 template <class Pairs>
@@ -187,7 +170,7 @@ template <class Lanes>
 CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kCount>& points,
                                                const std::array<double, Lanes::kCount>& values) {
     const auto [rows, first, fractions] = places<Lanes>(points);
-    const auto weights = weights_at(fractions);
+    const auto weights = b_spline<kDegree>(fractions);
     const auto columns = across<Lanes>(weights);
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         std::array<Pair, kTaps / 2> shares;
@@ -208,7 +191,7 @@ void SplineGrid::spread(Point p, double value) {
 
 void SplineGrid::spread_move(Point p, Point move) {
     const auto [rows, first, fraction] = places<OneLane>({p});
-    const Taps<Pair> weights = weights_at(fraction), slopes = slopes_at(fraction);
+    const Taps<Pair> weights = b_spline<kDegree>(fraction), slopes = slopes_at(fraction);
     const Point cell = this->cell();
     std::array<double, kTaps> along_x, across;
     for (std::size_t i = 0; i < kTaps; ++i) {
@@ -227,7 +210,7 @@ CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
     const auto [rows, first, fractions] = places<Lanes>(points);
-    const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
+    const auto weights = b_spline<kDegree>(fractions), slopes = slopes_at(fractions);
     // Sums over columns; each vector holds two successive columns of each point.
     std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
