@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/spreading.h"
+
 namespace ccdt {
 namespace {
 
@@ -61,10 +63,14 @@ Footprint footprint_of(double position, int side) {
     return footprint;
 }
 
-/// Returns the index of coefficient (i, j), i >= 0, in the spectrum of a grid.
-std::size_t place_of(int i, int j, int columns, int rows) {
-    const auto row = static_cast<std::size_t>(j < 0 ? j + rows : j);
-    return row * (static_cast<std::size_t>(columns) / 2 + 1) + static_cast<std::size_t>(i);
+/// Calls add(cell, weight * share) for each cell of a grid over which a point is spread.
+template <class Add>
+void spread(const WeightedPoint& point, int columns, int rows, Add&& add) {
+    const Footprint x = footprint_of(point.position.x, columns);
+    const Footprint y = footprint_of(point.position.y, rows);
+    for_taps(x.shares, y.shares, point.weight, [&](std::size_t row, std::size_t column, double share) {
+        add(y.cells[row] * static_cast<std::size_t>(columns) + x.cells[column], share);
+    });
 }
 
 }  // namespace
@@ -81,80 +87,52 @@ NonuniformTransform::NonuniformTransform(int highest_x, int highest_y)
       transform_(columns_, rows_) {}
 
 void NonuniformTransform::run(std::span<const WeightedPoint> points, const std::stop_token& stop) {
-    std::ranges::fill(transform_.grid(), 0.0);
+    const auto grid = transform_.grid();
+    std::ranges::fill(grid, 0.0);
     for (std::size_t p = 0; p < points.size(); ++p) {
         if (p % kPerPoll == 0 && stop.stop_requested()) return;
-        spread(points[p]);
+        spread(points[p], columns_, rows_, [&](std::size_t cell, double share) { grid[cell] += share; });
     }
     if (!stop.stop_requested()) transform_.forward();
 }
 
-void NonuniformTransform::spread(const WeightedPoint& point) {
-    const Footprint x = footprint_of(point.position.x, columns_);
-    const Footprint y = footprint_of(point.position.y, rows_);
-    const auto grid = transform_.grid();
-    for (std::size_t r = 0; r < kWidth; ++r) {
-        const auto row = grid.subspan(y.cells[r] * static_cast<std::size_t>(columns_));
-        const double share = point.weight * y.shares[r];
-        for (std::size_t c = 0; c < kWidth; ++c) row[x.cells[c]] += share * x.shares[c];
-    }
+double NonuniformTransform::factor(int i, int j) const {
+    return unspread_x_[static_cast<std::size_t>(std::abs(i))] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
+}
+
+std::complex<double> NonuniformTransform::coefficient(int i, int j) const {
+    if (i < 0) return std::conj(coefficient(-i, -j));
+    const auto row = static_cast<std::size_t>(j < 0 ? j + rows_ : j);
+    return transform_.spectrum()[row * (static_cast<std::size_t>(columns_) / 2 + 1) + static_cast<std::size_t>(i)];
 }
 
 std::complex<double> NonuniformTransform::value(int i, int j) const {
-    const double factor = unspread_x_[static_cast<std::size_t>(i)] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
-    return factor * transform_.spectrum()[place_of(i, j, columns_, rows_)];
+    return factor(i, j) * coefficient(i, j);
 }
-
-ShiftedTransform::ShiftedTransform(int reach_x, int reach_y)
-    : columns_(good_size(grid_side(reach_x))),
-      rows_(good_size(grid_side(reach_y))),
-      unspread_x_(unspreading(reach_x, columns_)),
-      unspread_y_(unspreading(reach_y, rows_)),
-      real_(columns_, rows_),
-      imaginary_(columns_, rows_) {}
 
 void ShiftedTransform::run(std::span<const WeightedPoint> points, int middle_x, int middle_y,
                            const std::stop_token& stop) {
-    std::ranges::fill(real_.grid(), 0.0);
-    std::ranges::fill(imaginary_.grid(), 0.0);
+    const auto real = real_.transform_.grid(), imaginary = imaginary_.transform_.grid();
+    std::ranges::fill(real, 0.0);
+    std::ranges::fill(imaginary, 0.0);
     for (std::size_t p = 0; p < points.size(); ++p) {
         if (p % kPerPoll == 0 && stop.stop_requested()) return;
         const auto& [position, weight] = points[p];
         const double turns = middle_x * position.x + middle_y * position.y;
         const double angle = -2 * std::numbers::pi * (turns - std::floor(turns));
-        spread(position, weight * std::cos(angle), weight * std::sin(angle));
+        const double along_real = weight * std::cos(angle), along_imaginary = weight * std::sin(angle);
+        spread({position, 1}, real_.columns_, real_.rows_, [&](std::size_t cell, double share) {
+            real[cell] += along_real * share;
+            imaginary[cell] += along_imaginary * share;
+        });
     }
-    for (RealTransform* const part : {&real_, &imaginary_}) {
-        if (!stop.stop_requested()) part->forward();
-    }
-}
-
-void ShiftedTransform::spread(Point position, double real, double imaginary) {
-    const Footprint x = footprint_of(position.x, columns_);
-    const Footprint y = footprint_of(position.y, rows_);
-    const auto real_grid = real_.grid(), imaginary_grid = imaginary_.grid();
-    for (std::size_t r = 0; r < kWidth; ++r) {
-        const std::size_t row = y.cells[r] * static_cast<std::size_t>(columns_);
-        for (std::size_t c = 0; c < kWidth; ++c) {
-            const double share = y.shares[r] * x.shares[c];
-            real_grid[row + x.cells[c]] += real * share;
-            imaginary_grid[row + x.cells[c]] += imaginary * share;
-        }
+    for (NonuniformTransform* const part : {&real_, &imaginary_}) {
+        if (!stop.stop_requested()) part->transform_.forward();
     }
 }
 
 std::complex<double> ShiftedTransform::value(int i, int j) const {
-    // Coefficients of a real grid at opposite frequencies are complex conjugates. So only one half of the coefficients
-    // is stored.
-    const bool is_opposite = i < 0;
-    const std::size_t place = is_opposite ? place_of(-i, -j, columns_, rows_) : place_of(i, j, columns_, rows_);
-    const double factor =
-        unspread_x_[static_cast<std::size_t>(std::abs(i))] * unspread_y_[static_cast<std::size_t>(std::abs(j))];
-    const auto sum = [&](const RealTransform& part) {
-        const auto coefficient = part.spectrum()[place];
-        return is_opposite ? std::conj(coefficient) : coefficient;
-    };
-    return factor * (sum(real_) + std::complex<double>(0, 1) * sum(imaginary_));
+    return real_.factor(i, j) * (real_.coefficient(i, j) + std::complex<double>(0, 1) * imaginary_.coefficient(i, j));
 }
 
 }  // namespace ccdt

@@ -40,11 +40,16 @@ public:
     std::complex<double> value(int i, int j) const;
 
 private:
-    void spread(const WeightedPoint& point);
+    friend class ShiftedTransform;
+
+    /// Returns the factor that undoes the effect of the spreading on F(i, j).
+    double factor(int i, int j) const;
+    /// Returns F(i, j) without this factor, for i of either sign.
+    std::complex<double> coefficient(int i, int j) const;
 
     int columns_;
     int rows_;
-    std::vector<double> unspread_x_;  ///< [i] factors that undo the spreading
+    std::vector<double> unspread_x_;  ///< [|i|] factors that undo the spreading
     std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
     RealTransform transform_;
 };
@@ -59,7 +64,7 @@ public:
     static double cells(double reach_x, double reach_y) { return NonuniformTransform::cells(reach_x, reach_y); }
 
     /// @param reach_x, reach_y  >= 0
-    ShiftedTransform(int reach_x, int reach_y);
+    ShiftedTransform(int reach_x, int reach_y) : real_(reach_x, reach_y), imaginary_(reach_x, reach_y) {}
 
     /// Computes F around (middle_x, middle_y). A stop ends the computation early; the values must not be used then.
     /// @param points  several times faster if successive points are near each other
@@ -69,14 +74,8 @@ public:
     std::complex<double> value(int i, int j) const;
 
 private:
-    void spread(Point position, double real, double imaginary);
-
-    int columns_;
-    int rows_;
-    std::vector<double> unspread_x_;  ///< [|i|] factors that undo the spreading
-    std::vector<double> unspread_y_;  ///< [|j|] factors that undo the spreading
-    RealTransform real_;
-    RealTransform imaginary_;
+    NonuniformTransform real_;
+    NonuniformTransform imaginary_;
 };
 
 }  // namespace ccdt

@@ -143,19 +143,11 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
     }
 }
 
-template <bool kRepeated>
-CCDT_TWO_LANES void CapacityIntegral::sweep_by_four(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
-    sweep_by<kRepeated, TwoLanes>(segments, sweeps);
-}
-
 /// @param kRepeated  whether the segments may extend beyond a torus' box
 template <bool kRepeated>
 void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
-    if (by_four_ && has_two_lanes()) {
-        sweep_by_four<kRepeated>(segments, sweeps);
-    } else {
-        sweep_by<kRepeated, OneLane>(segments, sweeps);
-    }
+    with_lanes([&](auto lanes) CCDT_INLINE { sweep_by<kRepeated, decltype(lanes)>(segments, sweeps); },
+               by_four_ && has_two_lanes());
 }
 
 /// Adds an edge's flow to the capacities of its two triangles. On a torus, the position of the edge can differ between

@@ -78,8 +78,6 @@ private:
     template <bool kRepeated, class Lanes>
     void sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
     template <bool kRepeated>
-    void sweep_by_four(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
-    template <bool kRepeated>
     void sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const;
     double rows_below(double y) const;
     template <class Add>

@@ -406,7 +406,9 @@ void Relaxation::move_batch(const Group& group) {
             const std::uint32_t* const record = records + at * kStride;
             const std::uint32_t* const next = by_two && at + length < count ? record + length * kStride : nullptr;
             if (next != nullptr && !has_neighbour<kPairs>(record, next[0])) {
-                move_two<kPlain, kPairs>({record, next});
+                by_two_lanes([&](auto lanes) CCDT_INLINE {
+                    move_few<kPlain, kPairs, decltype(lanes)>({record, next});
+                });
                 at += length;
             } else {
                 move_few<kPlain, kPairs, OneLane>({record});
@@ -421,11 +423,6 @@ bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) 
     bool found = false;
     for (std::size_t i = 1; i <= 2 * kPairs; ++i) found |= record[i] == site;
     return found;
-}
-
-template <bool kPlain, std::size_t kPairs>
-CCDT_TWO_LANES void Relaxation::move_two(const std::array<const std::uint32_t*, 2>& records) {
-    move_few<kPlain, kPairs, TwoLanes>(records);
 }
 
 /// Moves one site as move_site() does, or several sites that are not neighbours, by two triangles of each site at a

@@ -186,8 +186,6 @@ private:
     void move_batch(const Group& group);
     template <std::size_t kPairs>
     static bool has_neighbour(const std::uint32_t* record, std::uint32_t site);
-    template <bool kPlain, std::size_t kPairs>
-    void move_two(const std::array<const std::uint32_t*, 2>& records);
     template <bool kPlain, std::size_t kPairs, class Lanes>
     void move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records);
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;

@@ -3,17 +3,10 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 
 #include "core/geometry/pair.h"
-
-// Marks a function that is compiled for processors with AVX2, even if other code is not. Call the function only if
-// has_two_lanes() is true. Functions that take or return vectors of two pairs must be inlined into it.
-#ifdef __x86_64__
-#define CCDT_TWO_LANES __attribute__((target("avx2")))
-#else
-#define CCDT_TWO_LANES
-#endif
-#define CCDT_INLINE __attribute__((always_inline))
 
 namespace ccdt {
 
@@ -75,6 +68,46 @@ struct TwoLanes {
     CCDT_INLINE static bool any(decltype(Pairs{} < Pairs{}) found) {
         const auto either = __builtin_shufflevector(found, found, 0, 1) | __builtin_shufflevector(found, found, 2, 3);
         return (either[0] | either[1]) != 0;
+    }
+};
+
+/// Returns function(TwoLanes()), compiled for AVX2. Must be called only if has_two_lanes() is true.
+/// @param function  marked CCDT_INLINE
+template <class Function>
+#ifdef __x86_64__
+__attribute__((target("avx2")))
+#endif
+auto by_two_lanes(Function&& function) {
+    return function(TwoLanes{});
+}
+
+/// Returns function(TwoLanes()), compiled for AVX2, if the processor supports it; otherwise function(OneLane()).
+/// @param function  marked CCDT_INLINE
+/// @param wide      whether TwoLanes may be used
+template <class Function>
+CCDT_INLINE inline auto with_lanes(Function&& function, bool wide = has_two_lanes()) {
+    return wide ? by_two_lanes(function) : function(OneLane{});
+}
+
+/// Eight small numbers in one or several vector registers. The operations are the same in either case.
+struct EightLanes {
+    static constexpr std::uint32_t kCount = 8;
+    using Floats = float __attribute__((vector_size(kCount * sizeof(float))));
+    using Ints = std::int32_t __attribute__((vector_size(kCount * sizeof(std::int32_t))));
+    using Counts = std::uint32_t __attribute__((vector_size(kCount * sizeof(std::uint32_t))));
+
+    /// Loads eight successive numbers without alignment.
+    template <class Numbers, class Number>
+    CCDT_INLINE static void load(const Number& first, Numbers& numbers) {
+        std::memcpy(&numbers, &first, sizeof numbers);
+    }
+    template <class Numbers, class Number>
+    CCDT_INLINE static void store(const Numbers& numbers, Number& first) {
+        std::memcpy(&first, &numbers, sizeof numbers);
+    }
+    /// Returns eight successive numbers from `first` on.
+    CCDT_INLINE static Ints from(std::uint32_t first) {
+        return Ints{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
     }
 };
 

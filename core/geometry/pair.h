@@ -3,6 +3,10 @@
 
 #include "core/geometry/point.h"
 
+// Marks functions that are inlined into code compiled for AVX2. All functions that take or return vectors of two pairs
+// must be marked.
+#define CCDT_INLINE __attribute__((always_inline))
+
 namespace ccdt {
 
 /// Two numbers in one vector register.

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -15,6 +14,7 @@
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/lanes.h"
+#include "core/geometry/spreading.h"
 #include "core/globe/chart.h"
 #include "core/polish/cell_list.h"
 
@@ -213,15 +213,11 @@ public:
         const Around& at = around_[point];
         const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
         if (!repeats) return add(at, -1, there_);
-        const Weights x = spline(at.x), y = spline(at.y);
-        for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) lower(at.column + i, at.row + j, x[i] * y[j]);
-        }
+        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
+                 [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
     }
 
 private:
-    using Weights = std::array<float, 3>;
-
     /// Nodes along one side, at the centres of the cells and of one further cell beyond either end. On a torus, nodes a
     /// period apart are identical.
     struct Axis {
@@ -261,24 +257,16 @@ private:
     std::size_t node(const Around& at) const { return at.row * x_.nodes + at.column; }
 
     float read(const Around& at, const std::vector<float>& nodes) const {
-        const Weights x = spline(at.x), y = spline(at.y);
-        float sum = 0;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const float* row = nodes.data() + node(at) + j * x_.nodes;
-            sum += y[j] * (x[0] * row[0] + x[1] * row[1] + x[2] * row[2]);
-        }
-        return sum;
+        const float* const first = nodes.data() + node(at);
+        return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y),
+                        [&](std::size_t j, std::size_t i) { return first[j * x_.nodes + i]; });
     }
-
-    /// Returns the weights of the cell's node and its two neighbours.
-    static Weights spline(float t) { return {(1 - t) * (1 - t) / 2, 0.5F + t * (1 - t), t * t / 2}; }
 
     /// Adds a multiple of the weights to the nodes around a position.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
-        const Weights x = spline(at.x), y = spline(at.y);
-        for (std::size_t j = 0; j < 3; ++j) {
-            for (std::size_t i = 0; i < 3; ++i) nodes[node(at) + j * x_.nodes + i] += factor * y[j] * x[i];
-        }
+        float* const first = nodes.data() + node(at);
+        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), factor,
+                 [&](std::size_t j, std::size_t i, float share) { first[j * x_.nodes + i] += share; });
     }
 
     /// Subtracts from a node and from all nodes identical to it.
@@ -308,19 +296,10 @@ private:
     std::vector<Around> around_;  ///< nodes around each point
 };
 
-/// Eight numbers in one or several vector registers, with the same operations in either case.
-constexpr std::uint32_t kLanes = 8;
-using Floats = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Ints = std::int32_t __attribute__((vector_size(kLanes * sizeof(float))));
-using Places = std::uint32_t __attribute__((vector_size(kLanes * sizeof(float))));
-constexpr Ints kLane = {0, 1, 2, 3, 4, 5, 6, 7};
+using Floats = EightLanes::Floats;
+using Ints = EightLanes::Ints;
+constexpr std::uint32_t kLanes = EightLanes::kCount;
 constexpr float kNone = -std::numeric_limits<float>::infinity();
-
-/// Loads eight numbers without alignment.
-template <class Wide, class Number>
-CCDT_INLINE inline void load(const Number& first, Wide& numbers) {
-    std::memcpy(&numbers, &first, sizeof numbers);
-}
 
 /// Crowding of points. Points are listed by cell, so neighbours are close in memory. They are processed eight at a
 /// time.
@@ -362,7 +341,7 @@ public:
             std::vector<CellList::Run> runs;
             for (auto k = static_cast<std::uint32_t>(begin); k < end && !stop.stop_requested(); ++k) {
                 find_near(k, 1, runs);
-                const float nearest = is_wide_ ? add_wide(k, runs) : add_narrow(k, runs);
+                const float nearest = with_lanes([&](auto) CCDT_INLINE { return add(k, runs); });
                 if (nearest < kLeastSquare) find_pairs(k, pairs[begin / kRange]);
             }
         });
@@ -379,7 +358,7 @@ public:
     void remove(std::uint32_t point) {
         const std::uint32_t k = slots_[point];
         find_near(k, 1, runs_);
-        is_wide_ ? subtract_wide(k) : subtract_narrow(k);
+        with_lanes([&](auto) CCDT_INLINE { subtract(k); });
         crowding_[k] = kNone;
     }
 
@@ -395,17 +374,17 @@ private:
     /// Computes the squared ratios of the distances from point k to the reach. Entries beyond the end, and k itself,
     /// get 1.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
-        Places columns, rows;
+        EightLanes::Counts columns, rows;
         Floats other;
-        load(x_[begin], columns);
-        load(y_[begin], rows);
-        load(nearness_[begin], other);
+        EightLanes::load(x_[begin], columns);
+        EightLanes::load(y_[begin], rows);
+        EightLanes::load(nearness_[begin], other);
         const Floats x = __builtin_convertvector(Ints(columns - x_[k]), Floats) * x_unit_;
         const Floats y = __builtin_convertvector(Ints(rows - y_[k]), Floats) * y_unit_;
         const Floats own = Floats{} + nearness_[k];
         const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMaxSquare, both = other * own;
         const Floats square = (x * x + y * y) * (both > capped ? both : capped);
-        const Ints left = kLane + static_cast<std::int32_t>(begin);
+        const Ints left = EightLanes::from(begin);
         const Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
         squares = counts ? square : Floats{} + 1;
     }
@@ -438,8 +417,6 @@ private:
         crowding_[k] = all;
         return least;
     }
-    CCDT_TWO_LANES float add_wide(std::uint32_t k, const std::vector<CellList::Run>& runs) { return add(k, runs); }
-    float add_narrow(std::uint32_t k, const std::vector<CellList::Run>& runs) { return add(k, runs); }
 
     CCDT_INLINE void subtract(std::uint32_t k) {
         for (const auto [begin, end] : runs_) {
@@ -448,14 +425,12 @@ private:
                 get_squares(k, each, end, squares);
                 get_crowding(squares, crowding);
                 Floats crowded;
-                load(crowding_[each], crowded);
+                EightLanes::load(crowding_[each], crowded);
                 crowded -= crowding;
-                std::memcpy(&crowding_[each], &crowded, sizeof crowded);
+                EightLanes::store(crowded, crowding_[each]);
             }
         }
     }
-    CCDT_TWO_LANES void subtract_wide(std::uint32_t k) { subtract(k); }
-    void subtract_narrow(std::uint32_t k) { subtract(k); }
 
     void find_pairs(std::uint32_t k, std::vector<Pair>& pairs) const {
         std::vector<CellList::Run> runs;
@@ -472,7 +447,6 @@ private:
         }
     }
 
-    const bool is_wide_ = has_two_lanes();
     CellList cells_;
     std::vector<std::uint32_t> numbers_;  ///< numbers of the points in list order
     std::span<const Point> places_;
@@ -587,7 +561,7 @@ private:
     /// values only decrease, so old values are upper bounds.
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
         Ints found;
-        is_wide_ ? find_largest_wide(begin, end, left, found) : find_largest_narrow(begin, end, left, found);
+        with_lanes([&](auto) CCDT_INLINE { find_largest(begin, end, left, found); });
         std::uint32_t most = begin;
         float largest = kNone;
         const auto look_at = [&](std::uint32_t i) {
@@ -609,21 +583,15 @@ private:
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);
         for (std::uint32_t i = begin; i < end; i += kLanes) {
-            const Ints each = kLane + static_cast<std::int32_t>(i);
+            const Ints each = EightLanes::from(i);
             Floats bounds, wanted;
-            load(bounds_[i], bounds);
-            load(wanted_[i], wanted);
+            EightLanes::load(bounds_[i], bounds);
+            EightLanes::load(wanted_[i], wanted);
             const Floats bound = bounds - left * wanted;
             const Ints more = (bound > most) & (each < static_cast<std::int32_t>(end));
             most = more ? bound : most;
             found = more ? each : found;
         }
-    }
-    CCDT_TWO_LANES void find_largest_wide(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
-        find_largest(begin, end, left, found);
-    }
-    void find_largest_narrow(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
-        find_largest(begin, end, left, found);
     }
 
     void remove(std::uint32_t i) {
@@ -644,7 +612,6 @@ private:
     }
 
     const Domain& domain_;
-    const bool is_wide_ = has_two_lanes();
     std::vector<Point> places_;     ///< [n] in the unit frame
     std::vector<double> spacings_;  ///< [n] local spacings
     double widest_;                 ///< limit on the reach of a pair relative to a point's own reach

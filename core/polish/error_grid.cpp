@@ -5,19 +5,16 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/spreading.h"
+
 namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kTaps = 4;
+constexpr int kDegree = 3;
+constexpr std::size_t kTaps = kDegree + 1;
 constexpr double kMaxCells =
     64;  ///< limit on cells per site; needed because a domain may fill very little of its bounding box
-
-/// Returns the values of the cubic B-spline at the four grid points around a place.
-inline std::array<double, kTaps> weights_at(double f) {
-    const double g = 1 - f;
-    return {g * g * g / 6, 2.0 / 3 - f * f * (1 - f / 2), 2.0 / 3 - g * g * (1 - g / 2), f * f * f / 6};
-}
 
 double cell_side(Point sides, double cell, std::size_t sites) {
     return std::max(cell, std::sqrt(sides.x * sides.y / (kMaxCells * static_cast<double>(sites))));
@@ -100,13 +97,13 @@ void ErrorGrid::want(const CrossedCells& masses, Point side) {
             const double mass = masses.values[row.number + piece - row.first];
             if (mass == 0) continue;
             const auto at = place({middle(piece, side.x), 0});
-            const auto weights = weights_at(at.fraction.x);
+            const auto weights = b_spline<kDegree>(at.fraction.x);
             for (std::size_t k = 0; k < kTaps; ++k) line[at.column + k] += weights[k] * mass;
         }
         const std::size_t first = place({middle(row.first, side.x), 0}).column;
         const std::size_t end = place({middle(row.end - 1, side.x), 0}).column + kTaps;
         const auto up = place({0, middle(number, side.y)});
-        const auto weights = weights_at(up.fraction.y);
+        const auto weights = b_spline<kDegree>(up.fraction.y);
         for (std::size_t k = 0; k < kTaps; ++k) {
             for (std::size_t column = first; column < end; ++column)
                 wanted_[this->number(column, up.row + k)] += weights[k] * line[column];
@@ -120,26 +117,16 @@ void ErrorGrid::measure(std::span<const Point> sites) {
     std::ranges::fill(values_, 0.0);
     for (const Point p : sites) {
         const auto [column, row, fraction] = place(p);
-        const auto across = weights_at(fraction.x), up = weights_at(fraction.y);
-        for (std::size_t j = 0; j < kTaps; ++j) {
-            double* line = &values_[number(column, row + j)];
-            for (std::size_t i = 0; i < kTaps; ++i) line[i] += up[j] * across[i];
-        }
+        for_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y), 1.0,
+                 [&](std::size_t j, std::size_t i, double share) { values_[number(column, row + j) + i] += share; });
     }
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = values_[i] > 0 ? 1 - wanted_[i] / values_[i] : 0;
 }
 
 double ErrorGrid::at(Point site) const {
     const auto [column, row, fraction] = place(site);
-    const auto across = weights_at(fraction.x), up = weights_at(fraction.y);
-    double sum = 0;
-    for (std::size_t j = 0; j < kTaps; ++j) {
-        const double* line = &values_[number(column, row + j)];
-        double part = 0;
-        for (std::size_t i = 0; i < kTaps; ++i) part += across[i] * line[i];
-        sum += up[j] * part;
-    }
-    return sum;
+    return sum_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y),
+                    [&](std::size_t j, std::size_t i) { return values_[number(column, row + j) + i]; });
 }
 
 }  // namespace ccdt

@@ -9,36 +9,19 @@
 #include <utility>
 
 #include "core/geometry/lanes.h"
+#include "core/geometry/spreading.h"
 
 namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kTaps = 6;
+constexpr int kDegree = 5;
+constexpr std::size_t kTaps = kDegree + 1;
 constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
 /// Values at the six grid points around a position, for each number of a vector.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
-
-/// Returns the values of the quintic B-spline at the six grid points around a position.
-template <class Pairs>
-CCDT_INLINE inline Taps<Pairs> weights_at(Pairs f) {
-    const auto outer = [](Pairs d) CCDT_INLINE {  // at distance 2 + d
-        const Pairs g = 1.0 - d, g2 = g * g;
-        return g2 * g2 * g * (1.0 / 120);
-    };
-    const auto inner = [](Pairs d) CCDT_INLINE {  // at distance 1 + d
-        const Pairs x = 1.0 + d;
-        return 17.0 / 40 + x * (5.0 / 8 + x * (-7.0 / 4 + x * (5.0 / 4 + x * (-3.0 / 8 + x * (1.0 / 24)))));
-    };
-    const auto middle = [](Pairs d) CCDT_INLINE {  // at distance d
-        const Pairs d2 = d * d;
-        return 11.0 / 20 + d2 * (-0.5 + d2 * (0.25 - d * (1.0 / 12)));
-    };
-    const Pairs g = 1.0 - f;
-    return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
-}
 
 /// Returns the slopes of the quintic B-spline at the six grid points around a position.
 template <class Pairs>
@@ -137,19 +120,8 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Position along one side, in cells from the first grid point. On a torus, grid points are at the corners of cells, as
-/// in the Fourier transform. In a box, they are at the centres.
-inline double SplineGrid::along(double coordinate, double side, int cells) const {
-    const double share = coordinate / side;
-    return (torus_ ? share - whole(share) : std::clamp(share, 0.0, 1.0) - 0.5 / cells) * cells;
-}
-
-/// Returns the last grid point at or before a position along one side; -1 for a position before the first grid point.
-inline double SplineGrid::point_before(double place, int cells) {
-    return std::min(whole(place), cells - 1.0);  // rounding can put a position on a torus at its far end
-}
-
-/// Vectorised along() and point_before() for all coordinates.
+/// Determines the grid points from which points are spread. On a torus, grid points are at the corners of cells, as in
+/// the Fourier transform. In a box, they are at the centres.
 template <class Lanes>
 CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
@@ -165,19 +137,16 @@ CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array
     const Pairs none{}, all = none + 1.0;
     const Pairs clamped = share < none ? none : all < share ? all : share;
     const Pairs at = (torus_ ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
+    // Rounding can put a position on a torus at its far end.
     const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
     Places<Lanes> places;
     places.fractions = at - before;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         const Pair point = Lanes::pair(before, lane) + 1.0;
-        places.first[lane] = static_cast<std::size_t>(point[1]) * stride_ + static_cast<std::size_t>(point[0]);
+        places.rows[lane] = static_cast<std::size_t>(point[1]);
+        places.first[lane] = places.rows[lane] * stride_ + static_cast<std::size_t>(point[0]);
     }
     return places;
-}
-
-/// Returns the row of the padded grid at which the taps of a point begin.
-inline std::size_t SplineGrid::first_row(Point p) const {
-    return static_cast<std::size_t>(point_before(along(p.y, sides_.y, rows_), rows_) + 1);
 }
 
 void SplineGrid::release_memory() {
@@ -200,8 +169,8 @@ void SplineGrid::clear() {
 template <class Lanes>
 CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kCount>& points,
                                                const std::array<double, Lanes::kCount>& values) {
-    const auto [first, fractions] = places<Lanes>(points);
-    const auto weights = weights_at(fractions);
+    const auto [rows, first, fractions] = places<Lanes>(points);
+    const auto weights = b_spline<kDegree>(fractions);
     const auto columns = across<Lanes>(weights);
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         std::array<Pair, kTaps / 2> shares;
@@ -216,17 +185,13 @@ CCDT_INLINE inline void SplineGrid::spread_few(const std::array<Point, Lanes::kC
     }
 }
 
-CCDT_TWO_LANES void SplineGrid::spread_two(const std::array<Point, 2>& points, const std::array<double, 2>& values) {
-    spread_few<TwoLanes>(points, values);
-}
-
 void SplineGrid::spread(Point p, double value) {
     spread_few<OneLane>({p}, {value});
 }
 
 void SplineGrid::spread_move(Point p, Point move) {
-    const auto [first, fraction] = places<OneLane>({p});
-    const Taps<Pair> weights = weights_at(fraction), slopes = slopes_at(fraction);
+    const auto [rows, first, fraction] = places<OneLane>({p});
+    const Taps<Pair> weights = b_spline<kDegree>(fraction), slopes = slopes_at(fraction);
     const Point cell = this->cell();
     std::array<double, kTaps> along_x, across;
     for (std::size_t i = 0; i < kTaps; ++i) {
@@ -244,8 +209,8 @@ template <class Lanes>
 CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     const std::array<Point, Lanes::kCount>& points) const {
     using Pairs = typename Lanes::Pairs;
-    const auto [first, fractions] = places<Lanes>(points);
-    const auto weights = weights_at(fractions), slopes = slopes_at(fractions);
+    const auto [rows, first, fractions] = places<Lanes>(points);
+    const auto weights = b_spline<kDegree>(fractions), slopes = slopes_at(fractions);
     // Sums over columns; each vector holds two successive columns of each point.
     std::array<std::array<Pair, Lanes::kCount>, kTaps / 2> weighted, sloping;
     for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
@@ -277,19 +242,22 @@ CCDT_INLINE inline std::array<Point, Lanes::kCount> SplineGrid::gradients_of(
     return gradients;
 }
 
-CCDT_TWO_LANES std::array<Point, 2> SplineGrid::two_gradients(const std::array<Point, 2>& points) const {
-    return gradients_of<TwoLanes>(points);
-}
-
 Point SplineGrid::gradient(Point p) const {
     return gradients_of<OneLane>({p})[0];
 }
 
 void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradients) const {
-    std::size_t done = 0;
-    for (; has_two_lanes() && done + 2 <= points.size(); done += 2)
-        std::ranges::copy(two_gradients({points[done], points[done + 1]}), &gradients[done]);
-    for (; done < points.size(); ++done) gradients[done] = gradient(points[done]);
+    const std::size_t in_pairs = points.size() / 2 * 2;
+    with_lanes([&](auto lanes) CCDT_INLINE {
+        using Lanes = decltype(lanes);
+        for (std::size_t i = 0; i < in_pairs; i += Lanes::kCount) {
+            std::array<Point, Lanes::kCount> few;
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) few[lane] = points[i + lane];
+            few = gradients_of<Lanes>(few);
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) gradients[i + lane] = few[lane];
+        }
+    });
+    if (in_pairs < points.size()) gradients[in_pairs] = gradient(points[in_pairs]);
 }
 
 /// Calls add(numbers) with groups of the points for which counts(number) is true. The rows of the grid are divided into
@@ -307,7 +275,7 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
     const std::size_t parts = (points.size() + kFew - 1) / kFew;
-    const auto band_of = [&](std::size_t i) { return first_row(points[i]) / kRows; };
+    const auto band_of = [&](std::size_t i) { return places<OneLane>({points[i]}).rows[0] / kRows; };
     // [parts][bands] position in the order for the next point of each band in a part.
     std::vector<std::uint32_t> next(parts * bands, 0);
     for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
@@ -341,12 +309,20 @@ void SplineGrid::spread(std::span<const Point> points, std::span<const double> v
     const auto value = [&](std::size_t i) { return values.empty() ? 1 : values[i]; };
     const auto counts = [&](std::size_t i) { return value(i) != 0; };
     add_all(points, counts, [&](std::span<const std::uint32_t> numbers) {
-        std::size_t done = 0;
-        for (; has_two_lanes() && done + 2 <= numbers.size(); done += 2) {
-            const std::uint32_t i = numbers[done], k = numbers[done + 1];
-            spread_two({points[i], points[k]}, {value(i), value(k)});
-        }
-        for (; done < numbers.size(); ++done) spread(points[numbers[done]], value(numbers[done]));
+        const std::size_t in_pairs = numbers.size() / 2 * 2;
+        with_lanes([&](auto lanes) CCDT_INLINE {
+            using Lanes = decltype(lanes);
+            for (std::size_t i = 0; i < in_pairs; i += Lanes::kCount) {
+                std::array<Point, Lanes::kCount> few;
+                std::array<double, Lanes::kCount> of_few;
+                for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+                    few[lane] = points[numbers[i + lane]];
+                    of_few[lane] = value(numbers[i + lane]);
+                }
+                spread_few<Lanes>(few, of_few);
+            }
+        });
+        if (in_pairs < numbers.size()) spread(points[numbers[in_pairs]], value(numbers[in_pairs]));
     });
 }
 
@@ -358,51 +334,17 @@ void SplineGrid::spread_moves(std::span<const Point> points, std::span<const Poi
 }
 
 void SplineGrid::transform() {
-    if (torus_) {
-        fold();
-    } else {
-        close_up();
-    }
+    fold();
     forward();
 }
 
 void SplineGrid::transform_back() {
     backward();
-    if (torus_) {
-        unfold();
-    } else {
-        open_up();
-    }
+    unfold();
 }
 
-/// Sums the spread values on the grid. Values in the margins are added to the cells that the margins repeat.
+/// Adds the values in the margins to the cells that the margins repeat, and moves the sums to the grid.
 void SplineGrid::fold() {
-    const std::span<double> cells = grid();
-    const auto rows = static_cast<std::size_t>(rows_);
-    const auto add = [&](double& padded, std::size_t cell) { cells[cell] += padded; };
-    for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
-        std::fill(cells.begin() + static_cast<std::ptrdiff_t>(begin * static_cast<std::size_t>(columns_)),
-                  cells.begin() + static_cast<std::ptrdiff_t>(end * static_cast<std::size_t>(columns_)), 0.0);
-        for (std::size_t row = begin; row < end; ++row) for_padded(kMargin + row, add);
-    });
-    for (std::size_t row = 0; row < kMargin; ++row) {
-        for_padded(row, add);
-        for_padded(kMargin + rows + row, add);
-    }
-}
-
-/// Copies the grid's values, and fills the margins by periodic or mirrored repetition.
-void SplineGrid::unfold() {
-    const std::span<double> cells = grid();
-    for_ranges(executor_, static_cast<std::size_t>(rows_) + 2 * kMargin, kRows,
-               [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t row = begin; row < end; ++row)
-                       for_padded(row, [&](double& padded, std::size_t cell) { padded = cells[cell]; });
-               });
-}
-
-/// Does the same as fold() in place: adds the margins, then compacts the rows.
-void SplineGrid::close_up() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
     for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
@@ -414,21 +356,26 @@ void SplineGrid::close_up() {
         for_margins([&](std::size_t i, std::size_t to) { inside[to] += row[i]; });
         for (std::size_t i = kMargin; i < kMargin + columns; ++i) inside[i] += row[i];
     });
-    for (std::size_t row = 0; row < rows; ++row) {
-        const double* const from = padded_row(kMargin + row) + kMargin;
-        std::copy(from, from + columns, padded_.data() + row * columns);
-    }
+    double* const cells = grid().data();
+    // In a box, the cells overlap the padded rows: a row may be moved only after the rows before it.
+    for_ranges(torus_ ? executor_ : inline_executor(), rows, kRows, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+            std::copy_n(padded_row(kMargin + row) + kMargin, columns, cells + row * columns);
+    });
 }
 
-/// Does the same as unfold() in place.
-void SplineGrid::open_up() {
+/// Moves the grid's values to the padded rows, and fills the margins by periodic or mirrored repetition.
+void SplineGrid::unfold() {
     const auto rows = static_cast<std::size_t>(rows_), columns = static_cast<std::size_t>(columns_);
-    for (std::size_t row = rows; row-- > 0;) {
-        const double* const from = padded_.data() + row * columns;
+    const double* const cells = grid().data();
+    const auto move = [&](std::size_t row) {
+        const double* const from = cells + row * columns;
         std::copy_backward(from, from + columns, padded_row(kMargin + row) + kMargin + columns);
-    }
+    };
+    for (std::size_t row = torus_ ? 0 : rows; row-- > 0;) move(row);  // in a box, the cells overlap the padded rows
     for_ranges(executor_, rows, kRows, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
+            if (torus_) move(row);
             double* const own = padded_row(kMargin + row);
             for_margins([&](std::size_t i, std::size_t inside) { own[i] = own[inside]; });
         }
@@ -473,19 +420,6 @@ void SplineGrid::for_margin_rows(Visit&& visit) {
         for (const std::size_t row : {i, kMargin + static_cast<std::size_t>(rows_) + i})
             visit(padded_row(row), padded_row(kMargin + folded(row, rows_)));
     }
-}
-
-/// Calls visit(value, number of the cell) for one padded row.
-template <class Visit>
-void SplineGrid::for_padded(std::size_t number, Visit&& visit) {
-    const auto columns = static_cast<std::size_t>(columns_);
-    const std::size_t start = folded(number, rows_) * columns;
-    double* row = &padded_[number * stride_];
-    for (std::size_t i = 0; i < kMargin; ++i) {
-        visit(row[i], start + folded(i, columns_));
-        visit(row[kMargin + columns + i], start + folded(kMargin + columns + i, columns_));
-    }
-    for (std::size_t i = 0; i < columns; ++i) visit(row[kMargin + i], start + i);
 }
 
 }  // namespace ccdt

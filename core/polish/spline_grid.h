@@ -122,33 +122,25 @@ private:
     /// offset is measured from the third of these columns and rows.
     template <class Lanes>
     struct Places {
-        std::array<std::size_t, Lanes::kCount> first;
+        std::array<std::size_t, Lanes::kCount> rows;   ///< row at which the taps begin
+        std::array<std::size_t, Lanes::kCount> first;  ///< index of the first tap
         typename Lanes::Pairs fractions;
     };
-    double along(double coordinate, double side, int cells) const;
-    static double point_before(double place, int cells);
     template <class Lanes>
     Places<Lanes> places(const std::array<Point, Lanes::kCount>& points) const;
     template <class Lanes>
     void spread_few(const std::array<Point, Lanes::kCount>& points, const std::array<double, Lanes::kCount>& values);
-    void spread_two(const std::array<Point, 2>& points, const std::array<double, 2>& values);
     template <class Lanes>
     std::array<Point, Lanes::kCount> gradients_of(const std::array<Point, Lanes::kCount>& points) const;
-    std::array<Point, 2> two_gradients(const std::array<Point, 2>& points) const;
-    std::size_t first_row(Point p) const;
     std::size_t padded_size() const;
     void acquire_memory();
     void fold();
     void unfold();
-    void close_up();
-    void open_up();
     double* padded_row(std::size_t number) { return &padded_[number * stride_]; }
     template <class Visit>
     void for_margins(Visit&& visit) const;
     template <class Visit>
     void for_margin_rows(Visit&& visit);
-    template <class Visit>
-    void for_padded(std::size_t number, Visit&& visit);
     template <class Counts, class Add>
     void add_all(std::span<const Point> points, Counts&& counts, Add&& add);
     std::size_t folded(std::size_t padded, int cells) const;

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "core/geometry/pair.h"
+
+// Spreads points on a grid, and reads values from it, with the product of a kernel along x and the same kernel along y.
+// A tap is one of the grid points that the kernel covers.
+
+namespace ccdt {
+
+/// Returns the values of a B-spline at the grid points around a position. Their sum is 1.
+/// @param f  position, in cells, in [0, 1]. For an odd degree, it is measured from the last grid point before the
+///           position. For degree 2, it is measured from the middle between the first and the second of the three grid
+///           points.
+template <int kDegree, class Number>
+CCDT_INLINE inline std::array<Number, kDegree + 1> b_spline(Number f) {
+    static_assert(kDegree == 2 || kDegree == 3 || kDegree == 5);
+    if constexpr (kDegree == 2) {
+        const Number g = 1 - f;
+        return {g * g / 2, static_cast<Number>(0.5) + f * g, f * f / 2};
+    } else if constexpr (kDegree == 3) {
+        const auto inner = [](Number d) CCDT_INLINE { return 2.0 / 3 - d * d * (1 - d / 2); };  // at distance d
+        const Number g = 1 - f;
+        return {g * g * g / 6, inner(f), inner(g), f * f * f / 6};
+    } else {
+        const auto outer = [](Number d) CCDT_INLINE {  // at distance 2 + d
+            const Number g = 1.0 - d, g2 = g * g;
+            return g2 * g2 * g * (1.0 / 120);
+        };
+        const auto inner = [](Number d) CCDT_INLINE {  // at distance 1 + d
+            const Number x = 1.0 + d;
+            return 17.0 / 40 + x * (5.0 / 8 + x * (-7.0 / 4 + x * (5.0 / 4 + x * (-3.0 / 8 + x * (1.0 / 24)))));
+        };
+        const auto middle = [](Number d) CCDT_INLINE {  // at distance d
+            const Number d2 = d * d;
+            return 11.0 / 20 + d2 * (-0.5 + d2 * (0.25 - d * (1.0 / 12)));
+        };
+        const Number g = 1.0 - f;
+        return {outer(f), inner(f), middle(f), middle(g), inner(g), outer(g)};
+    }
+}
+
+/// Calls spread(row, column, factor * y[row] * x[column]) for all taps.
+/// @param x, y  values of the kernel along x and y
+template <class Number, std::size_t kTaps, class Spread>
+CCDT_INLINE inline void for_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y, Number factor,
+                                 Spread&& spread) {
+    for (std::size_t row = 0; row < kTaps; ++row) {
+        const Number share = factor * y[row];
+        for (std::size_t column = 0; column < kTaps; ++column) spread(row, column, share * x[column]);
+    }
+}
+
+/// Returns the sum over all taps of y[row] * x[column] * value(row, column).
+template <class Number, std::size_t kTaps, class Value>
+CCDT_INLINE inline Number sum_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y,
+                                   Value&& value) {
+    Number sum = 0;
+    for (std::size_t row = 0; row < kTaps; ++row) {
+        Number part = x[0] * value(row, std::size_t{0});
+        for (std::size_t column = 1; column < kTaps; ++column) part += x[column] * value(row, column);
+        sum += y[row] * part;
+    }
+    return sum;
+}
+
+}  // namespace ccdt
