@@ -259,7 +259,7 @@ Result<Answer> run_dot_map(const SampleRequest& request, const Limits& limits, c
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") add_remarks(areas->repairs, areas->warnings, answer);
     Body body(answer, sink, control.stop);
-    auto written = write_map(request, *whole, *page, placed->classes, report, control, body);
+    auto written = write_sample(request, *whole, *page, placed->classes, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));

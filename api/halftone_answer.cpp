@@ -45,7 +45,7 @@ public:
 
     Result<void> operator()(const ListWriter& writer) {
         describe_two_sides();
-        writer.write(inks_, report_, body_, stop_);
+        writer.write({inks_}, report_, body_, stop_);
         return {};
     }
 
@@ -57,7 +57,7 @@ public:
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
         const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
         if (auto checked = writer.check(request_, largest, page); !checked) return checked;
-        writer.write(inks_, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
+        writer.write({inks_}, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 

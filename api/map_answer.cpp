@@ -10,7 +10,7 @@
 
 #include "api/image/overlay.h"
 #include "api/output/formats.h"
-#include "api/output/map_dots.h"
+#include "api/output/point_set.h"
 #include "api/run/deadline.h"
 #include "api/sample_steps.h"
 #include "core/halftone/overprint.h"
@@ -32,35 +32,35 @@ Palette palette_of(const SampleRequest& request) {
     return palette;
 }
 
-/// Writes a map in a format, with the kind of writer that the format has.
+/// Writes points in a format, with the kind of writer that the format has.
 class Writing {
 public:
     Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,
-            const MapOfDots& map, Body& body, const Control& control)
+            const PointSet& points, Body& body, const Control& control)
         : request_(request),
           page_(page),
           report_(report),
           palette_(palette),
-          map_(map),
+          points_(points),
           body_(body),
           path_stop_(control.stop),
           stop_(stop_of_writing(control, request.on_deadline)) {}
 
     Result<void> operator()(const ListWriter& writer) const {
-        writer.write_map(map_, report_, body_, stop_);
+        writer.write(points_, report_, body_, stop_);
         return {};
     }
 
     Result<void> operator()(const VectorWriter& writer) const {
-        if (auto checked = writer.check(request_, map_.classes.front().radius, page_); !checked) return checked;
-        writer.write_map(map_, palette_, page_, request_.drawing, body_, path_stop_, stop_);
+        if (auto checked = writer.check(request_, points_.layers.front().radius, page_); !checked) return checked;
+        writer.write(points_, palette_, page_, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 
     Result<void> operator()(const RasterWriter& writer) const {
         std::vector<Raster> rasters;
-        for (const MapDots& each : map_.classes)
-            rasters.push_back(draw_points(each.dots.dots.points, page_, each.radius, stop_));
+        for (const InkDots& layer : points_.layers)
+            rasters.push_back(draw_points(layer.dots.points, page_, layer.radius, stop_));
         auto picture = writer.write(overlay(std::move(rasters), palette_, true, stop_), page_.width_mm, stop_);
         return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
     }
@@ -70,7 +70,7 @@ private:
     const Page& page_;
     const Report& report_;
     const Palette& palette_;
-    const MapOfDots& map_;
+    const PointSet& points_;
     Body& body_;
     std::stop_token path_stop_;
     std::stop_token stop_;
@@ -78,16 +78,18 @@ private:
 
 }  // namespace
 
-Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
-                       std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body) {
+Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
+                          std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body) {
     const Palette palette = palette_of(request);
-    std::vector<MapDots> classes;
+    std::vector<InkDots> layers;
     for (std::size_t i = 0; i < dots.size(); ++i)
-        classes.push_back({palette.inks[i], dots[i], radius_of(request, whole)});
-    const FeatureList& features = *request.features;
-    const bool carries = !features.carried.of_feature.empty();
-    const MapOfDots map{classes, features.ids, carries ? &features.carried : nullptr};
-    auto written = std::visit(Writing(request, page, report, palette, map, body, control), request.format->writer);
+        layers.push_back({palette.inks[i], dots[i].dots, radius_of(request, whole), nullptr, dots[i].feature_of});
+    PointSet points{layers};
+    if (request.features) {
+        points.feature_ids = request.features->ids;
+        if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
+    }
+    auto written = std::visit(Writing(request, page, report, palette, points, body, control), request.format->writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

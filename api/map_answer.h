@@ -5,7 +5,7 @@
 
 #include "api/output/body.h"
 #include "api/output/json_writer.h"
-#include "api/output/point_drawing.h"
+#include "api/output/page.h"
 #include "api/sample.h"
 #include "core/ccdt/ccdt.h"
 #include "core/dotmap/dot_map.h"
@@ -14,15 +14,14 @@
 
 namespace ccdt::api {
 
-/// Writes points in the requested format, grouped by feature: the dots of a dot map, or the points of a domain whose
-/// request gives features.
+/// Writes the points of a sample in the requested format.
 ///
-/// @param whole  union of all features
+/// @param whole  domain of the points; of a dot map, the union of all features
 /// @param page   page, for drawings
-/// @param dots   [classes] of a dot map; otherwise one element with all points. Their features are those of the
-///               request.
+/// @param dots   [classes] of a dot map; otherwise one element with all points. If the request has features, the points
+///               have these features.
 /// Errors: those of the format's writer; Stopped.
-Result<void> write_map(const SampleRequest& request, const Domain& whole, const Page& page,
-                       std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);
+Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
+                          std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);
 
 }  // namespace ccdt::api

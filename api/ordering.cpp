@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "api/output/map_dots.h"
+#include "api/output/point_set.h"
 #include "api/run/deadline.h"
 #include "core/order/progressive_order.h"
 #include "core/order/reorder.h"
@@ -48,7 +48,7 @@ Result<void> check_order(const SampleRequest& request, Distribution& points, con
 std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const std::uint32_t> ranks) {
     std::vector<std::uint32_t> order(ranks.size());
     std::iota(order.begin(), order.end(), 0U);
-    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+    for_features(dots.feature_of, [&](std::uint32_t, std::size_t first, std::size_t count) {
         std::ranges::sort(std::span(order).subspan(first, count), {}, [&](std::uint32_t i) { return ranks[i]; });
     });
     return order;
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const st
 /// Orders the dots of each feature along a short path.
 std::vector<std::uint32_t> along_paths(const ClassDots& dots, const std::stop_token& stop) {
     std::vector<std::uint32_t> order;
-    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+    for_features(dots.feature_of, [&](std::uint32_t, std::size_t first, std::size_t count) {
         for (const std::uint32_t i : short_path(std::span(dots.dots.points).subspan(first, count), stop))
             order.push_back(static_cast<std::uint32_t>(first) + i);
     });

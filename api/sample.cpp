@@ -13,7 +13,6 @@
 #include "api/exclusions.h"
 #include "api/feature_points.h"
 #include "api/image/embedded_image.h"
-#include "api/image/overlay.h"
 #include "api/input/degrees.h"
 #include "api/input/negotiation.h"
 #include "api/input/point_reader.h"
@@ -45,8 +44,6 @@ constexpr Interval kNotNegative = {.min = 0};
 
 /// Maximum number of repairs in an HTTP header. Each takes about 150 characters.
 constexpr std::size_t kMaxInHeader = 8;
-
-const Palette kBlackOnWhite;
 
 struct DensityDraft {
     std::optional<int> width;
@@ -569,55 +566,6 @@ double pitch_of(const Domain& domain, std::size_t sites) {
     return std::sqrt(domain.area() / static_cast<double>(sites));
 }
 
-/// Writes points in a format, with the kind of writer that the format has.
-class Writing {
-public:
-    Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink, Body& body,
-            const Control& control)
-        : request_(request),
-          page_(page),
-          report_(report),
-          ink_(ink),
-          body_(body),
-          path_stop_(control.stop),
-          stop_(stop_of_writing(control, request.on_deadline)) {}
-
-    Result<void> operator()(const ListWriter& writer) const {
-        writer.write({&ink_, 1}, report_, body_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const VectorWriter& writer) const {
-        if (auto checked = writer.check(request_, ink_.radius, page_); !checked) return checked;
-        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing, body_, path_stop_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const RasterWriter& writer) const {
-        std::vector<Raster> rasters = {draw_points(ink_.dots.points, page_, ink_.radius, stop_)};
-        auto picture = writer.write(overlay(std::move(rasters), kBlackOnWhite, true, stop_), page_.width_mm, stop_);
-        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
-    }
-
-private:
-    const SampleRequest& request_;
-    const Page& page_;
-    const Report& report_;
-    const InkDots& ink_;
-    Body& body_;
-    std::stop_token path_stop_;
-    std::stop_token stop_;
-};
-
-Result<void> encode(const SampleRequest& request, const Domain& domain, const Page& page, const ClassDots& dots,
-                    const Report& report, const Control& control, Body& body) {
-    if (request.features) return write_map(request, domain, page, {&dots, 1}, report, control, body);
-    const InkDots ink{kBlackOnWhite.inks.front(), dots.dots, radius_of(request, domain)};
-    auto written = std::visit(Writing(request, page, report, ink, body, control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
-    return written;
-}
-
 }  // namespace
 
 Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
@@ -739,7 +687,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     answer.repeats = request.format->repeats();
     if (request.format->file.name != "json") add_remarks(repairs, warnings, answer);
     Body body(answer, sink, control.stop);
-    auto written = encode(request, domain, *page, placed->dots, report, control, body);
+    auto written = write_sample(request, domain, *page, {&placed->dots, 1}, report, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));

@@ -11,11 +11,10 @@
 #include "api/input/drawing_options.h"
 #include "api/input/file_formats.h"
 #include "api/input/palette.h"
-#include "api/output/ink_dots.h"
 #include "api/output/json_writer.h"
-#include "api/output/map_dots.h"
 #include "api/output/plot.h"
 #include "api/output/point_drawing.h"
+#include "api/output/point_set.h"
 #include "api/run/estimate.h"
 #include "core/result.h"
 
@@ -25,17 +24,13 @@ namespace ccdt::api {
 struct ListWriter {
     bool repeats;  ///< whether the same points always give the same bytes; false if the output contains the computing
                    ///< time
-    void (&write)(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop);
-    void (&write_map)(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop);
+    void (&write)(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop);
 };
 
-/// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
+/// Writer of drawings as shapes; its parameters are those of write_svg().
 struct VectorWriter {
-    void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page,
-                  const DrawingOptions& drawing, Body& body, const std::stop_token& path_stop,
-                  const std::stop_token& stop);
-    void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                      Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
+    void (&write)(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                  Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
     Estimate per_turn_point;  ///< cost of a point of the circles or of the spiral that fill a dot
 
     bool in_millimetres = false;  ///< whether pages must have a width in millimetres
