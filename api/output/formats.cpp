@@ -114,6 +114,12 @@ bool PointFormat::repeats() const {
     return list == nullptr || list->repeats;
 }
 
+Result<void> VectorWriter::check(const DrawingOptions& drawing, double radius, const Page& page,
+                                 const std::string& pen_field, const std::string& width_field) const {
+    auto fills = check_pen(drawing, radius, page, pen_field);
+    return fills && in_millimetres ? check_sides(page, width_field) : fills;
+}
+
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {
     if (vector() == nullptr || drawing.width_mm) return {};
     const std::string what = "width_mm (the width of the drawing in millimetres) is missing; ";

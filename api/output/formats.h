@@ -37,15 +37,11 @@ struct VectorWriter {
     bool by_pen = false;          ///< whether the format is for pens, which can only add ink
 
     /// Checks the pen with check_pen(), and a page in millimetres with check_sides().
-    /// @param request  has members `drawing` and `field_of(option)`
-    /// @param radius   radius of the largest dots, in the units of the points
+    /// @param radius  radius of the largest dots, in the units of the points
+    /// @param pen_field, width_field  fields of the options pen and width_mm
     /// Errors: Unusable.
-    template <class Request>
-    Result<void> check(const Request& request, double radius, const Page& page) const {
-        auto fills = check_pen(request.drawing, radius, page, request.field_of("pen"));
-        if (!fills || !in_millimetres) return fills;
-        return check_sides(page, request.field_of("width_mm"));
-    }
+    Result<void> check(const DrawingOptions& drawing, double radius, const Page& page, const std::string& pen_field,
+                       const std::string& width_field) const;
 };
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
