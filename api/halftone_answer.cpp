@@ -45,7 +45,7 @@ public:
 
     Result<void> operator()(const ListWriter& writer) {
         describe_two_sides();
-        writer.write(inks_, report_, body_, stop_);
+        writer.write({inks_}, report_, body_, stop_);
         return {};
     }
 
@@ -56,8 +56,11 @@ public:
             inks_[ink].radius = plan_.radius ? *plan_.radius : rasterise(ink, true).radius / plan_.canvas.scale;
         const Page page{plan_.box(), false, false, plan_.canvas, request_.drawing.width_mm};
         const double largest = std::ranges::max_element(inks_, {}, &InkDots::radius)->radius;
-        if (auto checked = writer.check(request_, largest, page); !checked) return checked;
-        writer.write(inks_, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
+        if (auto checked =
+                writer.check(request_.drawing, largest, page, request_.field_of("pen"), request_.field_of("width_mm"));
+            !checked)
+            return checked;
+        writer.write({inks_}, request_.palette, page, request_.drawing, body_, path_stop_, stop_);
         return {};
     }
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include "api/cost.h"
 #include "api/drawing_size.h"
+#include "api/halftone_cost.h"
 #include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
 #include "api/output/plot.h"

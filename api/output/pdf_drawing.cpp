@@ -208,11 +208,11 @@ void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::
 }
 
 /// Draws dots on both sides of the tonal scale. Channels are mixed if they have names.
-void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& sheet, Body& body,
+void write_two_sides(const PointSet& kinds, const Palette& palette, const Page& sheet, Body& body,
                      const std::stop_token& stop) {
-    const Grounds& grounds = kinds.front().two_sides->grounds;
+    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
     const Colour bare = paper_dot_colour(kinds, palette);
-    const bool mixes = are_named(kinds);
+    const bool mixes = kinds.are_named();
     PdfPage page(sheet.size(), body, stop);
     page.paper(palette.paper);
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
@@ -237,15 +237,10 @@ void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body
 
 }  // namespace
 
-void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return write_two_sides(inks, palette, page, body, stop);
-    write_plot(plot_of(inks, page, drawing, path_stop), palette, are_named(inks), body, stop);
-}
-
-void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    write_plot(plot_of(map, page, drawing, path_stop, stop), palette, map.are_named(), body, stop);
+    if (points.layers.front().two_sides != nullptr) return write_two_sides(points, palette, page, body, stop);
+    write_plot(plot_of(points, page, drawing, path_stop, stop), palette, points.are_named(), body, stop);
 }
 
 }  // namespace ccdt::api

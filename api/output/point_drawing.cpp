@@ -325,10 +325,10 @@ std::string id_of(const Ink& ink) {
 /// ground, paper dots. A dot on the boundary of the ground is both an ink dot and a paper dot. The black ground hides
 /// ink dots, and paper dots are clipped to the black ground. Thus each part of a dot has the colour opposite to its
 /// ground.
-void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& page, Body& body,
+void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
                     const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Grounds& grounds = kinds.front().two_sides->grounds;
-    const bool layered = are_named(kinds);
+    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
+    const bool layered = kinds.are_named();
     const Colour bare = paper_dot_colour(kinds, palette);
     std::vector<ChannelDots> channels;
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
@@ -336,7 +336,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
         dots.ink = path_through(dots.ink, dots.points, path_stop);
         dots.paper = path_through(dots.paper, dots.points, path_stop);
     }
-    DotDocument document(page, count_points(kinds), kLayers, body);
+    DotDocument document(page, kinds.size(), kLayers, body);
     const PageMapping place(page, document.unit());
     const std::vector<std::string> labels = pen_labels(grounds.inks);
     // Top-level layers get the first numbers, because some programs number only top-level layers.
@@ -391,46 +391,30 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
     return scale;
 }
 
-void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, path_stop, stop);
-    const bool layered = are_named(inks);
+    if (points.layers.front().two_sides != nullptr) return draw_two_sides(points, palette, page, body, path_stop, stop);
+    // Programs for plotters treat each top-level group as a layer, and features are groups.
+    const bool layered = points.are_grouped() || points.are_named();
     const bool has_paper = drawing.style == DotStyle::Fill;
-    const Plot plot = plot_of(inks, page, drawing, path_stop);
+    const Plot plot = plot_of(points, page, drawing, path_stop, stop);
     if (page.width_mm) body.set_plot_seconds(plot.seconds());
-    DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
+    DotDocument document(page, points.size(), layered ? kLayers : "", body);
     if (layered && has_paper) document.paper(palette.paper);
-    for (std::size_t i = 0; i < inks.size(); ++i) {
+    for (std::size_t i = 0; i < points.layers.size(); ++i) {
+        const InkDots& layer = points.layers[i];
         const Pen& pen = plot.pens[i];
+        const std::string prefix = points.are_named() ? "class-" + std::to_string(i) + "-feature-" : "feature-";
         if (layered) document.begin_layer(i + 1, pen.label, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        draw(plot, pen, pen.runs.front(), inks[i].dots.ranks, !layered && has_paper ? &palette.paper : nullptr,
-             document, stop);
-        if (layered) document.end_layer();
-    }
-    document.finish();
-}
-
-void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Plot plot = plot_of(map, page, drawing, path_stop, stop);
-    if (page.width_mm) body.set_plot_seconds(plot.seconds());
-    DotDocument document(page, map.size(), kLayers, body);
-    if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
-    for (std::size_t number = 0; number < map.classes.size(); ++number) {
-        const ClassDots& dots = map.classes[number].dots;
-        const Pen& pen = plot.pens[number];
-        // Even a single class needs a layer: programs for plotters treat each top-level group as a layer, and the
-        // features are groups.
-        const std::string prefix = map.are_named() ? "class-" + std::to_string(number) + "-feature-" : "feature-";
-        document.begin_layer(number + 1, pen.label, "multiply");
         std::size_t run = 0;
-        for_features(dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+        points.for_groups(layer, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
             if (stop.stop_requested() || run == pen.runs.size()) return;
-            document.begin_group(prefix + std::to_string(feature));
-            draw(plot, pen, pen.runs[run++], ranks_of(dots.dots, first, count), nullptr, document, stop);
-            document.end_layer();
+            if (points.are_grouped()) document.begin_group(prefix + std::to_string(feature));
+            draw(plot, pen, pen.runs[run++], ranks_of(layer.dots, first, count),
+                 !layered && has_paper ? &palette.paper : nullptr, document, stop);
+            if (points.are_grouped()) document.end_layer();
         });
-        document.end_layer();
+        if (layered) document.end_layer();
     }
     document.finish();
 }

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "api/halftone.h"
-#include "api/sample.h"
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

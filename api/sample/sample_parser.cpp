@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample.h"
+#include "api/sample/sample_parser.h"
 
 #include <algorithm>
 #include <array>
@@ -9,29 +9,12 @@
 #include <optional>
 #include <utility>
 
-#include "api/dot_map.h"
-#include "api/exclusions.h"
-#include "api/feature_points.h"
 #include "api/image/embedded_image.h"
-#include "api/image/overlay.h"
-#include "api/input/degrees.h"
 #include "api/input/negotiation.h"
 #include "api/input/point_reader.h"
 #include "api/input/run_options.h"
 #include "api/input/topology_reader.h"
-#include "api/map_answer.h"
-#include "api/ordering.h"
 #include "api/output/formats.h"
-#include "api/output/json_writer.h"
-#include "api/output/point_drawing.h"
-#include "api/run/deadline.h"
-#include "api/run/stopwatch.h"
-#include "api/sample_steps.h"
-#include "core/density/density.h"
-#include "core/globe/globe.h"
-#include "core/globe/region.h"
-#include "core/globe/turns.h"
-#include "core/halftone/tone.h"
 #include "core/polish/stealth.h"
 
 namespace ccdt::api {
@@ -42,11 +25,6 @@ constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
 constexpr std::uint64_t kMaxWidth = 65'535;
 
 constexpr Interval kNotNegative = {.min = 0};
-
-/// Maximum number of repairs in an HTTP header. Each takes about 150 characters.
-constexpr std::size_t kMaxInHeader = 8;
-
-const Palette kBlackOnWhite;
 
 struct DensityDraft {
     std::optional<int> width;
@@ -152,13 +130,14 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
 
 /// Reads a mask: an image whose dark area is subtracted from the domain.
 Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
-    static constexpr std::array<OptionRule<SampleRequest>, 1> kRules = {{
+    static constexpr std::array<OptionRule<SampleRegion>, 1> kRules = {{
         {"/mask/image",
-         [](const Input& i, const Limits& l, SampleRequest& r) { return assign(r.mask, read_embedded_image(i, l)); }},
+         [](const Input& i, const Limits& l, SampleRegion& r) { return assign(r.mask, read_embedded_image(i, l)); }},
     }};
     const auto object = std::get<JsonValue>(input.value);
-    if (auto read = read_members<SampleRequest>(kRules, object, input.field, limits, draft.request); !read) return read;
-    if (!draft.request.mask) return malformed(input, "must have the member image");
+    SampleRegion& region = draft.request.region;
+    if (auto read = read_members<SampleRegion>(kRules, object, input.field, limits, region); !read) return read;
+    if (!region.mask) return malformed(input, "must have the member image");
     return {};
 }
 
@@ -196,8 +175,8 @@ Result<void> read_any_format(const Input& input, Draft& draft) {
     files.insert(files.end(), others.begin(), others.end());
     const auto chosen = read_format(input, files);
     if (!chosen) return tl::unexpected(chosen.error());
-    draft.request.format = points[*chosen < points.size() ? *chosen : 0];
-    if (*chosen >= points.size()) draft.request.mask_format = masks[*chosen - points.size()];
+    draft.request.output.format = points[*chosen < points.size() ? *chosen : 0];
+    if (*chosen >= points.size()) draft.request.threshold_mask = ThresholdMask{masks[*chosen - points.size()]};
     return {};
 }
 
@@ -215,7 +194,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"density", read_density},
     {"fixed", read_fixed},
     {"mask", read_mask},
-    {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.avoid, read_areas(i)); }},
+    {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.avoid, read_areas(i)); }},
 }};
 
 /// Options that are members of a JSON body, or parameters if the body is a GeoJSON or TopoJSON document.
@@ -226,11 +205,12 @@ constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"object", [](const Input& i, const Limits&, Draft& d) { return assign(d.object, read_text(i)); }},
     {"properties", [](const Input& i, const Limits&, Draft& d) { return assign(d.properties, read_properties(i)); }},
     {"multipoint", [](const Input& i, const Limits&, Draft& d) { return assign(d.multipoint, read_boolean(i)); }},
-    {"invalid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_invalid, read_invalid(i)); }},
+    {"invalid",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.on_invalid, read_invalid(i)); }},
     {"coordinates",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.coordinates, read_coordinates(i)); }},
-    {"buffer",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.buffer, read_number(i, kNotNegative)); }},
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.coordinates, read_coordinates(i)); }},
+    {"buffer", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.region.buffer, read_number(i, kNotNegative)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
     {"iterations", read_given<read_iterations, &MethodOptions::iterations>},
     {"passes", read_given<read_passes, &MethodOptions::passes>},
@@ -240,17 +220,19 @@ constexpr std::array<OptionRule<Draft>, 28> kOptionRules = {{
     {"tolerance", read_given<read_tolerance, &MethodOptions::tolerance>},
     {"method", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.method, read_method(i)); }},
     {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.run.keep_mesh, read_boolean(i)); }},
-    {"order", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.order, read_point_order(i)); }},
-    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
-    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
-    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
-    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
-    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
-    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
-    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
-    {"width",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxWidth)); }},
-    {"dot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.dot, read_number(i, kPositive)); }},
+    {"order",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.order, read_point_order(i)); }},
+    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.output.drawing); }},
+    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.output.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.output.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.output.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.output.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.output.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.output.drawing); }},
+    {"width", [](const Input& i, const Limits&,
+                 Draft& d) { return assign(d.request.output.width, read_integer(i, 1, kMaxWidth)); }},
+    {"dot",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.output.dot, read_number(i, kPositive)); }},
     {"format", [](const Input& i, const Limits&, Draft& d) { return read_any_format(i, d); }},
 }};
 
@@ -285,14 +267,13 @@ Result<void> check_members_of_mask(std::span<const Input> inputs, const SampleRe
 Result<void> read_inputs(std::span<const OptionRule<Draft>> rules, std::span<const Input> inputs, const Limits& limits,
                          Draft& draft) {
     const auto read = read_options<Draft>(rules, inputs, limits, draft);
-    if (read) return draft.request.mask_format != nullptr ? check_members_of_mask(inputs, draft.request) : read;
+    if (read) return draft.request.threshold_mask ? check_members_of_mask(inputs, draft.request) : read;
     const auto has_any = [&](std::initializer_list<std::string_view> names) {
         return std::ranges::find_first_of(inputs, names, {}, &Input::name) != inputs.end();
     };
     ErrorList errors;
     errors.add(read);
-    if (draft.request.mask_format == nullptr && !has_any({"sites", "classes"}))
-        errors.add(missing_sites(draft.request));
+    if (!draft.request.threshold_mask && !has_any({"sites", "classes"})) errors.add(missing_sites(draft.request));
     if (!draft.request.is_document && !has_any({"polygon", "geometry", "domain"})) errors.add(not_one_shape());
     return errors.result();
 }
@@ -363,7 +344,7 @@ Result<void> read_request(std::string_view body, const std::vector<TextOption>& 
 }
 
 Result<void> check_sites(const SampleRequest& request) {
-    if (request.run.sites > 0 || request.mask_format != nullptr) return {};
+    if (request.run.sites > 0 || request.threshold_mask) return {};
     return missing_sites(request);
 }
 
@@ -382,7 +363,7 @@ Result<void> check_properties(const Draft& draft) {
     const SampleRequest& request = draft.request;
     if (!draft.properties) return {};
     if (request.run.keep_mesh) return misfit(draft, "mesh", "is not available for points that carry properties");
-    if (!request.counts || !request.format->repeats_properties) return {};
+    if (!request.counts || !request.output.format->repeats_properties) return {};
     std::vector<std::size_t> points;
     for (std::size_t i = 0; i < request.features->size(); ++i) points.push_back(request.counts->points_of(i));
     return check_size(request.features->carried, points, request.field_of("properties"));
@@ -390,7 +371,7 @@ Result<void> check_properties(const Draft& draft) {
 
 /// Chooses the format, by name or by the Accept header.
 Result<void> settle_format(std::string_view accept, Draft& draft) {
-    const PointFormat*& format = draft.request.format;
+    const PointFormat*& format = draft.request.output.format;
     if (auto settled = settle_format(accept, sample_formats(), format); !settled) return settled;
     if (!draft.multipoint && format->single_points != nullptr) format = format->single_points;
     return check_properties(draft);
@@ -404,11 +385,11 @@ Result<void> check_exclusions(const Draft& draft) {
             return failure(ErrorCode::Malformed,
                            "avoid, mask and buffer need a domain with a border, which a torus does not have", field);
         };
-        if (!request.avoid.parts.empty()) return refused("/avoid");
-        if (request.mask) return refused("/mask");
-        if (request.buffer > 0) return refused("/buffer");
+        if (!request.region.avoid.parts.empty()) return refused("/avoid");
+        if (request.region.mask) return refused("/mask");
+        if (request.region.buffer > 0) return refused("/buffer");
     }
-    auto checked = check_size(request.avoid);
+    auto checked = check_size(request.region.avoid);
     if (!checked) checked.error().field = "/avoid";
     return checked;
 }
@@ -416,7 +397,7 @@ Result<void> check_exclusions(const Draft& draft) {
 /// Checks that fixed points are on the globe, if their coordinates are longitudes and latitudes.
 Result<void> check_fixed(const SampleRequest& request) {
     constexpr double kFarthest = 540, kPole = 90;  // as for polygons
-    if (request.coordinates == Coordinates::Plane) return {};
+    if (request.region.coordinates == Coordinates::Plane) return {};
     for (const Point& p : request.run.fixed) {
         if (std::abs(p.x) <= kFarthest && std::abs(p.y) <= kPole) continue;
         return failure(
@@ -433,8 +414,8 @@ Result<void> settle_domain(Draft& draft) {
     if (draft.holes && !draft.polygon) return failure(ErrorCode::Malformed, "holes needs the member polygon", "/holes");
     if (auto checked = check_exclusions(draft); !checked) return checked;
     if (draft.rectangle) {
-        draft.request.domain = *draft.rectangle;
-        if (draft.request.coordinates == Coordinates::Plane) return {};
+        draft.request.region.domain = *draft.rectangle;
+        if (draft.request.region.coordinates == Coordinates::Plane) return {};
         return failure(ErrorCode::Malformed, "coordinates must be plane if domain is given", "/coordinates");
     }
     PolygonInput polygon;
@@ -444,7 +425,16 @@ Result<void> settle_domain(Draft& draft) {
         polygon.parts.push_back({*std::move(draft.polygon), std::move(draft.holes).value_or(std::vector<Ring>())});
     }
     if (auto checked = check_size(polygon); !checked) return checked;
-    draft.request.domain = std::move(polygon);
+    draft.request.region.domain = std::move(polygon);
+    return {};
+}
+
+/// Completes a request for a threshold mask with its size and seed.
+Result<void> settle_mask(SampleRequest& request) {
+    const auto* torus = std::get_if<Rectangle>(&request.region.domain);
+    if (auto checked = check_mask(torus, request.field_of("format")); !checked) return checked;
+    request.threshold_mask->torus = *torus;
+    request.threshold_mask->seed = request.run.seed;
     return {};
 }
 
@@ -466,217 +456,7 @@ Result<void> check_quality(const Draft& draft) {
         "one");
 }
 
-/// Converts an error about a polygon to an error about the request.
-Error located(Error error, const PolygonInput& polygon) {
-    error.field = polygon.locate(error.field);
-    return error;
-}
-
-/// Builds the domain. Fields of the repairs are JSON Pointers in the request.
-Result<RepairedDomain> make_domain(const SampleRequest& request, const std::stop_token& stop) {
-    const auto valid = [](Domain&& domain) { return RepairedDomain{std::move(domain), {}}; };
-    if (const auto* rectangle = std::get_if<Rectangle>(&request.domain)) return make_domain(*rectangle).map(valid);
-    const auto& polygon = std::get<PolygonInput>(request.domain);
-    const bool is_plane = request.coordinates == Coordinates::Plane;
-    const auto parts = is_plane ? Result<std::vector<PolygonPart>>() : unrolled(polygon.parts);
-    if (!parts) return tl::unexpected(located(parts.error(), polygon));
-    const auto& given = is_plane ? polygon.parts : *parts;
-    auto domain =
-        request.on_invalid == OnInvalid::Repair ? Domain::repair(given, stop) : Domain::create(given, stop).map(valid);
-    if (!domain) return tl::unexpected(located(domain.error(), polygon));
-    for (Repair& repair : domain->repairs) repair.field = polygon.locate(repair.field);
-    return domain;
-}
-
-/// Returns warnings about the request. There is one if coordinates look like degrees but are used as coordinates in a
-/// plane.
-std::vector<Warning> warnings_of(const SampleRequest& request, const Domain& domain) {
-    const auto* polygon = std::get_if<PolygonInput>(&request.domain);
-    if (polygon == nullptr || !polygon->is_geojson() || request.coordinates != Coordinates::Plane) return {};
-    const auto detail = warning_of_degrees(domain.bounds());
-    if (!detail) return {};
-    return {{polygon->locate({}), *detail}};
-}
-
-/// Reverses the order of the rows. Pictures begin with the top row, density grids with the bottom row.
-void flip_rows(std::vector<float>& values, int width) {
-    const auto row = static_cast<std::ptrdiff_t>(width);
-    auto top = values.begin();
-    for (auto bottom = values.end() - row; top < bottom; top += row, bottom -= row) {
-        std::swap_ranges(top, top + row, bottom);
-    }
-}
-
-Result<Density> make_density(const DensityImage& image, const Limits& limits, const Decode& decode,
-                             const Control& control) {
-    auto picture = decode.grey(image.file.bytes, limits.max_pixels, control.stop);
-    if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
-    const int width = picture->width;
-    const int height = picture->height;
-    std::vector<float> coverage = ink_coverage(*picture, Tone::Linear, false);
-    *picture = {};  // frees several megabytes per megapixel
-    flip_rows(coverage, width);
-    auto density = Density::grid(width, height, std::span<const float>(coverage));
-    if (!density) density.error().field = "/density/image";
-    return density;
-}
-
-/// Placed points.
-struct PlacedPoints {
-    ClassDots dots;  ///< grouped by features, if the request has features
-    std::optional<double> pitch;
-};
-
-Result<PlacedPoints> distribute(const SampleRequest& request, const Domain& domain, const Density& density,
-                                const Control& control) {
-    if (request.coordinates == Coordinates::Plane) {
-        return request.method->run(domain, density, request.run, control).map([](Distribution&& distribution) {
-            return PlacedPoints{{std::move(distribution), {}}, {}};
-        });
-    }
-    return distribute_on_globe(domain, density, request.run, request.method->run, request.buffer, control)
-        .map([](GlobeDistribution&& placed) {
-            return PlacedPoints{{std::move(placed.sites), {}}, placed.pitch};
-        });
-}
-
-Result<PlacedPoints> place_points(const SampleRequest& request, const Domain& domain, const Density& density,
-                                  const Control& control) {
-    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
-    auto placed = distribute(request, domain, density, control);
-    if (!placed) return tl::unexpected(error_of_options(request, error_below(placed.error(), "")));
-    if (auto whole = check_whole(placed->dots.dots, request.on_deadline); !whole) return tl::unexpected(whole.error());
-    return placed;
-}
-
-/// Groups points by features, if the request has features, and puts them into the requested order.
-Result<PlacedPoints> arrange(const SampleRequest& request, const Domain& domain, PlacedPoints placed,
-                             const Control& control) {
-    ClassDots& dots = placed.dots;
-    if (request.features) {
-        auto grouped = by_features(request, std::move(dots.dots), stop_of_writing(control, request.on_deadline));
-        if (!grouped) return tl::unexpected(grouped.error());
-        dots = *std::move(grouped);
-    }
-    const auto ordered = request.features ? order_dots(request, domain, dots, control)
-                                          : order_points(request, domain, dots.dots, control);
-    if (!ordered) return tl::unexpected(ordered.error());
-    return placed;
-}
-
-/// Returns the distance of neighbouring dots in a square grid, in units of the domain.
-double pitch_of(const Domain& domain, std::size_t sites) {
-    return std::sqrt(domain.area() / static_cast<double>(sites));
-}
-
-/// Writes points in a format, with the kind of writer that the format has.
-class Writing {
-public:
-    Writing(const SampleRequest& request, const Page& page, const Report& report, const InkDots& ink, Body& body,
-            const Control& control)
-        : request_(request),
-          page_(page),
-          report_(report),
-          ink_(ink),
-          body_(body),
-          path_stop_(control.stop),
-          stop_(stop_of_writing(control, request.on_deadline)) {}
-
-    Result<void> operator()(const ListWriter& writer) const {
-        writer.write({&ink_, 1}, report_, body_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const VectorWriter& writer) const {
-        if (auto checked = writer.check(request_, ink_.radius, page_); !checked) return checked;
-        writer.write({&ink_, 1}, kBlackOnWhite, page_, request_.drawing, body_, path_stop_, stop_);
-        return {};
-    }
-
-    Result<void> operator()(const RasterWriter& writer) const {
-        std::vector<Raster> rasters = {draw_points(ink_.dots.points, page_, ink_.radius, stop_)};
-        auto picture = writer.write(overlay(std::move(rasters), kBlackOnWhite, true, stop_), page_.width_mm, stop_);
-        return std::move(picture).map([&](std::string&& bytes) { body_.text() = std::move(bytes); });
-    }
-
-private:
-    const SampleRequest& request_;
-    const Page& page_;
-    const Report& report_;
-    const InkDots& ink_;
-    Body& body_;
-    std::stop_token path_stop_;
-    std::stop_token stop_;
-};
-
-Result<void> encode(const SampleRequest& request, const Domain& domain, const Page& page, const ClassDots& dots,
-                    const Report& report, const Control& control, Body& body) {
-    if (request.features) return write_map(request, domain, page, {&dots, 1}, report, control, body);
-    const InkDots ink{kBlackOnWhite.inks.front(), dots.dots, radius_of(request, domain)};
-    auto written = std::visit(Writing(request, page, report, ink, body, control), request.format->writer);
-    if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
-    return written;
-}
-
 }  // namespace
-
-Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                             const Control& control) {
-    if (const auto* image = std::get_if<DensityImage>(&request.density))
-        return make_density(*image, limits, decode, control);
-    const auto* grid = std::get_if<DensityGrid>(&request.density);
-    if (grid == nullptr) return Density::uniform();
-    auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
-    if (!density) return tl::unexpected(error_below(density.error(), "/density"));
-    return density;
-}
-
-Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const Limits& limits) {
-    Page page{domain.bounds(),          true,
-              domain.is_torus(),        {},
-              request.drawing.width_mm, request.order.value_or(PointOrder::Path) == PointOrder::Path};
-    const Box& box = page.box;
-    const double longer = std::max(box.width(), box.height());
-    const RasterWriter* const pixels = request.format->raster();
-    const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
-    const double wished =
-        std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kMinDrawingSide / longer, max_side / longer);
-    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
-    page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
-    if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
-        return tl::unexpected(checked.error());
-    if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
-    return failure(ErrorCode::LimitExceeded,
-                   "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
-                       std::to_string(page.canvas.height) + " pixels; this server's limit (max-pixels) is " +
-                       std::to_string(limits.max_pixels),
-                   request.field_of("width"));
-}
-
-void bring_into(const Box& box, std::vector<Point>& points) {
-    if (box.min.x >= -kTurn / 2 && box.max.x <= kTurn / 2) return;
-    for (Point& p : points) p.x += longitude_wrap_offset(p.x, box.min.x);
-}
-
-double radius_of(const SampleRequest& request, const Domain& domain) {
-    const double largest = 2 * std::max(domain.bounds().width(), domain.bounds().height());
-    return std::min(request.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
-}
-
-Error error_of_options(const SampleRequest& request, Error error) {
-    if (request.is_document && error.field.starts_with('/')) error.field.erase(0, 1);
-    return error;
-}
-
-void add_remarks(const std::vector<Repair>& repairs, const std::vector<Warning>& warnings, Answer& answer) {
-    if (!repairs.empty())
-        answer.repaired = write_repairs(std::span(repairs).first(std::min(repairs.size(), kMaxInHeader)));
-    if (!warnings.empty()) answer.warnings = write_warnings(warnings);
-}
-
-std::string SampleRequest::field_of(std::string_view option) const {
-    return is_document ? std::string(option) : pointer_below("", option);
-}
 
 std::vector<std::string_view> sample_options() {
     return names_of<Draft>(kRules);
@@ -690,59 +470,20 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
     errors.add(check_sites(draft.request));
     errors.add(check_map(draft));
     errors.add(settle_method(*draft.request.method, draft.given, draft.request.run).map_error([&](Error error) {
-        return error_of_options(draft.request, std::move(error));
+        if (draft.request.is_document) error.field.erase(0, 1);  // the slash of a JSON Pointer
+        return error;
     }));
     errors.add(check_fixed(draft.request));
     errors.add(check_quality(draft));
     const auto domain = settle_domain(draft);
     errors.add(domain);
-    if (domain && draft.request.mask_format != nullptr) errors.add(check_mask(draft.request));
+    if (domain && draft.request.threshold_mask) errors.add(settle_mask(draft.request));
     errors.add(settle_format(accept, draft));
-    if (draft.request.format != nullptr && draft.request.mask_format == nullptr)
-        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
+    if (draft.request.output.format != nullptr && !draft.request.threshold_mask)
+        errors.add(draft.request.output.format->check_drawing(draft.request.output.drawing,
+                                                              draft.request.field_of("width_mm")));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
-}
-
-Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodySink* sink) {
-    if (request.mask_format != nullptr) return run_mask(request, control, timings);
-    if (request.counts) return run_dot_map(request, limits, decode, control, timings, sink);
-    Stopwatch watch;
-    const auto made = make_domain(request, control.stop).and_then([&](RepairedDomain&& given) {
-        return without_exclusions(std::move(given), request, limits, decode, control.stop);
-    });
-    if (!made) return tl::unexpected(made.error());
-    const auto& [domain, repairs] = *made;
-    const auto page = plan_page(request, domain, limits);
-    if (!page) return tl::unexpected(page.error());
-    const auto density = make_density(request, limits, decode, control);
-    timings.decode = watch.lap();
-    if (!density) return tl::unexpected(density.error());
-
-    auto placed =
-        place_points(request, domain, *density, control).and_then([&, &domain = domain](PlacedPoints&& points) {
-            return arrange(request, domain, std::move(points), control);
-        });
-    timings.optimise = watch.lap();
-    if (!placed) return tl::unexpected(placed.error());
-    Distribution& distribution = placed->dots.dots;
-    if (request.format->is_drawn() && placed->pitch) bring_into(page->box, distribution.points);
-
-    const double elapsed = timings.decode + timings.optimise;
-    const auto warnings = warnings_of(request, domain);
-    const Report report{request.run.seed, elapsed, {}, request.method->name, repairs, {}, warnings, placed->pitch};
-    Answer answer;
-    answer.media_type = request.format->file.content_type();
-    answer.sites = request.run.sites;
-    answer.partial = distribution.stopped;
-    answer.repeats = request.format->repeats();
-    if (request.format->file.name != "json") add_remarks(repairs, warnings, answer);
-    Body body(answer, sink, control.stop);
-    auto written = encode(request, domain, *page, placed->dots, report, control, body);
-    timings.encode = watch.lap();
-    if (!written) return tl::unexpected(written.error());
-    return body.finish(std::move(answer));
 }
 
 }  // namespace ccdt::api

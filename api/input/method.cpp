@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/method.h"
+#include "api/input/method.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,5 +56,11 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 /// @param timings  receives the times of the completed stages
 /// Errors: those of make_domain and analyse, with a JSON Pointer as Error::field. Same request, same bytes.
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
+
+/// Estimates the cost of computing an answer, before the computation begins.
+Cost cost_of(const AnalyzeRequest& request);
+
+/// Returns the size of a parsed request in bytes, without the body from which it was read.
+std::size_t size_of(const AnalyzeRequest& request);
 
 }  // namespace ccdt::api

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/dot_map.h"
+#include "api/sample/sample.h"
 
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "api/cost.h"
-#include "api/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

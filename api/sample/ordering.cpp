@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/ordering.h"
+#include "api/sample/ordering.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
-#include <utility>
 #include <variant>
 #include <vector>
 
-#include "api/output/map_dots.h"
+#include "api/output/point_set.h"
 #include "api/run/deadline.h"
 #include "core/order/progressive_order.h"
 #include "core/order/reorder.h"
@@ -22,8 +20,8 @@ namespace {
 /// Returns the order to establish before writing. A path in a drawing of shapes is not included, because the writers of
 /// shapes find paths themselves.
 PointOrder order_of(const SampleRequest& request) {
-    const PointOrder order = request.order.value_or(PointOrder::None);
-    const bool is_vector = std::holds_alternative<VectorWriter>(request.format->writer);
+    const PointOrder order = request.output.order.value_or(PointOrder::None);
+    const bool is_vector = std::holds_alternative<VectorWriter>(request.output.format->writer);
     return order == PointOrder::Path && is_vector ? PointOrder::None : order;
 }
 
@@ -33,8 +31,7 @@ bool is_even(const SampleRequest& request, const Domain& domain) {
 
 std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domain& domain,
                                        std::span<const Point> points, const Control& control) {
-    if (request.coordinates == Coordinates::LonLat)
-        return progressive_order_on_globe(points, control.stop, *control.executor);
+    if (request.region.is_on_globe()) return progressive_order_on_globe(points, control.stop, *control.executor);
     return progressive_order(domain, points, is_even(request, domain), control.stop, *control.executor);
 }
 
@@ -44,20 +41,11 @@ Result<void> check_order(const SampleRequest& request, Distribution& points, con
     return check_whole(points, request.on_deadline);
 }
 
-/// Sorts the dots of each feature by rank.
-std::vector<std::uint32_t> by_features(const ClassDots& dots, std::span<const std::uint32_t> ranks) {
-    std::vector<std::uint32_t> order(ranks.size());
-    std::iota(order.begin(), order.end(), 0U);
-    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
-        std::ranges::sort(std::span(order).subspan(first, count), {}, [&](std::uint32_t i) { return ranks[i]; });
-    });
-    return order;
-}
-
-/// Orders the dots of each feature along a short path.
+/// Orders the dots of each group along a short path.
 std::vector<std::uint32_t> along_paths(const ClassDots& dots, const std::stop_token& stop) {
+    if (dots.feature_of.empty()) return short_path(dots.dots.points, stop);
     std::vector<std::uint32_t> order;
-    for_features(dots, [&](std::uint32_t, std::size_t first, std::size_t count) {
+    for_features(dots.feature_of, [&](std::uint32_t, std::size_t first, std::size_t count) {
         for (const std::uint32_t i : short_path(std::span(dots.dots.points).subspan(first, count), stop))
             order.push_back(static_cast<std::uint32_t>(first) + i);
     });
@@ -72,24 +60,7 @@ std::vector<std::uint32_t> inverse(std::span<const std::uint32_t> order) {
 
 }  // namespace
 
-Result<void> order_points(const SampleRequest& request, const Domain& domain, Distribution& points,
-                          const Control& control) {
-    switch (order_of(request)) {
-        case PointOrder::None:
-            return {};
-        case PointOrder::Path:
-            reorder(points, short_path(points.points, control.stop));
-            return {};
-        case PointOrder::Progressive:
-            reorder(points, progressive(request, domain, points.points, control));
-            points.ranks.resize(points.points.size());
-            std::iota(points.ranks.begin(), points.ranks.end(), 0U);
-            return check_order(request, points, control.stop);
-    }
-    return {};
-}
-
-Result<void> order_dots(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control) {
+Result<void> order_points(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control) {
     switch (order_of(request)) {
         case PointOrder::None:
             return {};
@@ -97,8 +68,10 @@ Result<void> order_dots(const SampleRequest& request, const Domain& whole, Class
             reorder(dots.dots, along_paths(dots, control.stop));
             return {};
         case PointOrder::Progressive: {
-            const auto ranks = inverse(progressive(request, whole, dots.dots.points, control));
-            const auto order = by_features(dots, ranks);
+            auto order = progressive(request, whole, dots.dots.points, control);
+            const auto ranks = inverse(order);
+            if (!dots.feature_of.empty())
+                std::ranges::stable_sort(order, {}, [&](std::uint32_t i) { return dots.feature_of[i]; });
             reorder(dots.dots, order);
             dots.dots.ranks.clear();
             for (const std::uint32_t i : order) dots.dots.ranks.push_back(ranks[i]);

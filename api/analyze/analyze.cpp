@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/analyze.h"
+#include "api/analyze/analyze.h"
 
 #include <array>
 #include <optional>
@@ -9,6 +9,7 @@
 #include "api/input/polygon_reader.h"
 #include "api/output/json_writer.h"
 #include "api/output/spectrum_plot.h"
+#include "api/output/stage_costs.h"
 #include "api/output/svg_renderer.h"
 #include "api/run/stopwatch.h"
 
@@ -140,6 +141,24 @@ Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control
     timings.encode = watch.lap();
     if (!body) return tl::unexpected(body.error());
     return Answer{request.format->file.content_type(), *std::move(body)};
+}
+
+Cost cost_of(const AnalyzeRequest& request) {
+    const auto sets = static_cast<double>(request.sets.size());
+    const double points = request.sets.empty() ? 0 : static_cast<double>(request.sets.front().size());
+    const double cells = points * request.options.max_frequency * request.options.max_frequency;
+    const bool in_parts = cells * 16 > static_cast<double>(kMaxCells);
+    constexpr double kParts = 600e6, kSpectrum = 40;
+    const Estimate transforms{in_parts ? kParts + cells * kSpectrum : cells * 360,
+                              cells * sets * (in_parts ? 0.7 : 0.4) * kMicrosecond};
+    const Estimate others{points * sets * 64, points * sets * kMicrosecond};
+    return total_cost(transforms + others + request.format->cost);
+}
+
+std::size_t size_of(const AnalyzeRequest& request) {
+    std::size_t points = 0;
+    for (const auto& set : request.sets) points += set.size();
+    return points * sizeof(Point);
 }
 
 }  // namespace ccdt::api

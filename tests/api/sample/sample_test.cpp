@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample.h"
+#include "api/sample/sample.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {
@@ -59,7 +60,7 @@ TEST(SampleRequest, ReadsEveryMember) {
     EXPECT_EQ(request->run.passes, 2);
     EXPECT_EQ(request->run.tolerance, 0.01);
     EXPECT_TRUE(request->run.keep_mesh);
-    const auto& polygon = std::get<PolygonInput>(request->domain);
+    const auto& polygon = std::get<PolygonInput>(request->region.domain);
     ASSERT_EQ(polygon.parts.size(), 1U);
     EXPECT_EQ(polygon.parts[0].outer.size(), 4U);
     EXPECT_EQ(polygon.parts[0].holes.size(), 1U);
@@ -82,7 +83,7 @@ TEST(SampleRequest, ReadsQuality) {
 TEST(SampleRequest, ReadsTorus) {
     const auto request = parse(R"({"sites":10,"domain":{"type":"torus","width":3,"height":2}})");
     ASSERT_TRUE(request) << request.error().message;
-    const auto& rectangle = std::get<Rectangle>(request->domain);
+    const auto& rectangle = std::get<Rectangle>(request->region.domain);
     EXPECT_TRUE(rectangle.periodic);
     EXPECT_EQ(rectangle.width, 3);
     EXPECT_EQ(rectangle.height, 2);
@@ -97,7 +98,7 @@ TEST(SampleRequest, ReadsGeoJson) {
     for (const auto& [geometry, parts] : cases) {
         const auto request = parse(R"({"sites":10,"geometry":)" + geometry + '}');
         ASSERT_TRUE(request) << request.error().message;
-        const auto& input = std::get<PolygonInput>(request->domain);
+        const auto& input = std::get<PolygonInput>(request->region.domain);
         ASSERT_EQ(input.parts.size(), parts);
         EXPECT_EQ(input.parts.back().outer.size(), 4U);
         EXPECT_EQ(input.parts.back().outer[1], (Point{4, 0}));
@@ -116,10 +117,10 @@ TEST(SampleRequest, ReadsGeoJsonCollections) {
     for (const auto& [geometry, parts] : {std::pair(geometries, 3U), std::pair(features, 5U)}) {
         const auto request = parse(R"({"sites":10,"geometry":)" + geometry + '}');
         ASSERT_TRUE(request) << request.error().message;
-        EXPECT_EQ(std::get<PolygonInput>(request->domain).parts.size(), parts);
+        EXPECT_EQ(std::get<PolygonInput>(request->region.domain).parts.size(), parts);
     }
     const auto request = parse(R"({"sites":10,"geometry":)" + features + '}');
-    const auto& input = std::get<PolygonInput>(request->domain);
+    const auto& input = std::get<PolygonInput>(request->region.domain);
     EXPECT_EQ(input.parts[2].outer[0], (Point{0, 0}));
     EXPECT_EQ(input.locate("/1/0/2"), "/geometry/features/1/geometry/coordinates/1/0/2");
     EXPECT_EQ(input.locate("/2/0/1"), "/geometry/features/2/geometry/geometries/0/coordinates/0/1");
@@ -132,7 +133,7 @@ TEST(SampleRequest, ReadsGeoJsonDocumentWithSeparateOptions) {
     const auto request = parse_sample(document, {{"sites", "20"}, {"format", "csv"}, {"mesh", "true"}}, "", {});
     ASSERT_TRUE(request) << request.error().message;
     EXPECT_EQ(request->run.sites, 20U);
-    EXPECT_EQ(request->format->file.name, "csv");
+    EXPECT_EQ(request->output.format->file.name, "csv");
     EXPECT_TRUE(request->run.keep_mesh);
     Timings timings;
     const auto result = run_sample(*request, {}, decode_inline(), {}, timings);
@@ -252,16 +253,16 @@ TEST(SampleRequest, ReportsMissingMembersWithInvalidOnes) {
 
 TEST(SampleRequest, ReadsAvoidedPolygons) {
     const std::string body = '{' + kSquare + R"(,"sites":1,"avoid":)";
-    EXPECT_TRUE(parse('{' + kSquare + R"(,"sites":1})")->avoid.parts.empty());
+    EXPECT_TRUE(parse('{' + kSquare + R"(,"sites":1})")->region.avoid.parts.empty());
     const auto rings = parse(body + "[[[1,1],[2,1],[2,2]],[[3,3],[4,3],[4,4]]]}");
     ASSERT_TRUE(rings) << rings.error().message;
-    ASSERT_EQ(rings->avoid.parts.size(), 2U);
-    EXPECT_EQ(rings->avoid.parts[1].outer[0], (Point{3, 3}));
-    EXPECT_EQ(rings->avoid.locate("/1/0/2"), "/avoid/1/2");
+    ASSERT_EQ(rings->region.avoid.parts.size(), 2U);
+    EXPECT_EQ(rings->region.avoid.parts[1].outer[0], (Point{3, 3}));
+    EXPECT_EQ(rings->region.avoid.locate("/1/0/2"), "/avoid/1/2");
     const auto polygon = parse(body + R"({"type":"Polygon","coordinates":[[[1,1],[2,1],[2,2]]]}})");
     ASSERT_TRUE(polygon) << polygon.error().message;
-    EXPECT_EQ(polygon->avoid.locate("/0/0/2"), "/avoid/coordinates/0/2");
-    EXPECT_TRUE(parse(body + R"({"type":"FeatureCollection","features":[]}})")->avoid.parts.empty());
+    EXPECT_EQ(polygon->region.avoid.locate("/0/0/2"), "/avoid/coordinates/0/2");
+    EXPECT_TRUE(parse(body + R"({"type":"FeatureCollection","features":[]}})")->region.avoid.parts.empty());
 }
 
 TEST(SampleRequest, ReadsFixedPoints) {
@@ -312,12 +313,12 @@ TEST(SampleRequest, EnforcesLimits) {
 
 TEST(SampleRequest, NegotiatesFormat) {
     const std::string body = '{' + kSquare + R"(,"sites":10)";
-    EXPECT_EQ(parse(body + '}', "application/*")->format->file.name, "json");
-    EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->format->file.name, "csv");
-    EXPECT_EQ(parse(body + '}', "application/geo+json")->format->file.name, "geojson");
-    EXPECT_EQ(parse(body + '}', "application/x-npy")->format->file.name, "npy");
+    EXPECT_EQ(parse(body + '}', "application/*")->output.format->file.name, "json");
+    EXPECT_EQ(parse(body + '}', "application/json;q=0.5, text/csv")->output.format->file.name, "csv");
+    EXPECT_EQ(parse(body + '}', "application/geo+json")->output.format->file.name, "geojson");
+    EXPECT_EQ(parse(body + '}', "application/x-npy")->output.format->file.name, "npy");
     EXPECT_EQ(parse(body + '}', "text/html").error().code, ErrorCode::NotAcceptable);
-    EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->format->file.name, "csv");
+    EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->output.format->file.name, "csv");
 }
 
 TEST(Sample, PlacesRequestedNumberInsidePolygon) {

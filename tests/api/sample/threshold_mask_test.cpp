@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/mask.h"
+#include "api/sample/threshold_mask.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <utility>
 
-#include "api/cost.h"
-#include "api/sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

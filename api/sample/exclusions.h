@@ -1,18 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <stop_token>
 #include <vector>
 
 #include "api/image/image_codec.h"
 #include "api/run/options.h"
-#include "api/sample.h"
+#include "api/sample/sample_request.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/faults.h"
 #include "core/geometry/polygon.h"
 #include "core/result.h"
 
 namespace ccdt::api {
+
+/// Maximum number of corners of a mask's outline.
+inline constexpr std::size_t kMaxMaskCorners = 100'000;
 
 /// Areas, in the coordinates of a request, that are subtracted from its domain: no point may lie in them.
 struct Exclusions {
@@ -39,11 +43,5 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 /// Erodes a domain in the plane by the buffer of a request. The bounding box stays the same.
 /// Errors: Unusable if the remaining domain is empty; Stopped. The field is that of the option `buffer`.
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop);
-
-/// Subtracts all exclusions of a request from its domain. In the plane, also erodes the domain by the buffer.
-/// @param area  the domain; the repairs of avoided areas are added to its repairs
-/// Errors: those of the functions above.
-Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
-                                          const Decode& decode, const std::stop_token& stop);
 
 }  // namespace ccdt::api

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
 
-#include "api/image/image_codec.h"
+#include "api/input/domain_reader.h"
 #include "api/input/file_formats.h"
 #include "api/run/estimate.h"
 #include "api/run/options.h"
@@ -11,8 +13,6 @@
 #include "core/result.h"
 
 namespace ccdt::api {
-
-struct SampleRequest;
 
 /// Format of a threshold mask: a tile of grey values in which all values are equally frequent. For any threshold, the
 /// pixels below it are spread evenly.
@@ -28,13 +28,21 @@ std::span<const MaskFormat* const> mask_formats();
 inline constexpr int kMinMaskSide = 8;
 inline constexpr int kMaxMaskSide = 1'024;
 
-/// Checks that the domain of a request for a mask is a torus whose sides are integers within these limits.
+/// Request to /sample for a threshold mask.
+struct ThresholdMask {
+    const MaskFormat* format;
+    Rectangle torus = {};  ///< its sides are the size in pixels
+    std::uint64_t seed = 0;
+};
+
+/// Checks that the domain of a mask is a torus whose sides are integers within the limits.
+/// @param format_field  field of the option `format`
 /// Errors: Malformed, with a JSON Pointer.
-Result<void> check_mask(const SampleRequest& request);
+Result<void> check_mask(const Rectangle* domain, const std::string& format_field);
 
 /// Answers a request for a mask. Errors: Stopped; Internal if memory runs out. Same request, same bytes.
-Result<Answer> run_mask(const SampleRequest& request, const Control& control, Timings& timings);
+Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timings& timings);
 
-Estimate cost_of_mask(const SampleRequest& request);
+Estimate cost_of_mask(const ThresholdMask& mask);
 
 }  // namespace ccdt::api

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/sample/sample.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "api/cost.h"
-#include "api/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
 
 namespace ccdt::api {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/exclusions.h"
+#include "api/sample/exclusions.h"
 
 #include <algorithm>
 #include <array>
@@ -55,14 +55,14 @@ Error located(Error error, const PolygonInput& avoid) {
 
 /// Computes the area of the polygons to be avoided. Fields of the repairs are JSON Pointers in the request.
 Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_token& stop) {
-    const PolygonInput& avoid = request.avoid;
-    const bool is_plane = request.coordinates == Coordinates::Plane;
+    const PolygonInput& avoid = request.region.avoid;
+    const bool is_plane = !request.region.is_on_globe();
     const auto parts = is_plane ? Result<std::vector<PolygonPart>>(avoid.parts) : unrolled(avoid.parts);
     if (!parts) return tl::unexpected(located(parts.error(), avoid));
     auto area = Domain::repair_area(*parts, stop);
     if (!area) return tl::unexpected(located(area.error(), avoid));
     for (Repair& repair : area->repairs) repair.field = avoid.locate(repair.field);
-    if (area->repairs.empty() || request.on_invalid == OnInvalid::Repair) return area;
+    if (area->repairs.empty() || request.region.on_invalid == OnInvalid::Repair) return area;
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
@@ -78,8 +78,8 @@ PixelSet dark_pixels(const Picture& picture) {
 /// Computes the area of the dark pixels of the mask, if there is one.
 Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& box, const Limits& limits,
                                        const Decode& decode, const std::stop_token& stop) {
-    if (!request.mask) return {};
-    const auto picture = decode.grey(request.mask->bytes, limits.max_pixels, stop);
+    if (!request.region.mask) return {};
+    const auto picture = decode.grey(request.region.mask->bytes, limits.max_pixels, stop);
     if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
     auto outline = outline_of(dark_pixels(*picture), box, kMaxMaskCorners);
     if (!outline)
@@ -113,7 +113,7 @@ std::string format_distance(double distance) {
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop) {
     Exclusions found;
-    if (!request.avoid.parts.empty()) {
+    if (!request.region.avoid.parts.empty()) {
         auto avoided = avoided_area(request, stop);
         if (!avoided) return tl::unexpected(avoided.error());
         found.avoided.push_back(std::move(avoided->rings));
@@ -129,7 +129,7 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
                        const std::stop_token& stop) {
     std::vector<Area> avoided;
     for (const Area& area : exclusions.avoided) {
-        if (request.coordinates == Coordinates::Plane) {
+        if (!request.region.is_on_globe()) {
             avoided.push_back(area);
         } else {
             std::ranges::move(in_turns_of(domain.bounds(), area), std::back_inserter(avoided));
@@ -143,29 +143,16 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
     constexpr double kIndifferent = 1e-3;  // relative to the spacing of the sites
     const double spacing = hexagonal_spacing(static_cast<double>(request.run.sites) / domain.area());
-    auto left = inset(domain, request.buffer, kIndifferent * spacing, stop);
+    auto left = inset(domain, request.region.buffer, kIndifferent * spacing, stop);
     if (left) return left;
     constexpr double kSure = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
     const double farthest = largest_clearance(domain, stop);
-    if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.buffer)
+    if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.region.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
     return failure(
         ErrorCode::Unusable,
         "no place is as far from the border as the buffer: the largest distance is " + format_distance(farthest),
         request.field_of("buffer"));
-}
-
-Result<RepairedDomain> without_exclusions(RepairedDomain area, const SampleRequest& request, const Limits& limits,
-                                          const Decode& decode, const std::stop_token& stop) {
-    if (!request.has_exclusions()) return area;
-    auto exclusions = find_exclusions(request, area.domain.bounds(), limits, decode, stop);
-    if (!exclusions) return tl::unexpected(exclusions.error());
-    auto left = without(area.domain, *exclusions, request, stop);
-    if (left && request.buffer > 0 && request.coordinates == Coordinates::Plane)
-        left = without_buffer(*left, request, stop);
-    if (!left) return tl::unexpected(left.error());
-    std::ranges::move(exclusions->repairs, std::back_inserter(area.repairs));
-    return RepairedDomain{*std::move(left), std::move(area.repairs)};
 }
 
 }  // namespace ccdt::api

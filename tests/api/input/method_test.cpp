@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/method.h"
+#include "api/input/method.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "api/sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_parser.h"
 
 namespace ccdt::api {
 namespace {
