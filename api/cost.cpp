@@ -75,7 +75,7 @@ bool has_ink_channels(const HalftoneRequest& request) {
 /// Returns the number of kinds of dots, for dots on both sides in several channels.
 double kinds_of_dots(const HalftoneRequest& request) {
     const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
-    return static_cast<double>(std::min(kinds, kMostKindsOfInks));
+    return static_cast<double>(std::min(kinds, kMaxInkKinds));
 }
 
 /// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
@@ -292,7 +292,7 @@ double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     };
     const double settled = std::max(drawn({width, height}), drawn({height, width}));
     if (settled > 0) return std::min(settled, most);
-    return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
+    return std::min({pixels * kLargestScale * kLargestScale, kMaxCanvasPixels, most});
 }
 
 /// @param radius  radius of the dots, in pixels; a dot may cover the whole drawing
@@ -324,7 +324,7 @@ double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (!request.dot) return usual;
     const auto filling = [&](double pixels, double radius) {
         constexpr double kOverlaps = 2;
-        const double area = std::max(std::numbers::pi * radius * radius, kLeastDotArea);
+        const double area = std::max(std::numbers::pi * radius * radius, kMinDotArea);
         return std::clamp(kOverlaps * pixels / area, 1.0, static_cast<double>(limits.max_sites));
     };
     const double radius = request.dot->length;
@@ -349,7 +349,7 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
 /// needs no supersampling.
 Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
     constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
-    const double samples = std::min(sites * kEach, kMostSamples);
+    const double samples = std::min(sites * kEach, kMaxSamples);
     const bool by_dots = !(request.on_screen || request.width || request.height || request.scale || request.dot);
     if (by_dots || samples < pixels) return {};
     return {sites * 16, samples * 0.02 * kMicrosecond};
@@ -416,10 +416,10 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.width) return std::min(*request.width * (*request.width * box.height() / box.width() + 1), most);
     const double chosen = std::holds_alternative<PolygonInput>(request.domain)
-                              ? kMostCanvasPixels
+                              ? kMaxCanvasPixels
                               : std::max(kMinDrawingSide * kMinDrawingSide,
                                          static_cast<double>(request.run.sites) * kPixelPitch * kPixelPitch);
-    return std::min({chosen, kMostCanvasPixels, most});
+    return std::min({chosen, kMaxCanvasPixels, most});
 }
 
 /// Estimates the ordering of points. Returns nothing for a path in a drawing of shapes, because the estimate of writing

@@ -20,7 +20,7 @@ namespace {
 
 /// Colours of classes. People with any kind of colour vision can distinguish them. The first colours have the most
 /// contrast with white. Source: Okabe and Ito.
-constexpr std::array<Colour, kMostInks> kColours = {
+constexpr std::array<Colour, kMaxInks> kColours = {
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
 
 /// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.

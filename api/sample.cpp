@@ -641,7 +641,7 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& domain, const
     const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
     const double wished =
         std::clamp(kPixelPitch / pitch_of(domain, request.run.sites), kMinDrawingSide / longer, max_side / longer);
-    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
+    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMaxCanvasPixels));
     page.canvas = canvas_of(box, request.width ? *request.width / box.width() : fitting_scale(box, wished, most));
     if (auto checked = request.format->check_side(page.canvas, "width", request.field_of("width")); !checked)
         return tl::unexpected(checked.error());
