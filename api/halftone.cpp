@@ -180,8 +180,8 @@ std::string_view obstacle_to_both(const Draft& draft) {
 /// Returns whether dots on both sides look better than ink dots only. With four or more custom inks, many mixtures give
 /// the same colour, and the grounds become ragged where the chosen mixture changes.
 bool is_better_on_both_sides(const Draft& draft) {
-    constexpr std::size_t kMostInksOfBoth = 3;
-    return !draft.palette || draft.palette->inks.size() <= kMostInksOfBoth;
+    constexpr std::size_t kMaxInksOfBoth = 3;
+    return !draft.palette || draft.palette->inks.size() <= kMaxInksOfBoth;
 }
 
 /// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have dots on both sides, and

@@ -56,7 +56,7 @@ struct HalftoneRequest {
     Fit fit = Fit::Contain;        ///< Cover requires width and height
     bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
     std::optional<DotRadius> dot;  ///< none: follows from the tone of the picture
-    double detail = 0.7;           ///< as in DotWish; 0: the dots follow the density alone
+    double detail = 0.7;           ///< as in DotRequest; 0: the dots follow the density alone
     Levels levels;                 ///< applied to the picture before all other steps
     bool antialias = false;
     bool may_be_scaled = false;  ///< whether browsers may show the drawing at another size: the request gives neither a

@@ -58,7 +58,7 @@ bool has_ink_channels(const HalftoneRequest& request) {
 /// Returns the number of kinds of dots, for dots on both sides in several channels.
 double kinds_of_dots(const HalftoneRequest& request) {
     const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
-    return static_cast<double>(std::min(kinds, kMostKindsOfInks));
+    return static_cast<double>(std::min(kinds, kMaxInkKinds));
 }
 
 /// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
@@ -170,7 +170,7 @@ double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
     };
     const double settled = std::max(drawn({width, height}), drawn({height, width}));
     if (settled > 0) return std::min(settled, most);
-    return std::min({pixels * kLargestScale * kLargestScale, kMostCanvasPixels, most});
+    return std::min({pixels * kLargestScale * kLargestScale, kMaxCanvasPixels, most});
 }
 
 double shorter_side(const HalftoneRequest& request) {
@@ -196,7 +196,7 @@ double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (!request.dot) return usual;
     const auto filling = [&](double pixels, double radius) {
         constexpr double kOverlaps = 2;
-        const double area = std::max(std::numbers::pi * radius * radius, kLeastDotArea);
+        const double area = std::max(std::numbers::pi * radius * radius, kMinDotArea);
         return std::clamp(kOverlaps * pixels / area, 1.0, static_cast<double>(limits.max_sites));
     };
     const double radius = request.dot->length;
@@ -221,7 +221,7 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
 /// needs no supersampling.
 Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
     constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
-    const double samples = std::min(sites * kEach, kMostSamples);
+    const double samples = std::min(sites * kEach, kMaxSamples);
     const bool by_dots = !(request.on_screen || request.width || request.height || request.scale || request.dot);
     if (by_dots || samples < pixels) return {};
     return {sites * 16, samples * 0.02 * kMicrosecond};

@@ -93,7 +93,7 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
 /// picture is not decoded yet: if ink covers at least a quarter of it, the dots cannot show the difference. Returns 1
 /// if a step before the separation is not linear in the light of the pixels.
 int reducible(const HalftoneRequest& request, const Limits& limits) {
-    constexpr double kLeastPixels = 4e6;  // fewer pixels take little time
+    constexpr double kMinPixels = 4e6;  // fewer pixels take little time
     constexpr double kInk = 0.25;
     const auto width = static_cast<int>(request.image.header.width);
     const auto height = static_cast<int>(request.image.header.height);
@@ -101,7 +101,7 @@ int reducible(const HalftoneRequest& request, const Limits& limits) {
     const double pixels = all_pixels(part);
     const bool is_linear =
         request.levels == Levels{} && (request.palette.mixing != Mixing::Cover || request.tone != Tone::Perceptual);
-    if (!is_linear || pixels < kLeastPixels || (request.dot && !request.sites)) return 1;
+    if (!is_linear || pixels < kMinPixels || (request.dot && !request.sites)) return 1;
     const std::size_t sites = request.sites ? *request.sites : usual_sites(request, part, pixels, 1, limits);
     const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
     const CellGrid cells = resolved_cells(part.width, part.height, radius);
@@ -148,7 +148,7 @@ struct Decoded {
 /// that of the paper, whichever is smaller.
 double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
                    Executor& executor) {
-    if (request.dots == Dots::Both) return minority_of(coverage, executor);
+    if (request.dots == Dots::Both) return minority_area(coverage, executor);
     double ink = 0;
     for (const auto& each : coverage) ink += sum(each, executor);
     return ink;
@@ -263,8 +263,8 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
 /// largest dots have about twice the mean area. A lower bound keeps the scale from becoming large if dots have little
 /// to draw.
 double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
-    constexpr double kMean = 2, kLeast = 0.1;
-    return request.dots == Dots::Both ? std::max(kMean * ink, kLeast * static_cast<double>(pixels)) : ink;
+    constexpr double kMean = 2, kMinShare = 0.1;
+    return request.dots == Dots::Both ? std::max(kMean * ink, kMinShare * static_cast<double>(pixels)) : ink;
 }
 
 /// Returns the canvas. If the server chooses the size, the canvas has at most limits.max_pixels. A requested size is
@@ -283,15 +283,15 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
 }
 
 /// Returns the radius that the request gives, or that follows from the size of the drawing, in pixels of the picture.
-std::optional<double> wished_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
+std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
     if (!request.dot) return std::nullopt;
     return picture_radius(request, plan.picture, plan.canvas.scale);
 }
 
 /// Returns the requested number of sites, or the number of dots that follows from the radius.
-Result<std::size_t> sites_of(const std::optional<std::size_t>& wish, double dots, const Limits& limits) {
-    if (wish) return *wish;
+Result<std::size_t> sites_of(const std::optional<std::size_t>& requested, double dots, const Limits& limits) {
+    if (requested) return *requested;
     const double sum = std::round(dots);
     if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
     return failure(ErrorCode::LimitExceeded,
@@ -308,8 +308,8 @@ bool is_proportional(const HalftoneRequest& request) {
 
 /// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number that a plotter
 /// draws in this time.
-Result<std::size_t> most_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
-                              Executor& executor) {
+Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
+                             Executor& executor) {
     if (!request.minutes) return limits.max_sites;
     const double unit = *request.drawing.width_mm / picture.size.width;
     PlotInk ink;
@@ -330,35 +330,35 @@ Result<std::size_t> most_dots(const HalftoneRequest& request, const SeparatedPic
 /// Determines the number and the radius of the dots of each ink. Replaces the coverage of the picture with the density
 /// of dots.
 /// @param usual  number of sites to use unless the number follows from the radius
-/// @param most   maximum number of sites, from most_dots()
+/// @param most   maximum number of sites, from max_dots()
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                          std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
                          const Control& control) {
     constexpr double kToneDigits = 1e4;
-    plan.radius = wished_radius(request, plan, picture.fineness);
+    plan.radius = requested_radius(request, plan, picture.fineness);
     if (is_proportional(request)) {
         plan.sites = share_sites(ink, usual);
         return {};
     }
     const double side = std::sqrt(picture.cell_area());
-    DotWish wish{request.sites, plan.radius, request.detail};
-    if (!plan.radius) wish.sites = usual;
-    if (plan.radius) wish.radius = *plan.radius / side;
+    DotRequest wanted{request.sites, plan.radius, request.detail};
+    if (!plan.radius) wanted.sites = usual;
+    if (plan.radius) wanted.radius = *plan.radius / side;
     // The number of dots if no dots overlapped. Overlaps make it larger.
     const double fewest =
         plan.radius ? std::reduce(ink.begin(), ink.end()) / std::numbers::pi / *plan.radius / *plan.radius : 0;
-    if (request.minutes && fewest > static_cast<double>(most)) wish.sites = most;
-    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wish,
+    if (request.minutes && fewest > static_cast<double>(most)) wanted.sites = most;
+    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wanted,
                              control.stop, *control.executor);
     if (auto going = check_stop(control.stop); !going) return going;
     picture.inks.coverage = std::move(dots.density);
     plan.radius = dots.radius * side;
-    const double wanted = std::reduce(dots.dots.begin(), dots.dots.end());
-    const double drawn = request.minutes ? std::min(wanted, static_cast<double>(most)) : wanted;
-    const double share = drawn < wanted ? drawn / wanted : 1;
+    const double needed = std::reduce(dots.dots.begin(), dots.dots.end());
+    const double drawn = request.minutes ? std::min(needed, static_cast<double>(most)) : needed;
+    const double share = drawn < needed ? drawn / needed : 1;
     plan.tone = std::round(dots.tone * share * kToneDigits) / kToneDigits;
     plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
-    auto sites = sites_of(wish.sites, drawn, limits);
+    auto sites = sites_of(wanted.sites, drawn, limits);
     if (!sites) return tl::unexpected(sites.error());
     plan.sites = share_sites(dots.dots, *sites);
     return {};
@@ -386,17 +386,17 @@ TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& pictur
 ///                  without dots
 Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                               double minority, std::size_t usual, const Limits& limits, const Control& control) {
-    // Smallest radii, in output pixels, that a raster draws well: kLeastRadius without antialiasing, kLeastSoftRadius
+    // Smallest radii, in output pixels, that a raster draws well: kMinRadius without antialiasing, kMinSoftRadius
     // with it.
-    constexpr double kLeastRadius = 1.25, kLeastSoftRadius = 0.6;
+    constexpr double kMinRadius = 1.25, kMinSoftRadius = 0.6;
     const double side = std::sqrt(picture.cell_area());
     TwoSidedOptions options{request.sites, {}, request.detail, 0};
-    if (const auto radius = wished_radius(request, plan, picture.fineness)) options.radius = *radius / side;
+    if (const auto radius = requested_radius(request, plan, picture.fineness)) options.radius = *radius / side;
     if (!options.radius) options.sites = usual;
     if (request.format->raster() != nullptr)
-        options.least_radius = (request.antialias ? kLeastSoftRadius : kLeastRadius) / plan.canvas.scale / side;
+        options.min_radius = (request.antialias ? kMinSoftRadius : kMinRadius) / plan.canvas.scale / side;
     if (has_screen_radius(request))  // at most as many dots as in a picture of solid ink
-        options.most = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
+        options.max_sites = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
     plan.two_sides = plan_sides(request, picture, options, control);
     if (auto going = check_stop(control.stop); !going) return going;
     auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
@@ -482,7 +482,7 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
     const std::size_t pixels =
         static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
     for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
-    const auto most = most_dots(request, *picture, limits, *control.executor);
+    const auto most = max_dots(request, *picture, limits, *control.executor);
     if (!most) return tl::unexpected(most.error());
     const std::size_t usual =
         request.sites ? *request.sites

@@ -107,7 +107,7 @@ Result<double> read_per(const Input& input) {
 }
 
 Result<std::vector<std::string>> read_classes(const Input& input) {
-    return read_names(input, kMostInks, "class");
+    return read_names(input, kMaxInks, "class");
 }
 
 std::size_t FeatureCounts::points_of(std::size_t feature) const {

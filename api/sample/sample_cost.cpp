@@ -138,10 +138,10 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     if (request.output.width)
         return std::min(*request.output.width * (*request.output.width * box.height() / box.width() + 1), most);
     const double chosen = std::holds_alternative<PolygonInput>(request.region.domain)
-                              ? kMostCanvasPixels
+                              ? kMaxCanvasPixels
                               : std::max(kMinDrawingSide * kMinDrawingSide,
                                          static_cast<double>(request.run.sites) * kPixelPitch * kPixelPitch);
-    return std::min({chosen, kMostCanvasPixels, most});
+    return std::min({chosen, kMaxCanvasPixels, most});
 }
 
 /// Estimates the ordering of points. Returns nothing for a path in a drawing of shapes, because the estimate of writing

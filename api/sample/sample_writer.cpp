@@ -23,7 +23,7 @@ namespace {
 
 /// Colours of classes. People with any kind of colour vision can distinguish them. The first colours have the most
 /// contrast with white. Source: Okabe and Ito.
-constexpr std::array<Colour, kMostInks> kColours = {
+constexpr std::array<Colour, kMaxInks> kColours = {
     {{0, 114, 178}, {213, 94, 0}, {0, 158, 115}, {204, 121, 167}, {230, 159, 0}, {86, 180, 233}}};
 
 /// Returns the inks of the classes, or a single black ink without a name if answers do not name classes.
@@ -106,7 +106,7 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const 
     const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
     const double wished =
         std::clamp(kPixelPitch / pitch_of(whole, request.run.sites), kMinDrawingSide / longer, max_side / longer);
-    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMostCanvasPixels));
+    const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMaxCanvasPixels));
     page.canvas = canvas_of(box, width ? *width / box.width() : fitting_scale(box, wished, most));
     const std::string field = request.field_of("width");
     if (auto checked = format->check_side(page.canvas, "width", field); !checked)

@@ -22,11 +22,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A number for each channel.
-using Channels = std::array<float, kMostInks>;
+/// A value for each channel.
+using Channels = std::array<float, kMaxInks>;
 
 /// Solves (A + e I) x = b for a symmetric, positive semidefinite A, by Cholesky's method.
-Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count, float e) {
+Channels solved(std::array<Channels, kMaxInks> a, Channels b, std::size_t count, float e) {
     for (std::size_t j = 0; j < count; ++j) {
         a[j][j] += e;
         for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
@@ -45,7 +45,7 @@ Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count
     return b;
 }
 
-/// Fits the areas of dots to the picture.
+/// Fits the areas of dots to the light of each channel.
 class DotFit {
 public:
     DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
@@ -62,8 +62,9 @@ public:
 
     const std::vector<float>& areas() const { return areas_; }
 
-    /// Changes the area of each dot by the error of the local mean of what is drawn, times the ground that it stands
-    /// for. Long waves of error vanish at once, those of the length of a spacing after some rounds.
+    /// Changes the area of each dot. The change is the error of the local mean of the drawing, multiplied by the area
+    /// of ground per dot. One round removes errors of long wavelength. Errors whose wavelength is about one spacing
+    /// take several rounds.
     void improve() {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
         const float widest = *std::ranges::max_element(ground_per_dot_);
@@ -87,7 +88,8 @@ public:
         });
     }
 
-    /// Finds where the boundary of the ground cuts dots of their present sizes, and which dots are close together.
+    /// Finds the dots that the boundary of a ground crosses, and the pairs of dots that are close together, given the
+    /// current areas.
     void find_cut() {
         if (plan_.kinds.size() > 1) {
             close_ = close_pairs(plan_.cells, sites_, areas_);
@@ -100,7 +102,7 @@ public:
         });
     }
 
-    /// Channels whose boundary cuts a dot, as bits.
+    /// Returns the channels whose boundary crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
@@ -110,6 +112,7 @@ public:
         return bits;
     }
 
+    /// Returns the channels whose ground is white at the centre of a dot, as bits.
     unsigned white_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c)
@@ -118,10 +121,10 @@ public:
     }
 
 private:
-    /// Ground that a dot in the emptiest places stands for, at most, over the mean, is 1 / this.
-    static constexpr double kLeastDensity = 1e-4;
+    /// Lower limit of the density at a dot, relative to the mean density. It limits the area of ground per dot.
+    static constexpr double kMinDensity = 1e-4;
 
-    /// Standard deviation of the blur by which a dot is judged: the spacing there.
+    /// Returns the standard deviation of the blur in which the error at a dot is measured: the local spacing of dots.
     static double spread(float ground) { return std::sqrt(static_cast<double>(ground)); }
 
     static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
@@ -134,7 +137,7 @@ private:
     void add(const KindOfDots& kind, std::span<const Point> sites) {
         const double sum = sum_of_pixels(executor_, kind.density.size(),
                                          [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
-        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
+        const auto least = std::max(static_cast<float>(kMinDensity * sum / static_cast<double>(kind.density.size())),
                                     std::numeric_limits<float>::min());
         const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
         for (const Point& site : sites) {
@@ -145,11 +148,13 @@ private:
         }
     }
 
-    /// Computes how a dot's area answers to errors of each channel. The kinds that lie around there share the
-    /// correction such that the sum of squared changes, over what each kind covers, is least: that of kind s is
-    /// -s (S A S^T)^-1 error. S A S^T holds the areas that two channels both flip: the smaller one if they are nested.
+    /// Returns the change of a dot's area per unit of error in each channel. The kinds around the dot divide the
+    /// correction such that the sum of their squared relative changes, weighted by the shares that they cover, is
+    /// least. The relative change of a kind with the signs s is then -s (S A S^T)^-1 error, where an entry of S A S^T
+    /// is the area in which dots flip both channels. If areas are nested, this is the smaller of the two areas.
     Channels gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.05f;  // of the largest share: what few dots could change is left as it is
+        constexpr float kDamping =
+            0.05f;  // relative to the largest share; leaves errors that only few dots could correct
         const std::size_t channels = plan_.channels.size();
         if (channels == 1) return {1};
         Channels share{}, sign{}, flipped{};
@@ -161,7 +166,7 @@ private:
             sign[c] = white ? -1.0f : 1.0f;
             flipped[c] = flips(dot, c) ? sign[c] : 0;
         }
-        std::array<Channels, kMostInks> areas = areas_at(sites_[dot], share);
+        std::array<Channels, kMaxInks> areas = areas_at(sites_[dot], share);
         for (std::size_t i = 0; i < channels; ++i) {
             for (std::size_t j = 0; j < channels; ++j) areas[i][j] *= sign[i] * sign[j];
         }
@@ -172,10 +177,10 @@ private:
         return gains;
     }
 
-    /// Computes the share of a place that each two channels both flip.
-    /// @param share  that each channel flips
-    std::array<Channels, kMostInks> areas_at(Point site, const Channels& share) const {
-        std::array<Channels, kMostInks> areas{};
+    /// Returns, for each pair of channels, the share of a place in which dots flip both channels.
+    /// @param share  share that is flipped in each channel
+    std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
+        std::array<Channels, kMaxInks> areas{};
         const auto for_pairs = [&](const auto& work) {
             for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
                 for (std::size_t j = 0; j < plan_.channels.size(); ++j) work(i, j);
@@ -198,25 +203,26 @@ private:
 
     bool flips(std::size_t dot, std::size_t channel) const { return (flips_[dot] >> channel & 1) != 0; }
 
-    /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
+    /// Division of a dot into the part on black ground, which it brightens, and the part on white ground, which it
+    /// darkens.
     struct Cut {
         float brightening = 0;       ///< share of the dot's area
         float darkening = 0;         ///< share of the dot's area
-        Point brightened, darkened;  ///< centroids of the parts, from the dot's centre, in radii
+        Point brightened, darkened;  ///< centroids of the parts relative to the dot's centre, in radii
     };
 
     const Cut& cut_at(std::size_t dot, std::size_t channel) const {
         return cut_[dot * plan_.channels.size() + channel];
     }
 
-    /// Light that a dot brings to a channel, or takes, over its area.
+    /// Returns the light that a dot adds to a channel, divided by the dot's area. Negative if the dot darkens.
     float sign(std::size_t dot, std::size_t channel) const {
         const Cut& cut = cut_at(dot, channel);
         return cut.brightening - cut.darkening;
     }
 
     Cut cut_of(std::size_t dot, const Ground& ground) const {
-        constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
+        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
         const bool white = ground.is_white(sites_[dot]);
         const double reach = radius(areas_[dot]);
         if (std::ranges::all_of(rim_samples(), [&](const Point& way) {
@@ -238,7 +244,7 @@ private:
         return cut;
     }
 
-    /// Adds the light of a dot to an image of what is drawn, less what should be.
+    /// Adds the light of a dot to an image of the error.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
         if (!flips(dot, channel)) return;
         const Cut& cut = cut_at(dot, channel);
@@ -250,7 +256,7 @@ private:
         add_light(plan_.cells, sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
     }
 
-    /// Takes back the light of what two dots cover both.
+    /// Subtracts the light of the area that two dots both cover, which was added twice.
     void print_overlap(std::uint32_t one, std::uint32_t other, std::size_t channel, std::vector<float>& image) const {
         if (!flips(one, channel) || !flips(other, channel)) return;
         const Point way = sites_[other] - sites_[one];
@@ -265,14 +271,14 @@ private:
 
     const TwoSidedPlan& plan_;
     Executor& executor_;
-    std::vector<Point> sites_;           ///< [dots], of one kind after the other
-    std::vector<std::uint8_t> flips_;    ///< [dots] channels, as bits
-    std::vector<float> planned_;         ///< [dots] area
-    std::vector<float> areas_;           ///< [dots]
-    std::vector<float> ground_per_dot_;  ///< [dots] area of the picture that each of its kind stands for
-    std::vector<Channels> gains_;        ///< [dots] change of area by error of light and ground, as what flips it has
-    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs that may overlap
-    std::vector<Cut> cut_;  ///< [dots][channels]; neither, where the dot does not flip the channel
+    std::vector<Point> sites_;                         ///< [dots] kind by kind
+    std::vector<std::uint8_t> flips_;                  ///< [dots] channels, as bits
+    std::vector<float> planned_;                       ///< [dots] area
+    std::vector<float> areas_;                         ///< [dots]
+    std::vector<float> ground_per_dot_;                ///< [dots] local area of ground per dot of the kind
+    std::vector<Channels> gains_;                      ///< [dots] result of gains_of()
+    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
+    std::vector<Cut> cut_;  ///< [dots][channels]; default values for channels that the dot does not flip
 };
 
 }  // namespace

@@ -14,12 +14,12 @@
 
 namespace ccdt {
 
-/// Fits the areas of dots in rounds, and returns the dots as they are drawn.
+/// Fits the areas of dots in rounds, and returns the sizes of the dots.
 ///
 /// @param sizes  a fit with the functions improve(), find_cut(), areas(), white_channels() and cut_channels()
 /// @param sites  [kinds][sites]; the fit numbers the dots in this order
-/// @param fit    whether areas are fitted; otherwise they stay as planned
-/// @param stop   polled once per round; a stop returns the areas so far
+/// @param fit    false: the areas stay as planned
+/// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
 template <class Fit>
 std::vector<SizedDots> fit_in_rounds(Fit& sizes, std::span<const std::vector<Point>> sites, bool fit,
                                      const std::stop_token& stop) {

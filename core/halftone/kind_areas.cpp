@@ -10,7 +10,8 @@
 namespace ccdt {
 
 float relative_area(float cover, float visibility) {
-    // Measured on eleven photographs by mean |dL*| after a blur of half a pitch; 0.03 to 0.1 do.
+    // Measured on eleven photographs by mean |dL*| after a blur of half a pitch. Values from 0.03 to 0.1 are equally
+    // good.
     constexpr float kVisibility = 0.05f, kNothing = 1e-6f;
     const float share = std::max(cover, kNothing);
     return share / std::log1p(share * visibility / kVisibility);

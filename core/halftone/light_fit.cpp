@@ -59,7 +59,7 @@ public:
 
     const std::vector<float>& areas() const { return areas_; }
 
-    /// Changes the area of each dot by the error of the local mean, as size_dots() does for nested kinds.
+    /// Changes the area of each dot by the error of the local mean. The method is that of size_dots() for nested kinds.
     void improve() {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
         const float widest = *std::ranges::max_element(ground_per_dot_);
@@ -80,17 +80,21 @@ public:
             areas_[dot] = std::clamp(areas_[dot] + change[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
     }
 
+    /// Divides dots by the grounds under them, and finds the pairs of dots that are close together, given the current
+    /// areas.
     void find_cut() {
         close_ = close_pairs(plan_.cells, sites_, areas_);
         for_pixels(executor_, sites_.size(), [&](std::size_t dot) { cut(dot); });
     }
 
+    /// Returns the flipped channels whose boundary crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (const Part& part : parts_[dot]) bits |= part.ground ^ parts_[dot].front().ground;
         return bits & flips_[dot];
     }
 
+    /// Returns the channels whose ground is white at the centre of a dot, as bits.
     unsigned white_channels(std::size_t dot) const {
         return ~ground_at(sites_[dot]) & ((1U << plan_.channels.size()) - 1);
     }
@@ -100,13 +104,15 @@ private:
     struct Part {
         unsigned ground = 0;  ///< inks, as bits
         float share = 1;
-        Point centre;  ///< from the dot's centre, in radii
+        Point centre;  ///< centroid relative to the dot's centre, in radii
     };
 
-    /// Ground that a dot in the emptiest places stands for, at most, over the mean, is 1 / this.
-    static constexpr double kLeastDensity = 1e-4;
-    /// Standard deviation of the blur by which a dot is judged: the spacing there.
+    /// Lower limit of the density at a dot, relative to the mean density. It limits the area of ground per dot.
+    static constexpr double kMinDensity = 1e-4;
+
+    /// Returns the standard deviation of the blur in which the error at a dot is measured: the local spacing of dots.
     static double spread(float ground) { return std::sqrt(static_cast<double>(ground)); }
+
     static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
 
     float at(const std::vector<float>& values, Point site) const {
@@ -120,7 +126,7 @@ private:
         return ground;
     }
 
-    /// Computes the light of the ground, less that of the picture.
+    /// Computes the light of the ground minus the light of the picture.
     void find_base() {
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
         for (std::size_t c = 0; c < 3; ++c) base_[c].resize(plan_.wanted[c].size());
@@ -149,7 +155,7 @@ private:
     void add(const KindOfDots& kind, std::span<const Point> sites) {
         const double sum = sum_of_pixels(executor_, kind.density.size(),
                                          [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
-        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
+        const auto least = std::max(static_cast<float>(kMinDensity * sum / static_cast<double>(kind.density.size())),
                                     std::numeric_limits<float>::min());
         const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
         for (const Point& site : sites) {
@@ -160,7 +166,7 @@ private:
         }
     }
 
-    /// Returns how much light a dot adds to a ground, over its area.
+    /// Returns the light that a dot adds to a ground, divided by the dot's area.
     Colour effect(unsigned ground, unsigned flips) const {
         Colour result;
         for (std::size_t c = 0; c < 3; ++c) result[c] = plan_.colours[ground ^ flips][c] - plan_.colours[ground][c];
@@ -176,10 +182,10 @@ private:
         return sum;
     }
 
-    /// Computes how a dot's area answers to an error of light e. With effects d of kinds that cover w, the relative
-    /// change of a kind is -d (sum of w d d^T)^-1 e.
+    /// Returns the change of a dot's area per unit of error in each channel. Let d be the light that a kind adds and w
+    /// the share that it covers. Then the relative change of a kind for an error e is -d (sum of w d d^T)^-1 e.
     Colour gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.02f;  // of the trace: what few dots could change is left as it is
+        constexpr float kDamping = 0.02f;  // relative to the trace; leaves errors that only few dots could correct
         const unsigned ground = ground_at(sites_[dot]);
         const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
         std::array<Colour, 3> sum{};
@@ -203,9 +209,9 @@ private:
         return gains;
     }
 
-    /// Divides a dot of its present size into parts, each on one ground.
+    /// Divides a dot with its current area into parts, each on one ground.
     void cut(std::size_t dot) {
-        constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
+        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
         const double reach = radius(areas_[dot]);
         const unsigned middle = ground_at(sites_[dot]);
         const bool whole = std::ranges::all_of(
@@ -227,6 +233,7 @@ private:
         }
     }
 
+    /// Adds the light of a dot to an image of the error.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
         const float area = areas_[dot];
         const double reach = radius(area);
@@ -257,13 +264,15 @@ private:
 
     const TwoSidedPlan& plan_;
     Executor& executor_;
-    LightPlanes base_;
-    std::vector<Point> sites_;
-    std::vector<std::uint8_t> flips_;
-    std::vector<float> planned_, areas_, ground_per_dot_;
-    std::vector<Colour> gains_;
-    std::vector<std::array<std::uint32_t, 2>> close_;
-    std::vector<std::vector<Part>> parts_;
+    LightPlanes base_;                                 ///< light of the ground minus light of the picture
+    std::vector<Point> sites_;                         ///< [dots] kind by kind
+    std::vector<std::uint8_t> flips_;                  ///< [dots] channels, as bits
+    std::vector<float> planned_;                       ///< [dots] area
+    std::vector<float> areas_;                         ///< [dots]
+    std::vector<float> ground_per_dot_;                ///< [dots] local area of ground per dot of the kind
+    std::vector<Colour> gains_;                        ///< [dots] result of gains_of()
+    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
+    std::vector<std::vector<Part>> parts_;             ///< [dots]
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
     CCDT_CHECK(!request.dot || (request.dot->length > 0 && request.dot->length <= 65536));
     const api::Palette& palette = request.palette;
-    CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMostInks);
+    CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMaxInks);
     CCDT_CHECK(palette.mixing != api::Mixing::Cover || palette.inks.size() == 1);
     CCDT_CHECK(palette.mixing == api::Mixing::Cover || request.dots != api::Dots::Paper);
     CCDT_CHECK(request.dots != api::Dots::Both || request.tone != Tone::Density);

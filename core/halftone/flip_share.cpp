@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/halftone/wanted_share.h"
+#include "core/halftone/flip_share.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,9 @@ namespace ccdt {
 
 namespace {
 
-/// Mean light of the cells around one that lie wholly on white or wholly on black ground.
+/// Returns the mean light of the cells around a cell that lie completely on one ground.
 /// @param ground    1 for white, 0 for black
-/// @param fallback  if there are none
+/// @param fallback  result if there are no such cells
 float light_beside(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
                    std::size_t cell, float ground, float fallback) {
     constexpr int kReach = 2;
@@ -35,8 +35,8 @@ float light_beside(const std::vector<float>& light, const std::vector<float>& wh
 
 }  // namespace
 
-std::vector<float> wanted_share(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
-                                Executor& executor) {
+std::vector<float> flip_share(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
+                              Executor& executor) {
     std::vector<float> share(light.size());
     for_pixels(executor, light.size(), [&](std::size_t i) {
         if (white[i] == 0 || white[i] == 1) {
@@ -50,13 +50,13 @@ std::vector<float> wanted_share(const std::vector<float>& light, const std::vect
     return share;
 }
 
-void spare_thin_ground(const std::vector<float>& white, const CellGrid& cells, double radius, std::vector<float>& share,
+void clear_thin_ground(const std::vector<float>& white, const CellGrid& cells, double radius, std::vector<float>& share,
                        Executor& executor) {
     constexpr float kNothing = 1e-9f;
     std::vector<float> scratch, majority = white;
     blur(majority, cells.columns, cells.rows, radius, scratch, executor);
     const auto is_thin = [&](std::size_t i) { return (white[i] > 0.5f) != (majority[i] > 0.5f); };
-    // Signed, ink being positive: of thin ground, and of all other.
+    // Shares of thin ground and of the remaining ground. Ink is positive, paper is negative.
     std::vector<float> thin(share.size()), other(share.size());
     for_pixels(executor, share.size(),
                [&](std::size_t i) { (is_thin(i) ? thin : other)[i] = white[i] > 0.5f ? share[i] : -share[i]; });
