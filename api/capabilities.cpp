@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "api/analyze/analyze.h"
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
 #include "api/sample/sample_parser.h"

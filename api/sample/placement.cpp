@@ -19,33 +19,47 @@
 namespace ccdt::api {
 namespace {
 
-Result<PlacedPoints> distribute(const SampleRequest& request, const SampleArea& area, const Density& density,
-                                const Control& control) {
-    const auto single = [](Distribution&& sites, std::optional<double> pitch) {
-        PlacedPoints placed{{}, pitch};
-        placed.classes.push_back({std::move(sites), {}});
-        return placed;
-    };
-    const double buffer = request.region.buffer;
-    if (request.counts && request.region.is_on_globe()) {
-        return distribute_dots_on_globe(area.features, area.whole, density, request.run, buffer, control)
-            .map([](GlobeDots&& placed) {
-                return PlacedPoints{std::move(placed.classes), placed.pitch, std::move(placed.lost)};
-            });
-    }
-    if (request.counts) {
-        return distribute_dots(area.features, area.whole.bounds(), density, request.run, control)
-            .map([](std::vector<ClassDots>&& classes) {
-                return PlacedPoints{std::move(classes), {}};
-            });
-    }
-    if (request.region.is_on_globe()) {
-        return distribute_on_globe(area.whole, density, request.run, request.method->run, buffer, control)
-            .map([&](GlobeDistribution&& placed) { return single(std::move(placed.sites), placed.pitch); });
-    }
-    return request.method->run(area.whole, density, request.run, control).map([&](Distribution&& sites) {
-        return single(std::move(sites), {});
+PlacedPoints single_class(Distribution points, std::optional<double> pitch) {
+    PlacedPoints placed{{}, pitch};
+    placed.classes.push_back({std::move(points), {}});
+    return placed;
+}
+
+// Each of the following functions places points in one kind of area.
+
+Result<PlacedPoints> place_in_plane(const SampleRequest& request, const SampleArea& area, const Density& density,
+                                    const Control& control) {
+    return request.method->run(area.whole, density, request.run, control).map([](Distribution&& points) {
+        return single_class(std::move(points), {});
     });
+}
+
+Result<PlacedPoints> place_on_globe(const SampleRequest& request, const SampleArea& area, const Density& density,
+                                    const Control& control) {
+    return distribute_on_globe(area.whole, density, request.run, request.method->run, request.region.buffer, control)
+        .map([](GlobeDistribution&& placed) { return single_class(std::move(placed.sites), placed.pitch); });
+}
+
+Result<PlacedPoints> place_map_in_plane(const SampleRequest& request, const SampleArea& area, const Density& density,
+                                        const Control& control) {
+    return distribute_dots(area.features, area.whole.bounds(), density, request.run, control)
+        .map([](std::vector<ClassDots>&& classes) {
+            return PlacedPoints{std::move(classes), {}};
+        });
+}
+
+Result<PlacedPoints> place_map_on_globe(const SampleRequest& request, const SampleArea& area, const Density& density,
+                                        const Control& control) {
+    return distribute_dots_on_globe(area.features, area.whole, density, request.run, request.region.buffer, control)
+        .map([](GlobeDots&& placed) {
+            return PlacedPoints{std::move(placed.classes), placed.pitch, std::move(placed.lost)};
+        });
+}
+
+/// Returns the function that places the points of a request.
+auto placing_of(const SampleRequest& request) {
+    if (request.counts) return request.region.is_on_globe() ? place_map_on_globe : place_map_in_plane;
+    return request.region.is_on_globe() ? place_on_globe : place_in_plane;
 }
 
 /// Converts an error about an option, or about a feature of the area, to an error about the request.
@@ -126,7 +140,7 @@ Result<void> group_by_features(const SampleRequest& request, ClassDots& dots, co
 Result<PlacedPoints> place_points(const SampleRequest& request, const SampleArea& area, const Density& density,
                                   const Control& control) {
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
-    auto placed = distribute(request, area, density, control);
+    auto placed = placing_of(request)(request, area, density, control);
     if (!placed) return tl::unexpected(located(request, area, placed.error()));
     const auto stop = stop_of_writing(control, request.on_deadline);
     for (ClassDots& each : placed->classes) {

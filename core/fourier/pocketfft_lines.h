@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Implements line_transforms.h for the instruction set for which the including file compiles pocketfft.
+// Implements the transforms of line_set.h for the instruction set for which the including file compiles pocketfft.
 
 #define POCKETFFT_NO_MULTITHREADING
 // Without this macro, pocketfft calls aligned_alloc() with sizes that are not multiples of the alignment, which C
@@ -9,7 +9,7 @@
 #define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 #include <gemmi/third_party/pocketfft_hdronly.h>  // Debian ships pocketfft in the package of gemmi
 
-#include "core/fourier/line_transforms.h"
+#include "core/fourier/line_set.h"
 
 namespace ccdt {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "api/text/text.h"
-#include "server/config/memory_plan.h"
+#include "server/config/memory_shares.h"
 #include "server/http/hosts.h"
 #include "server/processes/process.h"
 

@@ -7,7 +7,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
 #include "server/http/trace.h"

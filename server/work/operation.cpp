@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "api/analyze/analyze.h"
-#include "api/halftone.h"
-#include "api/halftone_cost.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
 #include "api/map/shapefile_reader.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"

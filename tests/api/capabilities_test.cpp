@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "api/analyze/analyze.h"
-#include "api/halftone_cost.h"
+#include "api/halftone/halftone_cost.h"
 #include "api/image/png_writer.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/image/image_codec.h"
 #include "core/halftone/separation.h"
 #include "tests/fuzz/checks.h"

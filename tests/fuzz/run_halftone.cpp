@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
-#include "api/halftone.h"
-#include "api/halftone_cost.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"

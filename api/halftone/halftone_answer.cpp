@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/halftone_answer.h"
+#include "api/halftone/halftone_answer.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "api/halftone.h"
-#include "api/halftone_plan.h"
+#include "api/halftone/halftone_plan.h"
+#include "api/halftone/halftone_request.h"
 #include "api/output/body.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/halftone_plan.h"
+#include "api/halftone/halftone_plan.h"
 
 #include <algorithm>
 #include <array>
@@ -11,8 +11,8 @@
 #include <string>
 #include <utility>
 
-#include "api/drawing_size.h"
-#include "api/halftone_cost.h"
+#include "api/halftone/drawing_size.h"
+#include "api/halftone/halftone_cost.h"
 #include "api/image/image_codec.h"
 #include "api/image/ink_set.h"
 #include "api/output/plot.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/drawing_size.h"
+#include "api/halftone/drawing_size.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 
 #include <algorithm>
 #include <array>
 #include <utility>
 
-#include "api/halftone_answer.h"
-#include "api/halftone_plan.h"
+#include "api/halftone/halftone_answer.h"
+#include "api/halftone/halftone_plan.h"
 #include "api/image/embedded_image.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone_request.h"
 #include "api/image/image_codec.h"
 #include "api/output/json_writer.h"
 #include "core/ccdt/ccdt.h"

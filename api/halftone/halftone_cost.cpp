@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/halftone_cost.h"
+#include "api/halftone/halftone_cost.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include "api/drawing_size.h"
+#include "api/halftone/drawing_size.h"
 #include "api/input/method.h"
 #include "api/output/plot.h"
 #include "api/output/stage_costs.h"

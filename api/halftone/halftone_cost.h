@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone_request.h"
 #include "api/run/options.h"
 
 namespace ccdt::api {

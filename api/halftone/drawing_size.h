@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone_request.h"
 #include "api/output/json_writer.h"
 #include "core/halftone/dots.h"
 #include "core/result.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 
 #include <gtest/gtest.h>
 
