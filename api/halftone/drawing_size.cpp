@@ -37,9 +37,9 @@ Canvas sized_canvas(const HalftoneRequest& request, PictureSize part) {
 
 /// Returns the canvas of a drawing for the screen.
 Canvas screen_canvas(PictureSize part, const Limits& limits) {
-    constexpr double kWidth = 1280, kHeight = 800, kLeastLength = 1000;
+    constexpr double kWidth = 1280, kHeight = 800, kMinLength = 1000;
     const double fitting = std::min(kWidth / part.width, kHeight / part.height);
-    const double wished = std::max(fitting, kLeastLength / std::max(part.width, part.height));
+    const double wished = std::max(fitting, kMinLength / std::max(part.width, part.height));
     const Canvas canvas = canvas_of(box_of(part), fitting_scale(box_of(part), wished, limits.max_pixels));
     return showing(part, canvas.width, canvas.height);
 }

@@ -105,7 +105,7 @@ int reducible(const HalftoneRequest& request, const Limits& limits) {
     const std::size_t sites = request.sites ? *request.sites : usual_sites(request, part, pixels, 1, limits);
     const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
     const CellGrid cells = resolved_cells(part.width, part.height, radius);
-    int side = std::min({part.width / cells.columns, part.height / cells.rows, Reading::kMostReduced});
+    int side = std::min({part.width / cells.columns, part.height / cells.rows, Reading::kMaxReduced});
     while (width % side != 0 || height % side != 0) --side;
     return side;
 }
