@@ -25,9 +25,9 @@ namespace {
 constexpr const char* kAvoid = "/avoid";
 constexpr const char* kMaskImage = "/mask/image";
 
-/// Returns copies of an area on the globe, shifted by multiples of 360 degrees: one for each shift with which the area
+/// Returns copies of an area on the globe, shifted by multiples of 360 degrees: one for each shift at which the area
 /// may overlap the box.
-std::vector<Area> in_turns_of(const Box& box, const Area& area) {
+std::vector<Area> copies_over(const Box& box, const Area& area) {
     constexpr double kFar = std::numeric_limits<double>::max();
     double west = kFar, east = -kFar;
     for (const Ring& ring : area) {
@@ -37,10 +37,10 @@ std::vector<Area> in_turns_of(const Box& box, const Area& area) {
         }
     }
     std::vector<Area> copies;
-    for (double turn = std::ceil((box.min.x - east) / kTurn); west + turn * kTurn <= box.max.x; ++turn) {
+    for (double shift = std::ceil((box.min.x - east) / kTurn); west + shift * kTurn <= box.max.x; ++shift) {
         Area& copy = copies.emplace_back(area);
         for (Ring& ring : copy) {
-            for (Point& p : ring) p.x += turn * kTurn;
+            for (Point& p : ring) p.x += shift * kTurn;
         }
     }
     return copies;
@@ -132,7 +132,7 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
         if (!request.region.is_on_globe()) {
             avoided.push_back(area);
         } else {
-            std::ranges::move(in_turns_of(domain.bounds(), area), std::back_inserter(avoided));
+            std::ranges::move(copies_over(domain.bounds(), area), std::back_inserter(avoided));
         }
     }
     return without(domain, avoided, kAvoid, stop).and_then([&](const Domain& allowed) {
@@ -141,13 +141,13 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
 }
 
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop) {
-    constexpr double kIndifferent = 1e-3;  // relative to the spacing of the sites
+    constexpr double kTolerance = 1e-3;  // relative to the spacing of the sites
     const double spacing = hexagonal_spacing(static_cast<double>(request.run.sites) / domain.area());
-    auto left = inset(domain, request.region.buffer, kIndifferent * spacing, stop);
+    auto left = inset(domain, request.region.buffer, kTolerance * spacing, stop);
     if (left) return left;
-    constexpr double kSure = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
+    constexpr double kMargin = 1.02;  // the computed clearance and the buffer each have an error of up to one percent
     const double farthest = largest_clearance(domain, stop);
-    if (left.error().code != ErrorCode::Unusable || farthest > kSure * request.region.buffer)
+    if (left.error().code != ErrorCode::Unusable || farthest > kMargin * request.region.buffer)
         return failure(left.error().code, left.error().message, request.field_of("buffer"));
     return failure(
         ErrorCode::Unusable,

@@ -288,22 +288,22 @@ Result<void> read_document(JsonValue root, const std::vector<TextOption>& option
 }
 
 /// Returns an error about options that cannot be combined.
-tl::unexpected<Error> misfit(const Draft& draft, std::string_view option, std::string_view what) {
+tl::unexpected<Error> incompatible(const Draft& draft, std::string_view option, std::string_view what) {
     return failure(ErrorCode::Malformed, std::string(option).append(" ").append(what), draft.request.field_of(option));
 }
 
 /// Computes the number of points of each feature, if the request is for a dot map.
 Result<void> settle_counts(const Limits& limits, Draft& draft) {
     const Counting& counting = draft.counting;
-    if (!counting.is_asked_for()) return {};
+    if (!counting.is_requested()) return {};
     const std::string_view option = counting.property ? "sites" : counting.classes.empty() ? "per" : "classes";
-    if (draft.request.run.sites != 0) return misfit(draft, option, "cannot be combined with a number of sites");
+    if (draft.request.run.sites != 0) return incompatible(draft, option, "cannot be combined with a number of sites");
     if (counting.property && !counting.classes.empty())
-        return misfit(draft, "classes", "cannot be combined with a property in sites");
+        return incompatible(draft, "classes", "cannot be combined with a property in sites");
     if (!counting.property && counting.classes.empty())
-        return misfit(draft, option, "needs classes, or the name of a property in sites");
+        return incompatible(draft, option, "needs classes, or the name of a property in sites");
     if (!draft.source || !draft.source->is_collection)
-        return misfit(draft, option, "needs a FeatureCollection, or a GeometryCollection of TopoJSON");
+        return incompatible(draft, option, "needs a FeatureCollection, or a GeometryCollection of TopoJSON");
     auto counts = count_features(*draft.source, counting, limits, draft.request.field_of("sites"));
     if (!counts) return tl::unexpected(counts.error());
     draft.request.run.sites = counts->total();
@@ -315,7 +315,7 @@ Result<void> settle_counts(const Limits& limits, Draft& draft) {
 Result<void> settle_features(const Limits& limits, Draft& draft) {
     if (auto settled = settle_counts(limits, draft); !settled) return settled;
     if (draft.properties && !draft.source)
-        return misfit(draft, "properties", "needs a Feature, a FeatureCollection or TopoJSON");
+        return incompatible(draft, "properties", "needs a Feature, a FeatureCollection or TopoJSON");
     if (!draft.properties && !draft.request.counts) return {};
     auto features =
         list_features(*draft.source, draft.geometry->features, draft.geometry->parts.size(),
@@ -352,8 +352,8 @@ Result<void> check_sites(const SampleRequest& request) {
 Result<void> check_map(const Draft& draft) {
     if (!draft.request.counts) return {};
     if (draft.request.method != &methods().front())
-        return misfit(draft, "method", "must be " + std::string(methods().front().name) + " for a dot map");
-    if (draft.request.run.keep_mesh) return misfit(draft, "mesh", "is not available for a dot map");
+        return incompatible(draft, "method", "must be " + std::string(methods().front().name) + " for a dot map");
+    if (draft.request.run.keep_mesh) return incompatible(draft, "mesh", "is not available for a dot map");
     return {};
 }
 
@@ -362,7 +362,7 @@ Result<void> check_map(const Draft& draft) {
 Result<void> check_properties(const Draft& draft) {
     const SampleRequest& request = draft.request;
     if (!draft.properties) return {};
-    if (request.run.keep_mesh) return misfit(draft, "mesh", "is not available for points that carry properties");
+    if (request.run.keep_mesh) return incompatible(draft, "mesh", "is not available for points that carry properties");
     if (!request.counts || !request.output.format->repeats_properties) return {};
     std::vector<std::size_t> points;
     for (std::size_t i = 0; i < request.features->size(); ++i) points.push_back(request.counts->points_of(i));

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "api/analyze/analyze.h"
+#include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/image/png_writer.h"
 #include "api/sample/sample.h"
