@@ -240,8 +240,8 @@ private:
 
     /// Tells the process to stop, and sets a time limit for that.
     void pass_on_stop(const Call& call) {
-        eventfd_t read_away = 0;
-        eventfd_read(stopped_.get(), &read_away);
+        eventfd_t discarded = 0;
+        eventfd_read(stopped_.get(), &discarded);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
         if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
         const auto& [limits, to_stop, to_leave] = box_.options_;

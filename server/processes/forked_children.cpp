@@ -72,8 +72,8 @@ void ForkedChildren::kill(Child& child) {
 }
 
 void ForkedChildren::reap() {
-    signalfd_siginfo read_away;
-    while (read(ends_.get(), &read_away, sizeof(read_away)) > 0) {
+    signalfd_siginfo discarded;
+    while (read(ends_.get(), &discarded, sizeof(discarded)) > 0) {
     }
     int status = 0;
     for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
