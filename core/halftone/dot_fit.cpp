@@ -87,7 +87,7 @@ public:
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-            const Cut& cut = cut_at(dot, c);
+            const Cut cut = flips(dot, c) ? cut_at(dot, c) : cut_of(dot, plan_.channels[c].ground);
             bits |= static_cast<unsigned>(cut.brightening * cut.darkening > 0) << c;
         }
         return bits;

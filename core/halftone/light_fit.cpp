@@ -70,11 +70,11 @@ public:
         for_pixels(executor_, dots_.count(), [&](std::size_t dot) { cut(dot); });
     }
 
-    /// Returns the flipped channels whose boundary crosses a dot, as bits.
+    /// Returns the channels whose boundary crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (const Part& part : parts_[dot]) bits |= part.ground ^ parts_[dot].front().ground;
-        return bits & dots_.flips(dot);
+        return bits;
     }
 
     /// Returns the channels whose ground is white at the centre of a dot, as bits.
