@@ -25,6 +25,8 @@ constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
 
+constexpr std::array<Choice<Layers>, 2> kLayers = {{{"ink", Layers::Ink}, {"kind", Layers::Kind}}};
+
 constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
 
 constexpr std::array<Choice<Tone>, 3> kTones = {
@@ -85,7 +87,7 @@ struct Draft {
     std::optional<Colour> background;
 };
 
-constexpr std::array<OptionRule<Draft>, 30> kRules = {{
+constexpr std::array<OptionRule<Draft>, 31> kRules = {{
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
     {"minutes",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
@@ -122,6 +124,8 @@ constexpr std::array<OptionRule<Draft>, 30> kRules = {{
     {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
     {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
     {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
+    {"layers", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.drawing.layers, read_choice<Layers>(i, kLayers)); }},
     {"format", [](const Input& i, const Limits&,
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
@@ -202,6 +206,14 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     return {};
 }
 
+/// Checks that layers for each kind of dots are requested only if there are kinds. Must be called after the sides are
+/// settled.
+Result<void> check_layers(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (request.drawing.layers == Layers::Ink) return {};
+    if (request.format->file.name == "svg" && request.dots == Dots::Both) return {};
+    return malformed(input_of("layers", inputs), "can be kind only with format=svg and dots=both");
+}
+
 /// Checks that a size in pixels is given for drawings only, and not by two options that contradict each other.
 Result<void> check_size(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     const bool is_sized = request.width || request.height;
@@ -272,6 +284,7 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     errors.add(settle_format(accept, halftone_formats(), draft.request.format));
     if (draft.request.format != nullptr) {
         errors.add(settle_sides(draft, inputs));
+        errors.add(check_layers(draft.request, inputs));
         errors.add(settle_size(draft, inputs));
         errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
     }

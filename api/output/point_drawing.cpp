@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/output/channel_dots.h"
@@ -132,6 +134,11 @@ public:
 
     void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
 
+    /// Begins a group that is clipped to a clip path.
+    void begin_clip(std::string_view id) { write(R"(<g clip-path="url(#)", id, ")\">\n"); }
+
+    void end_group() { write("</g>\n"); }
+
     void end_layer() { write("</g>\n"); }
 
     /// Draws discs of equal size, or the strokes of a pen.
@@ -163,8 +170,11 @@ public:
         write("</g>\n");
     }
 
-    void area(std::string_view data, const Colour& colour) {
-        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd" d=")", data, "\"/>\n");
+    /// @param blend  blend mode of CSS; empty: the area hides what is below it
+    void area(std::string_view data, const Colour& colour, std::string_view blend = {}) {
+        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd")");
+        if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
+        write(R"( d=")", data, "\"/>\n");
     }
 
     int decimals() const { return decimals_; }
@@ -321,6 +331,11 @@ std::string id_of(const Ink& ink) {
     return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
 }
 
+/// Returns the blend mode of CSS that mixes inks.
+std::string_view blend_of(const Palette& palette) {
+    return palette.mixing == Mixing::Add ? "screen" : "multiply";
+}
+
 /// Draws dots on both sides of the tonal scale. Each channel has three layers, from bottom to top: ink dots, black
 /// ground, paper dots. A dot on the boundary of the ground is both an ink dot and a paper dot. The black ground hides
 /// ink dots, and paper dots are clipped to the black ground. Thus each part of a dot has the colour opposite to its
@@ -354,7 +369,7 @@ void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& p
             };
             document.discs(centres, radius_of, colour, stop);
         };
-        if (layered) document.begin_layer(c + 1, labels[c], palette.mixing == Mixing::Add ? "screen" : "multiply");
+        if (layered) document.begin_layer(c + 1, labels[c], blend_of(palette));
         document.define_clip(black, ground);
         document.begin_layer(++number, "ink dots", "");
         draw_side(dots.ink, ink.colour);
@@ -369,6 +384,109 @@ void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& p
     }
     document.finish();
 }
+
+/// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
+/// the colour of the inks of its ground, some of which it flips. A dot that the boundary of a ground crosses is drawn
+/// once for each ground under it, clipped to this ground.
+class KindLayers {
+public:
+    KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
+               const std::stop_token& path_stop, const std::stop_token& stop)
+        : kinds_(kinds.layers),
+          labels_(pen_labels(kinds.inks())),
+          palette_(palette),
+          grounds_(kinds_.front().two_sides->grounds),
+          document_(page, kinds.size(), kLayers, body),
+          place_(page, document_.unit()),
+          path_stop_(path_stop),
+          stop_(stop) {
+        for (const auto& rings : grounds_.rings) curves_.push_back(curves(rings, page, document_.decimals()));
+        const auto& [min, max] = page.box;
+        const std::vector<std::vector<Point>> border = {{min, {max.x, min.y}, max, {min.x, max.y}}};
+        border_ = curves(border, page, document_.decimals());
+    }
+
+    void draw() {
+        document_.paper(palette_.paper);
+        for (std::size_t c = 0; c < curves_.size(); ++c) {
+            document_.define_clip(clip_of(c, true), curves_[c]);
+            document_.define_clip(clip_of(c, false), border_ + curves_[c]);
+        }
+        document_.begin_layer(1, "ground", "");
+        for (std::size_t c = 0; c < curves_.size(); ++c)
+            document_.area(curves_[c], grounds_.inks[c].colour, blend_of(palette_));
+        document_.end_layer();
+        for (std::size_t k = 0; k < kinds_.size(); ++k) {
+            document_.begin_layer(k + 2, labels_[k], "");
+            draw(kinds_[k]);
+            document_.end_layer();
+        }
+        document_.finish();
+    }
+
+private:
+    /// Dots by the inks of their ground, and by the channels to whose ground they are clipped, both as bits.
+    using Groups = std::map<std::pair<unsigned, unsigned>, std::vector<std::uint32_t>>;
+
+    static std::string clip_of(std::size_t channel, bool is_black) {
+        return std::string(is_black ? "ink" : "bare") + "-" + std::to_string(channel + 1);
+    }
+
+    void draw(const InkDots& kind) {
+        for (const auto& [key, numbers] : groups_of(*kind.two_sides, kind.dots.points.size())) {
+            const auto [ground, cut] = key;
+            for_channels(
+                cut, [&, ground = ground](std::size_t c) { document_.begin_clip(clip_of(c, (ground >> c & 1) != 0)); });
+            const std::vector<std::uint32_t> path = path_through(numbers, kind.dots.points, path_stop_);
+            const auto radius_of = [&](std::size_t i) {
+                return document_.unit() * static_cast<double>(kind.two_sides->dots.radii[path[i]]);
+            };
+            document_.discs(PlacedPath(kind.dots.points, {}, path, place_), radius_of,
+                            colour_of(ground ^ kind.two_sides->flips), stop_);
+            for_channels(cut, [&](std::size_t) { document_.end_group(); });
+        }
+    }
+
+    Groups groups_of(const TwoSidedDots& dots, std::size_t count) const {
+        const unsigned all = (1U << grounds_.inks.size()) - 1;
+        Groups groups;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const unsigned cut = dots.dots.cut[i], ground = ~dots.dots.white[i] & all;
+            // Visits all subsets of the channels that are cut.
+            for (unsigned flipped = cut;; flipped = (flipped - 1) & cut) {
+                groups[{ground ^ flipped, cut}].push_back(i);
+                if (flipped == 0) break;
+            }
+        }
+        return groups;
+    }
+
+    /// Returns the colour of a set of inks, mixed in the same way as the areas of the ground.
+    Colour colour_of(unsigned inks) const {
+        Colour mixed = palette_.paper;
+        for_channels(inks, [&](std::size_t c) {
+            const Colour& ink = grounds_.inks[c].colour;
+            const auto mix = [&](unsigned char below, unsigned char above) {
+                const bool adds = palette_.mixing == Mixing::Add;
+                const int a = adds ? 255 - below : below, b = adds ? 255 - above : above;
+                const int product = (a * b + 127) / 255;
+                return static_cast<unsigned char>(adds ? 255 - product : product);
+            };
+            mixed = {mix(mixed.red, ink.red), mix(mixed.green, ink.green), mix(mixed.blue, ink.blue)};
+        });
+        return mixed;
+    }
+
+    std::span<const InkDots> kinds_;
+    std::vector<std::string> labels_;
+    const Palette& palette_;
+    const Grounds& grounds_;
+    DotDocument document_;
+    PageMapping place_;
+    std::stop_token path_stop_, stop_;
+    std::vector<std::string> curves_;  ///< [channels] path data of black ground
+    std::string border_;               ///< path data of the page
+};
 
 }  // namespace
 
@@ -393,7 +511,11 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
 
 void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (points.layers.front().two_sides != nullptr) return draw_two_sides(points, palette, page, body, path_stop, stop);
+    if (points.layers.front().two_sides != nullptr) {
+        if (drawing.layers == Layers::Kind && points.are_named())
+            return KindLayers(points, palette, page, body, path_stop, stop).draw();
+        return draw_two_sides(points, palette, page, body, path_stop, stop);
+    }
     // Programs for plotters treat each top-level group as a layer, and features are groups.
     const bool layered = points.are_grouped() || points.are_named();
     const bool has_paper = drawing.style == DotStyle::Fill;
@@ -405,7 +527,7 @@ void write_svg(const PointSet& points, const Palette& palette, const Page& page,
         const InkDots& layer = points.layers[i];
         const Pen& pen = plot.pens[i];
         const std::string prefix = points.are_named() ? "class-" + std::to_string(i) + "-feature-" : "feature-";
-        if (layered) document.begin_layer(i + 1, pen.label, palette.mixing == Mixing::Add ? "screen" : "multiply");
+        if (layered) document.begin_layer(i + 1, pen.label, blend_of(palette));
         std::size_t run = 0;
         points.for_groups(layer, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
             if (stop.stop_requested() || run == pen.runs.size()) return;

@@ -41,7 +41,8 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// id of a group is `feature-2` for the feature with index 2, or `class-1-feature-2` if classes have names.
 ///
 /// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
-/// each channel is a layer that contains these three.
+/// each channel is a layer that contains these three. With Layers::Kind, the layers are the ground and the dots of each
+/// kind.
 ///
 /// @param points     the radius of dots must be at most a small multiple of the page's longer side
 /// @param palette    the palette of the inks

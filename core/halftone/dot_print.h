@@ -25,9 +25,6 @@ Point middle_of_overlap(Point one, double first, Point other, double second);
 /// Adds light to an image at a position. Divides it among the four nearest cells, as in bilinear interpolation.
 void add_light(const CellGrid& cells, Point place, float amount, std::vector<float>& image);
 
-/// Adds the light of a disc to an image. Uses four positions with the same mean and variance as the disc.
-void add_disc(const CellGrid& cells, Point centre, double radius, float amount, std::vector<float>& image);
-
 /// Finds the pairs of dots that overlap or nearly touch.
 /// @param areas  [sites] areas of the dots, in cells
 std::vector<std::array<std::uint32_t, 2>> close_pairs(const CellGrid& cells, std::span<const Point> sites,

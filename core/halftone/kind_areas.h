@@ -17,7 +17,7 @@ inline constexpr double kSurroundingsOfDots = 2;
 inline constexpr float kMinSurroundings = 0.25f;
 
 /// Returns the area of a dot, up to a common factor, for which the pattern of dots is least visible.
-/// @param cover       share that the dots cover, in (0, 1/2]
+/// @param cover       share that the dots cover, in [0, 1/2]
 /// @param visibility  visibility of the dots, as computed by Visibility
 float relative_area(float cover, float visibility);
 

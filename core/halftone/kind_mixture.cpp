@@ -118,7 +118,7 @@ private:
 }  // namespace
 
 KindMixture::KindMixture(const InkSet& inks, std::vector<unsigned> kinds)
-    : kinds_(std::move(kinds)), tables_(std::size_t{1} << inks.inks.size()) {
+    : kinds_(std::move(kinds)), tables_(std::size_t{1} << inks.inks.size()), is_made_(tables_.size()) {
     for (std::size_t there = 0; there < tables_.size(); ++there) {
         std::vector<float> cover;
         for (std::size_t ink = 0; ink < inks.inks.size(); ++ink) cover.push_back(static_cast<float>(there >> ink & 1));
@@ -127,16 +127,11 @@ KindMixture::KindMixture(const InkSet& inks, std::vector<unsigned> kinds)
 }
 
 KindMixture::Shares KindMixture::shares(unsigned ground, const Light& wanted) {
-    ColourTable<Shares>* table = nullptr;
-    {
-        const std::lock_guard lock(tables_mutex_);
-        auto& own = tables_[ground];
-        if (!own)
-            own = std::make_unique<ColourTable<Shares>>(
-                [this, ground](const Light& light) { return solve(ground, light); }, Steps::Light);
-        table = own.get();
-    }
-    return (*table)(wanted);
+    std::call_once(is_made_[ground], [&] {
+        tables_[ground] = std::make_unique<ColourTable<Shares>>(
+            [this, ground](const Light& light) { return solve(ground, light); }, Steps::Light, kinds_.size());
+    });
+    return (*tables_[ground])(wanted);
 }
 
 KindMixture::Channels KindMixture::light(unsigned ground, const Shares& shares) const {

@@ -54,7 +54,7 @@ private:
     std::vector<Overprint::Channels> colours_;  ///< [2^inks] light of each set of inks, printed over each other
     /// [2^inks] Table of each ground; null until first used.
     std::vector<std::unique_ptr<ColourTable<Shares>>> tables_;
-    std::mutex tables_mutex_;  ///< guards the pointers in tables_
+    std::vector<std::once_flag> is_made_;  ///< [2^inks] whether the table exists
 };
 
 }  // namespace ccdt

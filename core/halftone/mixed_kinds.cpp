@@ -103,22 +103,24 @@ public:
         LightPlanes around = sharp_;
         for (std::vector<float>& each : around)
             blur(each, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
-        for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
-            KindOfDots& kind = plan_.kinds[k];
+        for (KindOfDots& kind : plan_.kinds) {
             kind.area = kind.density;
             blur(kind.area, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
-            for_pixels(executor_, cells(), [&](std::size_t i) {
-                const float cover = std::clamp(std::max(kind.area[i], kMinSurroundings * kind.density[i]), 0.0f, 0.5f);
-                const auto [red, green, blue] = light_at(around, i);
-                const Visibility visibility(std::array{red, green, blue});
+        }
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            const auto [red, green, blue] = light_at(around, i);
+            const Visibility visibility(std::array{red, green, blue});
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+                KindOfDots& kind = plan_.kinds[k];
+                const float cover = std::max(kind.area[i], kMinSurroundings * kind.density[i]);
                 float seen = kMinVisibility;
                 for (std::uint64_t left = grounds_of_cells[i]; left != 0; left &= left - 1) {
                     const auto ground = static_cast<unsigned>(std::countr_zero(left));
                     seen = std::max(seen, visibility.of(mixture_->change(ground, k)));
                 }
-                kind.area[i] = relative_area(cover, seen);
-            });
-        }
+                kind.area[i] = relative_area(std::clamp(cover, 0.0f, 0.5f), seen);
+            }
+        });
         normalize_areas(plan_.kinds, executor_);
     }
 

@@ -567,6 +567,18 @@ TEST(HalftoneOptions, ChooseSidesOfDots) {
     EXPECT_EQ(dots({{"dots", "both"}, {"invert", "false"}}), Dots::Both);
 }
 
+TEST(HalftoneOptions, AllowLayersPerKindForDotsOnBothSidesOnly) {
+    EXPECT_EQ(parse({{"format", "svg"}})->drawing.layers, Layers::Ink);
+    EXPECT_EQ(parse({{"format", "svg"}, {"color", "cmyk"}, {"layers", "kind"}})->drawing.layers, Layers::Kind);
+    EXPECT_TRUE(parse({{"format", "png"}, {"layers", "ink"}}));
+    for (const Options& wrong : {Options{{"layers", "kind"}, {"format", "png"}},
+                                 Options{{"layers", "kind"}, {"format", "svg"}, {"dots", "ink"}}}) {
+        const auto request = parse(wrong);
+        ASSERT_FALSE(request);
+        EXPECT_EQ(request.error().field, "layers");
+    }
+}
+
 TEST(HalftoneOptions, RejectUnsupportedSidesOfDots) {
     const std::vector<std::pair<Options, std::string>> wrong = {
         {{{"dots", "paper"}, {"color", "cmyk"}}, "dots"},
