@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "api/analyze.h"
-#include "api/halftone.h"
-#include "api/method.h"
+#include "api/analyze/analyze.h"
+#include "api/halftone/halftone.h"
+#include "api/input/method.h"
 #include "api/output/formats.h"
-#include "api/sample.h"
+#include "api/sample/sample_parser.h"
 
 namespace ccdt::api {
 namespace {

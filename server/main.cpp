@@ -92,10 +92,10 @@ int check(const CommandLine& command) {
     return would_start(findings) ? EXIT_SUCCESS : kFailed;
 }
 
-int check_health(const Config& config) {
-    const auto asked = ask_health(config);
-    if (!asked) std::fprintf(stderr, "ccdt-server: %s\n", asked.error().message.c_str());
-    return asked ? EXIT_SUCCESS : kFailed;
+int report_health(const Config& config) {
+    const auto healthy = check_health(config);
+    if (!healthy) std::fprintf(stderr, "ccdt-server: %s\n", healthy.error().message.c_str());
+    return healthy ? EXIT_SUCCESS : kFailed;
 }
 
 int run(std::span<const char* const> arguments) {
@@ -114,7 +114,7 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Check:
             return check(*command);
         case CommandLine::Action::Health:
-            return check_health(command->config);
+            return report_health(command->config);
         case CommandLine::Action::Serve:
             break;
     }

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/image/image_header.h"
+#include "api/image/image_format.h"
 
 namespace ccdt::api {
 

@@ -356,7 +356,7 @@ Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& 
 template <class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_samples(const RowSource& source, const Encoding& encoding, int reduce,
                                          const NewPlane& make_plane) {
-    static_assert(Reading::kMostReduced == 4);
+    static_assert(Reading::kMaxReduced == 4);
     const bool whole = source.width % reduce == 0 && source.height % reduce == 0;
     if (whole && encoding.alpha < 0) {
         if (reduce == 2) return read_means<2, AnyDraft, Sample>(source, encoding, make_plane);

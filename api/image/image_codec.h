@@ -20,10 +20,10 @@ using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
 struct Reading {
     Reading(std::size_t most, int side = 1) : max_pixels(most), reduce(side) {}
 
-    static constexpr int kMostReduced = 4;
+    static constexpr int kMaxReduced = 4;
 
     std::size_t max_pixels;  ///< limit of the picture in the file; checked by the header before any pixel is read
-    /// Factor, 1 to kMostReduced, by which the sides of a picture are divided. Each square of `reduce` x `reduce`
+    /// Factor, 1 to kMaxReduced, by which the sides of a picture are divided. Each square of `reduce` x `reduce`
     /// pixels becomes one pixel with the mean light of the square. A picture that is not opaque or not divisible into
     /// whole squares is not reduced.
     int reduce;

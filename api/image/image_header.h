@@ -8,11 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "api/image/image_format.h"
 #include "core/result.h"
 
 namespace ccdt::api {
-
-enum class ImageFormat { Png, Jpeg, WebP, Tiff, Gif, Bmp, Avif };
 
 /// Properties of an image file that are stored before its pixels. They are read without the image library, because its
 /// readers are not safe with unchecked files.

@@ -28,7 +28,7 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // the library's readers of these formats have known bugs, or start threads
+            break;  // have their own readers, whose headers say why; the library's reader of AVIF starts threads
     }
     return "";
 }

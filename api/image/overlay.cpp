@@ -36,7 +36,7 @@ public:
 
     /// Returns the light where the inks of a set are printed on top of each other.
     Light light_of(std::size_t inks) const {
-        std::array<float, kMostInks> cover{};
+        std::array<float, kMaxInks> cover{};
         for (std::size_t ink = 0; ink < inks_.inks.size(); ++ink) cover[ink] = static_cast<float>(inks >> ink & 1);
         return printed(inks_, std::span(cover).first(inks_.inks.size()));
     }
@@ -70,7 +70,7 @@ private:
 void fill_palette(DotImage& picture, std::size_t inks, const PrintedColour& colour_of) {
     picture.colours = std::size_t{1} << inks;
     for (std::size_t code = 0; code < picture.colours; ++code) {
-        std::array<float, kMostInks> cover{};
+        std::array<float, kMaxInks> cover{};
         for (std::size_t ink = 0; ink < inks; ++ink) cover[ink] = static_cast<float>(code >> ink & 1);
         picture.palette[code] = colour_of(std::span(cover).first(inks));
     }
@@ -87,7 +87,7 @@ void fill_codes(std::span<const Raster> rasters, std::size_t begin, std::size_t 
 
 void fill_colours(std::span<const Raster> rasters, std::size_t begin, std::size_t end, const PrintedColour& colour_of,
                   DotImage& picture) {
-    std::array<float, kMostInks> cover{};
+    std::array<float, kMaxInks> cover{};
     auto to = picture.pixels.begin() + static_cast<std::ptrdiff_t>(begin * picture.channels());
     for (std::size_t i = begin; i < end; ++i) {
         for (std::size_t ink = 0; ink < rasters.size(); ++ink)
@@ -175,9 +175,9 @@ private:
     }
 
     std::size_t inks_;
-    std::array<Light, std::size_t{1} << kMostInks> lights_{};
-    std::array<unsigned, kMostInks> flipped_{}, ground_{};
-    std::array<std::size_t, kMostInks> order_{};
+    std::array<Light, std::size_t{1} << kMaxInks> lights_{};
+    std::array<unsigned, kMaxInks> flipped_{}, ground_{};
+    std::array<std::size_t, kMaxInks> order_{};
     Light light_;
     float bare_ = 0;
 };

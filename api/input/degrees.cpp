@@ -10,7 +10,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr double kLeastRatio = 1.1, kMaxRatio = 100;
+constexpr double kMinRatio = 1.1, kMaxRatio = 100;
 
 double cosine(double degrees) {
     return std::cos(degrees * kDegree);
@@ -26,7 +26,7 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     // Far from the equator, a degree of longitude is shorter by this factor, so a square kilometre has more points by
     // this factor.
     const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMaxRatio);
-    if (ratio < kLeastRatio) return std::nullopt;
+    if (ratio < kMinRatio) return std::nullopt;
     std::string text =
         "points are even in degrees, not on the ground: if these are longitudes and latitudes, there are ";
     append_rounded(text, ratio, 2);

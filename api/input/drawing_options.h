@@ -26,12 +26,19 @@ struct Plotter {
     std::string pen_up = "M5";
 };
 
+/// Division of an SVG with dots on both sides of the tonal scale into layers.
+enum class Layers {
+    Ink,   ///< a layer for each ink
+    Kind,  ///< a layer for the ground, and one for each kind of dots: the dots that flip the same inks
+};
+
 /// Options of drawings that all endpoints share.
 struct DrawingOptions {
     std::optional<double> width_mm = {};  ///< width of the page; none: the size is in pixels only
     DotStyle style = DotStyle::Fill;
     double pen_mm = 0.3;  ///< width of the pen; not used by Fill and Stroke
     Plotter plotter = {};
+    Layers layers = Layers::Ink;
 
     /// Whether the drawing is made of pen strokes. A pen can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }

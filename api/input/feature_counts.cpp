@@ -95,7 +95,7 @@ Result<void> read_counted(const Input& input, Counting& counting) {
     if (auto read = read_members<Counting>(kRules, *json, input.field, {}, own); !read) return read;
     if (own.per && counting.per)
         return malformed(input, "has the member per, which the request has, too: give only one of them");
-    if (!own.is_asked_for())
+    if (!own.is_requested())
         return malformed(input, "must have the member property, or per together with the option classes");
     counting.property = std::move(own.property);
     if (own.per) counting.per = own.per;
@@ -107,7 +107,7 @@ Result<double> read_per(const Input& input) {
 }
 
 Result<std::vector<std::string>> read_classes(const Input& input) {
-    return read_names(input, kMostInks, "class");
+    return read_names(input, kMaxInks, "class");
 }
 
 std::size_t FeatureCounts::points_of(std::size_t feature) const {

@@ -19,7 +19,7 @@ struct Counting {
     std::optional<double> per;         ///< units of the property per point, > 0; none: 1
     std::vector<std::string> classes;  ///< names of properties, at most as many as a drawing has colours
 
-    bool is_asked_for() const { return property || per || !classes.empty(); }
+    bool is_requested() const { return property || per || !classes.empty(); }
 };
 
 /// Reads the option `sites` of a dot map: a property's name, or `{"property":name,"per":number}`. Errors: Malformed.

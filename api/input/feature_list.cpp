@@ -27,7 +27,7 @@ class Collector {
 public:
     Collector(const PropertyChoice& choice, const std::string& option) : choice_(choice), option_(option) {
         for (const std::string& name : choice.names) add_name(name);
-        is_there_.assign(names_.size(), choice.all);
+        is_found_.assign(names_.size(), choice.all);
     }
 
     /// Adds the properties of the next feature.
@@ -39,7 +39,7 @@ public:
             for (const auto& [name, value] : (*properties)->members()) {
                 const auto number = number_of(name);
                 if (!number) continue;
-                if (!choice_.all) is_there_[*number] = true;
+                if (!choice_.all) is_found_[*number] = true;
                 CarriedProperties::Value carried{*number, value.is_string(), {}};
                 if (carried.is_text) {
                     carried.value = value.text();
@@ -61,8 +61,8 @@ public:
     }
 
     Result<CarriedProperties> take() {
-        if (const auto missing = std::ranges::find(is_there_, false); missing != is_there_.end()) {
-            const std::string& name = names_[static_cast<std::size_t>(missing - is_there_.begin())];
+        if (const auto missing = std::ranges::find(is_found_, false); missing != is_found_.end()) {
+            const std::string& name = names_[static_cast<std::size_t>(missing - is_found_.begin())];
             return failure(ErrorCode::Malformed, "no feature has the property '" + excerpt(name) + "'", option_);
         }
         carried_.names = names_;
@@ -108,7 +108,7 @@ private:
     const std::string& option_;
     CarriedProperties carried_;
     std::vector<std::string> names_;
-    std::vector<bool> is_there_;  ///< [chosen names] whether any feature has the property
+    std::vector<bool> is_found_;  ///< [chosen names] whether any feature has the property
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 

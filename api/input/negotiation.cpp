@@ -102,24 +102,25 @@ std::string list(std::span<const FileFormat* const> formats, std::string_view Fi
 
 }  // namespace
 
-Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> made) {
+Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered) {
     const auto name = read_text(input);
     if (!name) return tl::unexpected(name.error());
-    const auto found = std::find_if(made.begin(), made.end(), [&](const FileFormat* f) { return f->name == *name; });
-    if (found != made.end()) return static_cast<std::size_t>(found - made.begin());
+    const auto found =
+        std::find_if(offered.begin(), offered.end(), [&](const FileFormat* f) { return f->name == *name; });
+    if (found != offered.end()) return static_cast<std::size_t>(found - offered.begin());
     return failure(
         ErrorCode::Malformed,
-        "format '" + excerpt(*name) + "' is not available here; the formats are " + list(made, &FileFormat::name),
+        "format '" + excerpt(*name) + "' is not available here; the formats are " + list(offered, &FileFormat::name),
         input.field);
 }
 
-Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made) {
+Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> offered) {
     const auto ranges = parse_accept(accept);
     if (ranges.empty()) return 0;
     std::size_t chosen = 0;
     double best = 0;
-    for (std::size_t i = 0; i < made.size(); ++i) {
-        if (const double quality = quality_of(made[i]->media_type, ranges); quality > best) {
+    for (std::size_t i = 0; i < offered.size(); ++i) {
+        if (const double quality = quality_of(offered[i]->media_type, ranges); quality > best) {
             chosen = i;
             best = quality;
         }
@@ -127,7 +128,7 @@ Result<std::size_t> negotiate(std::string_view accept, std::span<const FileForma
     if (best > 0) return chosen;
     return failure(ErrorCode::NotAcceptable,
                    "no media type of the header Accept is available here; the media types are " +
-                       list(made, &FileFormat::media_type));
+                       list(offered, &FileFormat::media_type));
 }
 
 }  // namespace ccdt::api

@@ -13,10 +13,10 @@
 namespace ccdt::api {
 
 /// Finds a format by name.
-/// @param made  formats that the endpoint writes
-/// @returns     index of the format
+/// @param offered  formats that the endpoint writes
+/// @returns        index of the format
 /// Errors: Malformed for any other name; the message lists the formats.
-Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> made);
+Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered);
 
 template <class Row>
 std::vector<const FileFormat*> files_of(std::span<const Row* const> rows) {
@@ -26,33 +26,33 @@ std::vector<const FileFormat*> files_of(std::span<const Row* const> rows) {
 }
 
 /// Finds a row of an endpoint's table of formats by name.
-/// @param made  rows with a member `file`
+/// @param offered  rows with a member `file`
 template <class Row>
-Result<const Row*> read_format(const Input& input, std::span<const Row* const> made) {
-    return read_format(input, files_of(made)).map([&](std::size_t i) { return made[i]; });
+Result<const Row*> read_format(const Input& input, std::span<const Row* const> offered) {
+    return read_format(input, files_of(offered)).map([&](std::size_t i) { return offered[i]; });
 }
 
 /// Chooses the format that a client prefers according to its Accept header (RFC 9110, 12.5.1).
 ///
-/// @param made  formats in the server's order of preference, which decides between formats that the client likes
-///              equally
-/// @returns     index of the format; 0 if the header is missing, empty or has no valid media range
+/// @param offered  formats in the server's order of preference, which decides between formats that the client
+///                 likes equally
+/// @returns        index of the format; 0 if the header is missing, empty or has no valid media range
 /// If several media ranges match a format, the most specific one counts. Parameters of media types are not compared.
 /// Errors: NotAcceptable if the client accepts none of the formats; the message lists the media types.
-Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> made);
+Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> offered);
 
 /// Chooses the format of an answer from an endpoint's table: the format that the option `format` names, or else one by
 /// the Accept header.
 ///
-/// @param made    rows with a member `file`, in the server's order of preference
-/// @param format  result of read_format(), which is kept; null if the option was not given, and then set to the chosen
-///                format
+/// @param offered  rows with a member `file`, in the server's order of preference
+/// @param format   result of read_format(), which is kept; null if the option was not given, and then set to the chosen
+///                 format
 /// Errors: those of negotiate().
 template <class Row>
-Result<void> settle_format(std::string_view accept, std::span<const Row* const> made, const Row*& format) {
+Result<void> settle_format(std::string_view accept, std::span<const Row* const> offered, const Row*& format) {
     if (format != nullptr) return {};
-    const auto chosen = negotiate(accept, files_of(made));
-    return assign(format, chosen.map([&](std::size_t i) { return made[i]; }));
+    const auto chosen = negotiate(accept, files_of(offered));
+    return assign(format, chosen.map([&](std::size_t i) { return offered[i]; }));
 }
 
 }  // namespace ccdt::api

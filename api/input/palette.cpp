@@ -38,9 +38,9 @@ Result<Palette> read_color(const Input& input) {
 }
 
 Result<Palette> read_palette(const Input& input) {
-    const auto parts = read_list(input, kMostInks, "colour");
+    const auto parts = read_list(input, kMaxInks, "colour");
     if (!parts) return tl::unexpected(parts.error());
-    if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMostInks) + " colours");
+    if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMaxInks) + " colours");
     Palette palette{{}, kWhite, Mixing::Multiply};
     for (const Input& part : *parts) {
         const auto colour = read_colour(part);

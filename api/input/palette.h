@@ -25,7 +25,7 @@ struct Ink {
 
 /// Inks, the paper, and the way in which inks mix.
 struct Palette {
-    std::vector<Ink> inks = {{}};  ///< 1 to kMostInks of core/halftone/separation.h
+    std::vector<Ink> inks = {{}};  ///< 1 to kMaxInks of core/halftone/separation.h
     Colour paper = kWhite;         ///< if transparent, inks are chosen as for white paper
     Mixing mixing = Mixing::Cover;
 };
@@ -36,7 +36,7 @@ bool is_cmyk(std::span<const Ink> inks);
 /// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single black ink that covers.
 Result<Palette> read_color(const Input& input);
 
-/// Reads 1 to kMostInks different colours: text with commas between them, or a JSON array of strings. The name of each
+/// Reads 1 to kMaxInks different colours: text with commas between them, or a JSON array of strings. The name of each
 /// ink is its colour as `\#rrggbb`.
 /// Errors: Malformed. The field of an error in an array is that of the element.
 Result<Palette> read_palette(const Input& input);

@@ -8,16 +8,16 @@ namespace ccdt::api {
 namespace {
 
 /// Number of bytes that are usually written between two calls of flush().
-constexpr std::size_t kBetween = std::size_t{1} << 20;
+constexpr std::size_t kFlushInterval = std::size_t{1} << 20;
 
 }  // namespace
 
 void Body::expect(std::size_t bytes) {
-    text_.reserve(sink_ == nullptr ? bytes : std::min(bytes, kWhole + kBetween));
+    text_.reserve(sink_ == nullptr ? bytes : std::min(bytes, kMaxInMemory + kFlushInterval));
 }
 
 bool Body::flush() {
-    if (sink_ != nullptr && text_.size() >= (begun_ ? kPiece : kWhole)) flush_all();
+    if (sink_ != nullptr && text_.size() >= (begun_ ? kPiece : kMaxInMemory)) flush_all();
     return written_.has_value();
 }
 

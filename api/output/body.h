@@ -27,11 +27,11 @@ public:
     virtual Result<void> write(std::string_view piece) = 0;
 };
 
-/// Body of an answer that is being written. A body of up to kWhole bytes is kept in memory. A larger body goes to the
-/// sink, if there is one, in pieces while it is written.
+/// Body of an answer that is being written. A body of up to kMaxInMemory bytes is kept in memory. A larger body goes to
+/// the sink, if there is one, in pieces while it is written.
 class Body {
 public:
-    static constexpr std::size_t kWhole = std::size_t{4} << 20;
+    static constexpr std::size_t kMaxInMemory = std::size_t{4} << 20;
     static constexpr std::size_t kPiece = std::size_t{256} << 10;
 
     /// Creates a body that is kept in memory, however large it gets.
@@ -76,9 +76,9 @@ private:
 
 /// Returns the number of list elements between two calls of flush().
 /// @param extra  bytes of each element in addition to a few numbers
-inline std::size_t stride_of(std::size_t extra) {
-    constexpr std::size_t kMax = 4'096;
-    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMax);
+inline std::size_t flush_stride(std::size_t extra) {
+    constexpr std::size_t kMaxStride = 4'096;
+    return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMaxStride);
 }
 
 }  // namespace ccdt::api

@@ -3,11 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "api/input/palette.h"
-#include "api/output/ink_dots.h"
+#include "api/output/point_set.h"
 #include "core/geometry/point.h"
 
 namespace ccdt::api {
@@ -21,9 +20,9 @@ struct ChannelDots {
     std::vector<std::uint32_t> paper;  ///< indices of dots on black ground; a dot on the boundary is in both lists
 };
 
-inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t channel) {
+inline ChannelDots dots_of_channel(const PointSet& kinds, std::size_t channel) {
     ChannelDots all;
-    for (const InkDots& kind : kinds) {
+    for (const InkDots& kind : kinds.layers) {
         const auto& [dots, flips, grounds] = *kind.two_sides;
         if ((flips >> channel & 1) == 0) continue;
         const auto first = static_cast<std::uint32_t>(all.points.size());
@@ -41,8 +40,8 @@ inline ChannelDots dots_of_channel(std::span<const InkDots> kinds, std::size_t c
 /// Returns the colour of the paper dots of a channel. If there are several channels, this is the colour that leaves the
 /// other channels unchanged when channels are mixed.
 /// @param palette  palette of the inks
-inline Colour bare_colour(std::span<const InkDots> kinds, const Palette& palette) {
-    if (!are_named(kinds)) return palette.paper;
+inline Colour paper_dot_colour(const PointSet& kinds, const Palette& palette) {
+    if (!kinds.are_named()) return palette.paper;
     return palette.mixing == Mixing::Add ? kBlack : kWhite;
 }
 

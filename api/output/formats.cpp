@@ -15,48 +15,32 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kLeastText = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
+constexpr std::size_t kMinTextBytes = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
 
 /// Minimum bytes of a site with its own Feature.
-constexpr std::size_t kLeastFeature =
+constexpr std::size_t kMinFeatureBytes =
     std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
 
 constexpr int kAnySide = std::numeric_limits<int>::max();
 
-constexpr Estimate kNumbers{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
-constexpr Estimate kFeatures{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
-constexpr Estimate kPath{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
-constexpr Estimate kColours{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
+constexpr Estimate kNumbersCost{150, 0.3 * kMicrosecond};   ///< cost of a site, as text or in binary
+constexpr Estimate kFeaturesCost{400, 0.5 * kMicrosecond};  ///< cost of a site with its own Feature
+constexpr Estimate kPathCost{360, 3.5 * kMicrosecond};      ///< cost of a site, including the search for a short path
+constexpr Estimate kColoursCost{16, 0.1 * kMicrosecond};    ///< cost of a pixel in libwebp
 
-void list_csv(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
-    write_csv(inks, body, stop);
+void list_csv(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
+    write_csv(points, body, stop);
 }
 
-void list_npy(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
-    write_npy(inks, body, stop);
-}
-
-void list_map_csv(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
-    write_map_csv(map, body, stop);
-}
-
-void list_map_npy(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
-    write_map_npy(map, body, stop);
+void list_npy(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
+    write_npy(points, body, stop);
 }
 
 /// Writes the strokes of dots in the language of a plotter.
 template <void (&write)(const Plot&, Body&, const std::stop_token&)>
-void plot_inks(std::span<const InkDots> inks, const Palette&, const Page& page, const DrawingOptions& drawing,
-               Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Plot plot = plot_of(inks, page, drawing, path_stop);
-    body.set_plot_seconds(plot.seconds());
-    write(plot, body, stop);
-}
-
-template <void (&write)(const Plot&, Body&, const std::stop_token&)>
-void plot_map(const MapOfDots& map, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
-              const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Plot plot = plot_of(map, page, drawing, path_stop, stop);
+void plot_points(const PointSet& points, const Palette&, const Page& page, const DrawingOptions& drawing, Body& body,
+                 const std::stop_token& path_stop, const std::stop_token& stop) {
+    const Plot plot = plot_of(points, page, drawing, path_stop, stop);
     body.set_plot_seconds(plot.seconds());
     write(plot, body, stop);
 }
@@ -67,65 +51,58 @@ constexpr PointFormat kTiffPoints{
 constexpr PointFormat kWebPPoints{{"webp", "WebP", "webp", "image/webp", ""},
                                   0,
                                   {},
-                                  kColours,
+                                  kColoursCost,
                                   RasterWriter{kMaxWebPSide, false, write_webp, nullptr}};
-constexpr PointFormat kSvgPoints{kSvg, 0, kPath, {}, VectorWriter{write_svg, write_map_svg, {24, 0.3 * kMicrosecond}}};
+constexpr PointFormat kSvgPoints{kSvg, 0, kPathCost, {}, VectorWriter{write_svg, {24, 0.3 * kMicrosecond}}};
 constexpr PointFormat kPdfPoints{{"pdf", "PDF", "pdf", "application/pdf", ""},
                                  0,
-                                 kPath,
+                                 kPathCost,
                                  {},
-                                 VectorWriter{write_pdf, write_map_pdf, {40, 0.3 * kMicrosecond}, true}};
-constexpr PointFormat kHpglPoints{
-    {"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""},
-    0,
-    kPath,
-    {},
-    VectorWriter{plot_inks<write_hpgl>, plot_map<write_hpgl>, {18, 0.2 * kMicrosecond}, true, true}};
+                                 VectorWriter{write_pdf, {40, 0.3 * kMicrosecond}, true}};
+constexpr PointFormat kHpglPoints{{"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""},
+                                  0,
+                                  kPathCost,
+                                  {},
+                                  VectorWriter{plot_points<write_hpgl>, {18, 0.2 * kMicrosecond}, true, true}};
 // G-code has no registered media type.
-constexpr PointFormat kGcodePoints{
-    {"gcode", "G-code", "gcode", "text/x-gcode", ""},
-    0,
-    kPath,
-    {},
-    VectorWriter{plot_inks<write_gcode>, plot_map<write_gcode>, {32, 0.3 * kMicrosecond}, true, true}};
-constexpr PointFormat kDxfPoints{
-    {"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
-    0,
-    kPath,
-    {},
-    VectorWriter{plot_inks<write_dxf>, plot_map<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
-constexpr PointFormat kJsonPoints{kJson, kLeastText, kNumbers, {}, ListWriter{false, write_json, write_map_json}};
+constexpr PointFormat kGcodePoints{{"gcode", "G-code", "gcode", "text/x-gcode", ""},
+                                   0,
+                                   kPathCost,
+                                   {},
+                                   VectorWriter{plot_points<write_gcode>, {32, 0.3 * kMicrosecond}, true, true}};
+constexpr PointFormat kDxfPoints{{"dxf", "DXF", "dxf", "image/vnd.dxf", ""},
+                                 0,
+                                 kPathCost,
+                                 {},
+                                 VectorWriter{plot_points<write_dxf>, {80, 0.3 * kMicrosecond}, true, true}};
+constexpr PointFormat kJsonPoints{kJson, kMinTextBytes, kNumbersCost, {}, ListWriter{false, write_json}};
 constexpr FileFormat kGeoJson{"geojson", "GeoJSON", "geojson", "application/geo+json", ""};
 constexpr PointFormat kGeoJsonSinglePoints{
-    kGeoJson, kLeastFeature, kFeatures, {}, ListWriter{true, write_point_features, write_map_point_features}, true};
-constexpr PointFormat kGeoJsonPoints{
-    kGeoJson, kLeastText,           kNumbers, {}, ListWriter{true, write_feature, write_map_features},
-    false,    &kGeoJsonSinglePoints};
+    kGeoJson, kMinFeatureBytes, kFeaturesCost, {}, ListWriter{true, write_point_features}, true};
+constexpr PointFormat kGeoJsonPoints{kGeoJson, kMinTextBytes,        kNumbersCost, {}, ListWriter{true, write_geojson},
+                                     false,    &kGeoJsonSinglePoints};
 // The media type is in common use, but not registered.
 constexpr PointFormat kJsonLines{{"ndjson", "GeoJSON, a Feature per line", "ndjson", "application/x-ndjson", ""},
-                                 kLeastFeature,
-                                 kFeatures,
+                                 kMinFeatureBytes,
+                                 kFeaturesCost,
                                  {},
-                                 ListWriter{true, write_point_lines, write_map_point_lines},
+                                 ListWriter{true, write_point_lines},
                                  true};
 constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geojsons", "application/geo+json-seq", ""},
-                                    kLeastFeature,
-                                    kFeatures,
+                                    kMinFeatureBytes,
+                                    kFeaturesCost,
                                     {},
-                                    ListWriter{true, write_point_sequence, write_map_point_sequence},
+                                    ListWriter{true, write_point_sequence},
                                     true};
 constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=present"},
-                                 kLeastText,
-                                 kNumbers,
+                                 kMinTextBytes,
+                                 kNumbersCost,
                                  {},
-                                 ListWriter{true, list_csv, list_map_csv},
+                                 ListWriter{true, list_csv},
                                  true};
 // NPY has no registered media type.
-constexpr PointFormat kNpyPoints{{"npy", "NPY", "npy", "application/x-npy", ""},
-                                 2 * sizeof(double),
-                                 kNumbers,
-                                 {},
-                                 ListWriter{true, list_npy, list_map_npy}};
+constexpr PointFormat kNpyPoints{
+    {"npy", "NPY", "npy", "application/x-npy", ""}, 2 * sizeof(double), kNumbersCost, {}, ListWriter{true, list_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints,
                                                    &kNpyPoints,  &kWebPPoints,  &kTiffPoints, &kPdfPoints,
@@ -139,6 +116,12 @@ constexpr const PointFormat* kSampleFormats[] = {&kJsonPoints,   &kCsvPoints,  &
 bool PointFormat::repeats() const {
     const auto* list = std::get_if<ListWriter>(&writer);
     return list == nullptr || list->repeats;
+}
+
+Result<void> VectorWriter::check(const DrawingOptions& drawing, double radius, const Page& page,
+                                 const std::string& pen_field, const std::string& width_field) const {
+    auto fills = check_pen(drawing, radius, page, pen_field);
+    return fills && in_millimetres ? check_sides(page, width_field) : fills;
 }
 
 Result<void> PointFormat::check_drawing(const DrawingOptions& drawing, const std::string& field) const {

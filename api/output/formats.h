@@ -11,11 +11,10 @@
 #include "api/input/drawing_options.h"
 #include "api/input/file_formats.h"
 #include "api/input/palette.h"
-#include "api/output/ink_dots.h"
 #include "api/output/json_writer.h"
-#include "api/output/map_dots.h"
 #include "api/output/plot.h"
 #include "api/output/point_drawing.h"
+#include "api/output/point_set.h"
 #include "api/run/estimate.h"
 #include "core/result.h"
 
@@ -25,32 +24,24 @@ namespace ccdt::api {
 struct ListWriter {
     bool repeats;  ///< whether the same points always give the same bytes; false if the output contains the computing
                    ///< time
-    void (&write)(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop);
-    void (&write_map)(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop);
+    void (&write)(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop);
 };
 
-/// Writer of drawings as shapes; its parameters are those of write_svg() and write_map_svg().
+/// Writer of drawings as shapes; its parameters are those of write_svg().
 struct VectorWriter {
-    void (&write)(std::span<const InkDots> inks, const Palette& palette, const Page& page,
-                  const DrawingOptions& drawing, Body& body, const std::stop_token& path_stop,
-                  const std::stop_token& stop);
-    void (&write_map)(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                      Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
+    void (&write)(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+                  Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
     Estimate per_turn_point;  ///< cost of a point of the circles or of the spiral that fill a dot
 
     bool in_millimetres = false;  ///< whether pages must have a width in millimetres
     bool by_pen = false;          ///< whether the format is for pens, which can only add ink
 
     /// Checks the pen with check_pen(), and a page in millimetres with check_sides().
-    /// @param request  has members `drawing` and `field_of(option)`
-    /// @param radius   radius of the largest dots, in the units of the points
+    /// @param radius  radius of the largest dots, in the units of the points
+    /// @param pen_field, width_field  fields of the options pen and width_mm
     /// Errors: Unusable.
-    template <class Request>
-    Result<void> check(const Request& request, double radius, const Page& page) const {
-        auto fills = check_pen(request.drawing, radius, page, request.field_of("pen"));
-        if (!fills || !in_millimetres) return fills;
-        return check_sides(page, request.field_of("width_mm"));
-    }
+    Result<void> check(const DrawingOptions& drawing, double radius, const Page& page, const std::string& pen_field,
+                       const std::string& width_field) const;
 };
 
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.

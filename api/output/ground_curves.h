@@ -15,7 +15,7 @@ namespace ccdt::api {
 /// @param sink  has move_to(point), line_to(point), curve_to(control, end) and close(); points are on the page
 template <class Sink>
 void trace_ground(std::span<const std::vector<Point>> rings, const Page& page, Sink& sink) {
-    const Placing place(page, page.unit());
+    const PageMapping place(page, page.unit());
     const auto is_on_border = [&](Point p) {
         return p.x <= page.box.min.x || p.y <= page.box.min.y || p.x >= page.box.max.x || p.y >= page.box.max.y;
     };

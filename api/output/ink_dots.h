@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "api/input/palette.h"
@@ -28,12 +26,15 @@ struct TwoSidedDots {
     const Grounds& grounds;
 };
 
-/// Dots of an ink, as writers receive them. All objects that this one refers to must outlive it.
+/// Dots of an ink, or of a class of a dot map, as writers receive them. All objects that this one refers to must
+/// outlive it.
 struct InkDots {
-    const Ink& ink;
+    const Ink& ink;  ///< its name is that of the class; empty for a single class that answers do not name
     const Distribution& dots;
     double radius = 0;                        ///< radius of each dot, in the units of the points; used only by drawings
     const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size
+    std::span<const std::uint32_t> features = {};  ///< [points] feature of each point, in ascending order; empty if
+                                                   ///< points are not grouped by features
 };
 
 /// Calls function(channel) for each channel whose bit is set.
@@ -44,21 +45,10 @@ void for_channels(unsigned bits, const Function& function) {
     }
 }
 
-/// Returns whether answers name inks. A single ink has no name, and answers contain only its points.
-inline bool are_named(std::span<const InkDots> inks) {
-    return std::ranges::any_of(inks, [](const InkDots& each) { return !each.ink.name.empty(); });
-}
-
 /// Returns the ranks of `count` points from `first` on; empty if the points have no ranks.
 inline std::span<const std::uint32_t> ranks_of(const Distribution& points, std::size_t first, std::size_t count) {
     const std::span<const std::uint32_t> all = points.ranks;
     return all.empty() ? all : all.subspan(first, count);
-}
-
-inline std::size_t count_points(std::span<const InkDots> inks) {
-    std::size_t points = 0;
-    for (const InkDots& each : inks) points += each.dots.points.size();
-    return points;
 }
 
 }  // namespace ccdt::api

@@ -17,8 +17,8 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kUsualPoint = 41;     ///< `[x,y],` with 17 digits each
-constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
+constexpr std::size_t kTypicalPointBytes = 41;  ///< `[x,y],` with 17 digits each
+constexpr std::size_t kStopStride = 4'096;      ///< points between two checks of the stop token
 
 /// Appends a number. Throws if the number is not finite, since JSON cannot express it and clients expect a number.
 void append_number(std::string& out, double value) {
@@ -67,7 +67,7 @@ void write_list(Body& body, std::span<const Element> list, AppendElement append_
 }
 
 void write_points(Body& body, std::span<const Point> points, const std::stop_token& stop) {
-    body.expect(body.text().size() + kUsualPoint * points.size());
+    body.expect(body.text().size() + kTypicalPointBytes * points.size());
     write_list(body, points, append_point, stop);
 }
 
@@ -140,12 +140,18 @@ void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
-/// Appends members about the run that placed the points.
-void append_run(std::string& out, const Distribution& distribution, const Report& report) {
-    append_order(out, distribution.points.size(), report);
-    append_member(out, "iterations", static_cast<std::uint64_t>(distribution.iterations));
-    append_member(out, "variation", distribution.variation());
-    append_remarks(out, distribution.stopped, report);
+/// Appends members about the run that placed the points. Of several layers, the largest values count.
+void append_run(std::string& out, const PointSet& points, const Report& report) {
+    append_order(out, points.size(), report);
+    std::uint64_t iterations = 0;
+    double variation = points.layers.front().dots.variation();
+    for (const InkDots& layer : points.layers) {
+        iterations = std::max(iterations, static_cast<std::uint64_t>(layer.dots.iterations));
+        variation = std::max(variation, layer.dots.variation());
+    }
+    append_member(out, "iterations", iterations);
+    append_member(out, "variation", variation);
+    append_remarks(out, points.are_partial(), report);
 }
 
 /// Writes repairs or warnings in printable ASCII, because HTTP headers also contain them and their texts may contain
@@ -178,21 +184,6 @@ void append_report(std::string& out, const Report& report) {
     append_member(out, "tone", report.dots->tone);
 }
 
-/// Writes the members of an answer with a single ink.
-void write_distribution(Body& body, const Distribution& distribution, const Report& report,
-                        const std::stop_token& stop) {
-    std::string& out = body.text();
-    out += "\"points\":";
-    write_points(body, distribution.points, stop);
-    out += ',';
-    append_run(out, distribution, report);
-    out += ",\"trace\":";
-    append_trace(out, distribution.trace);
-    append_report(out, report);
-    write_ranks(body, distribution.ranks, stop);
-    if (distribution.mesh) write_mesh(body, *distribution.mesh, stop);
-}
-
 /// Rounds coordinates to a thousandth, which is precise enough for outlines.
 Point rounded(Point point) {
     constexpr double kSteps = 1000;
@@ -221,6 +212,22 @@ void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_
         [](std::string& out, std::uint8_t white) { out += white != 0 ? "\"ink\"" : "\"paper\""; }, stop);
     body.text() += ",\"ground\":";
     write_rings(body, two_sides.grounds.rings.front(), stop);
+}
+
+/// Writes the members of an answer with a single ink.
+void write_single_ink(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
+    const auto& [ink, dots, radius, two_sides, features] = points.layers.front();
+    std::string& out = body.text();
+    out += "\"points\":";
+    write_points(body, dots.points, stop);
+    out += ',';
+    append_run(out, points, report);
+    out += ",\"trace\":";
+    append_trace(out, dots.trace);
+    append_report(out, report);
+    write_ranks(body, dots.ranks, stop);
+    if (dots.mesh) write_mesh(body, *dots.mesh, stop);
+    if (two_sides != nullptr) write_two_sides(body, *two_sides, stop);
 }
 
 void write_ink(Body& body, const InkDots& each, const std::stop_token& stop) {
@@ -262,67 +269,51 @@ void write_grounds(Body& body, const Grounds& grounds, const std::stop_token& st
 }
 
 /// Writes the members of an answer with named inks.
-void write_inks(Body& body, std::span<const InkDots> inks, const Report& report, const std::stop_token& stop) {
+void write_inks(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
     std::string& out = body.text();
-    const bool of_kinds = inks.front().two_sides != nullptr;
-    out += of_kinds ? "\"kinds\":" : "\"inks\":";
-    append_array(out, inks, [&](std::string&, const InkDots& each) { write_ink(body, each, stop); });
-    if (of_kinds) write_grounds(body, inks.front().two_sides->grounds, stop);
+    const TwoSidedDots* const two_sides = points.layers.front().two_sides;
+    out += two_sides != nullptr ? "\"kinds\":" : "\"inks\":";
+    append_array(out, points.layers, [&](std::string&, const InkDots& each) { write_ink(body, each, stop); });
+    if (two_sides != nullptr) write_grounds(body, two_sides->grounds, stop);
     out += ',';
-    append_order(out, count_points(inks), report);
-    append_remarks(out, std::ranges::any_of(inks, [](const InkDots& each) { return each.dots.stopped; }), report);
+    append_order(out, points.size(), report);
+    append_remarks(out, points.are_partial(), report);
     append_report(out, report);
 }
 
-/// Appends members about the run that placed the points of a dot map.
-void append_map_run(std::string& out, const MapOfDots& map, const Report& report) {
-    append_order(out, map.size(), report);
-    std::uint64_t iterations = 0;
-    double variation = 0;
-    bool stopped = false;
-    for (const MapDots& each : map.classes) {
-        iterations = std::max(iterations, static_cast<std::uint64_t>(each.dots.dots.iterations));
-        variation = std::max(variation, each.dots.dots.variation());
-        stopped = stopped || each.dots.dots.stopped;
-    }
-    append_member(out, "iterations", iterations);
-    append_member(out, "variation", variation);
-    append_remarks(out, stopped, report);
-}
-
-/// Writes `,"name":[...]` with number_of(class, point) for each point. Ends early on a stop, or if the sink of the
-/// body fails.
-template <class NumberOf>
-void write_column(Body& body, std::string_view name, const MapOfDots& map, NumberOf number_of,
+/// Writes `"name":[...]` with an element for each point of all layers. Calls `append_element(out, layer, i)` for the
+/// point i of a layer. Ends early on a stop, or if the sink of the body fails.
+template <class AppendElement>
+void write_column(Body& body, std::string_view name, const PointSet& points, AppendElement append_element,
                   const std::stop_token& stop) {
     std::string& out = body.text();
-    out.append(",\"").append(name).append("\":[");
+    out.append("\"").append(name).append("\":[");
     std::size_t written = 0;
-    for (std::size_t c = 0; c < map.classes.size(); ++c) {
-        for (std::size_t i = 0; i < map.classes[c].dots.feature_of.size(); ++i) {
+    for (const InkDots& layer : points.layers) {
+        for (std::size_t i = 0; i < layer.dots.points.size(); ++i) {
             if (written % kStopStride == 0 && (!body.flush() || stop.stop_requested())) return;
             if (written++ > 0) out += ',';
-            append_number(out, static_cast<std::uint64_t>(number_of(c, i)));
+            append_element(out, layer, i);
         }
     }
     out += ']';
 }
 
 /// Counts the points of each class in each feature [classes][features].
-std::vector<std::vector<std::uint64_t>> counts_of(const MapOfDots& map) {
+std::vector<std::vector<std::uint64_t>> counts_of(const PointSet& points) {
     std::vector<std::vector<std::uint64_t>> counts;
-    for (const MapDots& each : map.classes) {
-        counts.emplace_back(map.feature_ids.size(), 0);
-        for (const std::uint32_t feature : each.dots.feature_of) ++counts.back()[feature];
+    for (const InkDots& layer : points.layers) {
+        counts.emplace_back(points.feature_ids.size(), 0);
+        for (const std::uint32_t feature : layer.features) ++counts.back()[feature];
     }
     return counts;
 }
 
 /// Writes the features with their numbers of points. Ends early if the sink of the body fails.
-void write_features(Body& body, const MapOfDots& map) {
-    const auto counts = counts_of(map);
+void write_features(Body& body, const PointSet& points) {
+    const auto counts = counts_of(points);
     std::size_t feature = 0;
-    append_array(body.text(), map.feature_ids, [&](std::string& to, const std::string& id) {
+    append_array(body.text(), points.feature_ids, [&](std::string& to, const std::string& id) {
         if (!body.flush()) return;
         to += '{';
         if (!id.empty()) to.append("\"id\":").append(id).append(",");
@@ -330,13 +321,13 @@ void write_features(Body& body, const MapOfDots& map) {
         for (const auto& of_class : counts) all += of_class[feature];
         to += "\"sites\":";
         append_number(to, all);
-        if (map.are_named()) {
+        if (points.are_named()) {
             to += ",\"classes\":";
             append_array(to, counts, [&](std::string& list, const auto& each) { append_number(list, each[feature]); });
         }
-        if (map.properties != nullptr) {
+        if (points.properties != nullptr) {
             to += ",\"properties\":{";
-            map.properties->append_members(to, feature);
+            points.properties->append_members(to, feature);
             to += '}';
         }
         to += '}';
@@ -344,46 +335,47 @@ void write_features(Body& body, const MapOfDots& map) {
     });
 }
 
-void append_classes(std::string& out, const MapOfDots& map) {
-    append_array(out, map.classes, [](std::string& to, const MapDots& each) {
+void append_classes(std::string& out, const PointSet& points) {
+    append_array(out, points.layers, [](std::string& to, const InkDots& each) {
         to += "{\"name\":";
         append_json_text(to, each.ink.name);
         to.append(",\"color\":\"").append(hexadecimal(each.ink.colour)).append("\"");
-        append_member(to, "sites", std::uint64_t{each.dots.dots.points.size()});
+        append_member(to, "sites", std::uint64_t{each.dots.points.size()});
         to += '}';
     });
 }
 
-/// Appends the properties that all points of a class in a feature share, each followed by a comma. First come the
-/// carried properties, then the properties that identify the feature and the class.
-void append_origin(std::string& out, const MapOfDots& map, const MapDots& dots, std::uint32_t feature) {
-    if (map.properties != nullptr) {
+/// Appends the properties that all points of a group share, each followed by a comma. First come the carried
+/// properties, then the properties that identify the feature and the class. Appends nothing if points are not grouped.
+void append_origin(std::string& out, const PointSet& points, const InkDots& layer, std::uint32_t feature) {
+    if (!points.are_grouped()) return;
+    if (points.properties != nullptr) {
         const std::size_t before = out.size();
-        map.properties->append_members(out, feature);
+        points.properties->append_members(out, feature);
         if (out.size() > before) out += ',';
     }
     out += "\"feature\":";
     append_number(out, std::uint64_t{feature});
     out += ',';
-    if (!map.are_named()) return;
+    if (!points.are_named()) return;
     out += "\"class\":";
-    append_json_text(out, dots.ink.name);
-    out.append(",\"color\":\"").append(hexadecimal(dots.ink.colour)).append("\",");
+    append_json_text(out, layer.ink.name);
+    out.append(",\"color\":\"").append(hexadecimal(layer.ink.colour)).append("\",");
 }
 
 /// Writes the points of one class in one feature, as a Feature.
-void write_feature(Body& body, const MapOfDots& map, const MapDots& dots, std::uint32_t feature, std::size_t first,
+void write_feature(Body& body, const PointSet& points, const InkDots& layer, std::uint32_t feature, std::size_t first,
                    std::size_t count, const std::stop_token& stop) {
     std::string& out = body.text();
     out += R"({"type":"Feature")";
-    if (!map.feature_ids[feature].empty()) out.append(",\"id\":").append(map.feature_ids[feature]);
+    if (!points.feature_ids[feature].empty()) out.append(",\"id\":").append(points.feature_ids[feature]);
     out += R"(,"properties":{)";
-    append_origin(out, map, dots, feature);
+    append_origin(out, points, layer, feature);
     out += "\"sites\":";
     append_number(out, std::uint64_t{count});
-    write_ranks(body, ranks_of(dots.dots.dots, first, count), stop);
+    write_ranks(body, ranks_of(layer.dots, first, count), stop);
     out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
-    write_list(body, std::span(dots.dots.dots.points).subspan(first, count), append_point, stop);
+    write_list(body, std::span(layer.dots.points).subspan(first, count), append_point, stop);
     out += "}}";
 }
 
@@ -403,7 +395,7 @@ constexpr Separators kSequence{"\x1e", "\x1e", "\n"};
 void write_single_points(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks,
                          std::string_view properties, const Separators& separators, bool is_first,
                          const std::stop_token& stop) {
-    const std::size_t stride = stride_of(properties.size());
+    const std::size_t stride = flush_stride(properties.size());
     const std::string_view all = properties.substr(0, properties.size() - (ranks.empty() && !properties.empty()));
     std::string& out = body.text();
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -420,25 +412,66 @@ void write_single_points(Body& body, std::span<const Point> points, std::span<co
     }
 }
 
-/// Writes a Feature for each point of a dot map.
-void write_single_points(Body& body, const MapOfDots& map, const Separators& separators, const std::stop_token& stop) {
+/// Writes a Feature for each point.
+void write_single_points(Body& body, const PointSet& points, const Separators& separators,
+                         const std::stop_token& stop) {
     bool first = true;
-    for (const MapDots& each : map.classes) {
-        for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
+    for (const InkDots& layer : points.layers) {
+        points.for_groups(layer, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
             std::string properties;
-            append_origin(properties, map, each, feature);
-            if (const std::string& id = map.feature_ids[feature]; !id.empty())
-                properties.append("\"feature_id\":").append(id).append(",");
-            write_single_points(body, std::span(each.dots.dots.points).subspan(begin, count),
-                                ranks_of(each.dots.dots, begin, count), properties, separators,
-                                std::exchange(first, false), stop);
+            append_origin(properties, points, layer, feature);
+            if (points.are_grouped() && !points.feature_ids[feature].empty())
+                properties.append("\"feature_id\":").append(points.feature_ids[feature]).append(",");
+            write_single_points(body, std::span(layer.dots.points).subspan(begin, count),
+                                ranks_of(layer.dots, begin, count), properties, separators, std::exchange(first, false),
+                                stop);
         });
     }
 }
 
-/// Writes a Feature for each point of a single ink.
-void write_single_points(Body& body, const InkDots& ink, const Separators& separators, const std::stop_token& stop) {
-    write_single_points(body, ink.dots.points, ink.dots.ranks, {}, separators, true, stop);
+/// Writes the members of an answer whose points are grouped by features.
+void write_groups(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
+    std::string& out = body.text();
+    const auto index_of = [&](const InkDots& layer) { return std::uint64_t(&layer - points.layers.data()); };
+    body.expect(kTypicalPointBytes * points.size());
+    write_column(
+        body, "points", points,
+        [](std::string& to, const InkDots& layer, std::size_t i) { append_point(to, layer.dots.points[i]); }, stop);
+    out += ',';
+    if (points.are_ranked()) {
+        write_column(
+            body, "rank", points,
+            [](std::string& to, const InkDots& layer, std::size_t i) { append_index(to, layer.dots.ranks[i]); }, stop);
+        out += ',';
+    }
+    write_column(
+        body, "feature", points,
+        [](std::string& to, const InkDots& layer, std::size_t i) { append_index(to, layer.features[i]); }, stop);
+    if (points.are_named()) {
+        out += ',';
+        write_column(
+            body, "class", points,
+            [&](std::string& to, const InkDots& layer, std::size_t) { append_number(to, index_of(layer)); }, stop);
+        out += ",\"classes\":";
+        append_classes(out, points);
+    }
+    out += ",\"features\":";
+    write_features(body, points);
+    out += ',';
+    append_run(out, points, report);
+    append_report(out, report);
+}
+
+/// Writes the points of a single layer as a Feature.
+void write_feature(Body& body, const PointSet& points, const Report& report, const std::stop_token& stop) {
+    const Distribution& dots = points.layers.front().dots;
+    std::string& out = body.text();
+    out += R"({"type":"Feature","properties":{)";
+    append_run(out, points, report);
+    write_ranks(body, dots.ranks, stop);
+    out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
+    write_points(body, dots.points, stop);
+    out += "}}\n";
 }
 
 }  // namespace
@@ -451,109 +484,44 @@ std::string write_warnings(std::span<const Warning> warnings) {
     return write_remarks(warnings);
 }
 
-void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop) {
+void write_json(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop) {
+    const auto write_members = points.are_grouped() ? write_groups : points.are_named() ? write_inks : write_single_ink;
     body.text() += '{';
-    if (are_named(inks)) {
-        write_inks(body, inks, report, stop);
-    } else {
-        write_distribution(body, inks.front().dots, report, stop);
-        if (inks.front().two_sides != nullptr) write_two_sides(body, *inks.front().two_sides, stop);
-    }
+    write_members(body, points, report, stop);
     body.text() += "}\n";
 }
 
-void write_feature(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop) {
-    const Distribution& distribution = inks.front().dots;
+void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop) {
+    if (!points.are_grouped()) return write_feature(body, points, report, stop);
     std::string& out = body.text();
-    out += R"({"type":"Feature","properties":{)";
-    append_run(out, distribution, report);
-    write_ranks(body, distribution.ranks, stop);
-    out += R"(},"geometry":{"type":"MultiPoint","coordinates":)";
-    write_points(body, distribution.points, stop);
-    out += "}}\n";
-}
-
-void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
-    std::string& out = body.text();
-    body.expect(kUsualPoint * map.size());
-    out += "{\"points\":[";
-    bool first = true;
-    for (const MapDots& each : map.classes) {
-        const std::span<const Point> points = each.dots.dots.points;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
-            if (!std::exchange(first, false)) out += ',';
-            append_point(out, points[i]);
-        }
-    }
-    out += ']';
-    if (map.are_ranked()) {
-        write_column(
-            body, "rank", map, [&](std::size_t c, std::size_t i) { return map.classes[c].dots.dots.ranks[i]; }, stop);
-    }
-    write_column(
-        body, "feature", map, [&](std::size_t c, std::size_t i) { return map.classes[c].dots.feature_of[i]; }, stop);
-    if (map.are_named()) {
-        write_column(
-            body, "class", map, [](std::size_t c, std::size_t) { return c; }, stop);
-        out += ",\"classes\":";
-        append_classes(out, map);
-    }
-    out += ",\"features\":";
-    write_features(body, map);
-    out += ',';
-    append_map_run(out, map, report);
-    append_report(out, report);
-    out += "}\n";
-}
-
-void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
-    std::string& out = body.text();
-    body.expect(kUsualPoint * map.size());
+    body.expect(kTypicalPointBytes * points.size());
     out += R"({"type":"FeatureCollection",)";
-    append_map_run(out, map, report);
+    append_run(out, points, report);
     out += ",\"features\":[";
     bool first = true;
-    for (const MapDots& each : map.classes) {
-        for_features(each.dots, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
+    for (const InkDots& layer : points.layers) {
+        points.for_groups(layer, [&](std::uint32_t feature, std::size_t begin, std::size_t count) {
             if (!std::exchange(first, false)) out += ",\n";
-            write_feature(body, map, each, feature, begin, count, stop);
+            write_feature(body, points, layer, feature, begin, count, stop);
         });
     }
     out += "]}\n";
 }
 
-void write_point_features(std::span<const InkDots> inks, const Report& report, Body& body,
-                          const std::stop_token& stop) {
+void write_point_features(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop) {
     body.text() += R"({"type":"FeatureCollection",)";
-    append_run(body.text(), inks.front().dots, report);
+    append_run(body.text(), points, report);
     body.text() += ",\"features\":[";
-    write_single_points(body, inks.front(), kListed, stop);
+    write_single_points(body, points, kListed, stop);
     body.text() += "]}\n";
 }
 
-void write_map_point_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop) {
-    body.text() += R"({"type":"FeatureCollection",)";
-    append_map_run(body.text(), map, report);
-    body.text() += ",\"features\":[";
-    write_single_points(body, map, kListed, stop);
-    body.text() += "]}\n";
+void write_point_lines(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, points, kLines, stop);
 }
 
-void write_point_lines(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
-    write_single_points(body, inks.front(), kLines, stop);
-}
-
-void write_map_point_lines(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
-    write_single_points(body, map, kLines, stop);
-}
-
-void write_point_sequence(std::span<const InkDots> inks, const Report&, Body& body, const std::stop_token& stop) {
-    write_single_points(body, inks.front(), kSequence, stop);
-}
-
-void write_map_point_sequence(const MapOfDots& map, const Report&, Body& body, const std::stop_token& stop) {
-    write_single_points(body, map, kSequence, stop);
+void write_point_sequence(const PointSet& points, const Report&, Body& body, const std::stop_token& stop) {
+    write_single_points(body, points, kSequence, stop);
 }
 
 std::string write_analysis(const Analysis& analysis, bool with_spectrum) {

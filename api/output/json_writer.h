@@ -9,8 +9,7 @@
 #include <string_view>
 
 #include "api/output/body.h"
-#include "api/output/ink_dots.h"
-#include "api/output/map_dots.h"
+#include "api/output/point_set.h"
 #include "api/run/options.h"
 #include "core/analysis/analysis.h"
 #include "core/geometry/faults.h"
@@ -52,42 +51,31 @@ std::string write_warnings(std::span<const Warning> warnings);
 /// radii and sides, and the answer has the outlines of the black ground. The answer also reports an early stop, repairs
 /// and warnings.
 ///
+/// Points that are grouped by features are one list, sorted by class, and within a class by feature. Each point has the
+/// index of its feature, and the index of its class if classes have names. Each feature has its number of points, its
+/// id, and the properties that points carry.
+///
 /// Numbers have the fewest digits that read back to the same double. Same input, same bytes. About 0.1 microseconds per
 /// number. A stop ends the output early and makes it useless. Like all writers of JSON, this function throws
 /// std::domain_error for a number that is not finite, which would be a bug in this project.
-void write_json(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
+void write_json(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the points of a single ink as GeoJSON (RFC 7946): a Feature whose geometry is a MultiPoint. Its properties
-/// are the members of the report, except for times. A stop ends the output early and makes it useless.
-void write_feature(std::span<const InkDots> inks, const Report& report, Body& body, const std::stop_token& stop = {});
-
-/// Writes the JSON answer of a dot map. Points are sorted by class, and within a class by feature. Each point has the
-/// index of its feature, and the index of its class if classes have names. Each feature has its number of points, its
-/// id, and the properties that points carry. All other members are those of write_json().
-void write_map_json(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
-
-/// Writes the dots of a map as GeoJSON: a FeatureCollection. The points of each class in each feature of the request
-/// are a Feature, whose geometry is a MultiPoint. This Feature has the id and the carried properties of the request's
-/// feature. The report, except for times, is in members of the collection. A stop ends the output early and makes it
-/// useless.
-void write_map_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+/// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points of a single layer that
+/// are not grouped are a Feature whose geometry is a MultiPoint. Grouped points are a FeatureCollection: the points of
+/// each class in each feature of the request are a Feature with a MultiPoint, and this Feature has the id and the
+/// carried properties of the request's feature. A stop ends the output early and makes it useless.
+void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in
-/// members of the collection. In a dot map, each point also has the properties that it carries, the member `feature`,
-/// and `feature_id` if the feature has an id. A stop ends the output early and makes it useless.
-void write_point_features(std::span<const InkDots> inks, const Report& report, Body& body,
-                          const std::stop_token& stop = {});
-void write_map_point_features(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+/// members of the collection. If points are grouped, each has the properties that it carries, the member `feature`, and
+/// `feature_id` if the feature has an id. A stop ends the output early and makes it useless.
+void write_point_features(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes only the Features of write_point_features(), one per line.
-void write_point_lines(std::span<const InkDots> inks, const Report& report, Body& body,
-                       const std::stop_token& stop = {});
-void write_map_point_lines(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+void write_point_lines(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the lines of write_point_lines() as a sequence of JSON texts (RFC 8142), each after a record separator.
-void write_point_sequence(std::span<const InkDots> inks, const Report& report, Body& body,
-                          const std::stop_token& stop = {});
-void write_map_point_sequence(const MapOfDots& map, const Report& report, Body& body, const std::stop_token& stop = {});
+void write_point_sequence(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes the JSON answer of /analyze, with the spectrum if it was requested. Same input, same bytes.
 std::string write_analysis(const Analysis& analysis, bool with_spectrum);

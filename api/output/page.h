@@ -24,11 +24,11 @@ struct Page {
 };
 
 /// Maps points to positions on the page, relative to the upper left corner of the page.
-class Placing {
+class PageMapping {
 public:
     /// @param page  must outlive this object
     /// @param unit  length on the page of one unit of the points
-    Placing(const Page& page, double unit) : page_(page), unit_(unit) {}
+    PageMapping(const Page& page, double unit) : page_(page), unit_(unit) {}
 
     Point operator()(Point p) const {
         const Box& box = page_.box;

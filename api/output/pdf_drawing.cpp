@@ -115,7 +115,7 @@ public:
 
     void end_clip() { cairo_restore(context_.get()); }
 
-    bool goes_on() const { return !stop_.stop_requested(); }
+    bool should_continue() const { return !stop_.stop_requested(); }
 
     void finish() {
         cairo_surface_finish(surface_.get());
@@ -143,7 +143,7 @@ class PdfStrokes {
 public:
     PdfStrokes(PdfPage& page, const Pen& pen) : page_(page), pen_(pen) {}
 
-    bool goes_on() const { return page_.goes_on(); }
+    bool should_continue() const { return page_.should_continue(); }
 
     void begin(Point at) {
         page_.move_to(at);
@@ -168,7 +168,7 @@ private:
 /// Draws discs. Each path has up to kChunk discs.
 template <class DrawDisc>
 void fill_discs(PdfPage& page, std::size_t count, const Colour& colour, DrawDisc&& draw_disc) {
-    for (std::size_t i = 0; i < count && page.goes_on(); ++i) {
+    for (std::size_t i = 0; i < count && page.should_continue(); ++i) {
         draw_disc(i);
         if ((i + 1) % kChunk == 0 || i + 1 == count) page.fill(colour);
     }
@@ -180,7 +180,7 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
         for (const PenRun& run : pen.runs) trace(plot, pen, run, strokes);
         return strokes.draw();
     }
-    const Placing place(plot.page, plot.page.unit());
+    const PageMapping place(plot.page, plot.page.unit());
     for (const PenRun& run : pen.runs) {
         fill_discs(page, run.path.size(), pen.colour,
                    [&](std::size_t i) { page.disc(place(run.points[run.path[i]]), pen.radius); });
@@ -194,7 +194,7 @@ void draw_pen(const Plot& plot, const Pen& pen, PdfPage& page) {
 void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::vector<Point>> ground,
                   const Colour& bare, const Page& sheet, PdfPage& page) {
     const double unit = sheet.unit();
-    const Placing place(sheet, unit);
+    const PageMapping place(sheet, unit);
     const auto draw_side = [&](const std::vector<std::uint32_t>& own, const Colour& colour) {
         fill_discs(page, own.size(), colour, [&](std::size_t k) {
             page.disc(place(dots.points[own[k]]), unit * static_cast<double>(dots.radii[own[k]]));
@@ -208,11 +208,11 @@ void draw_channel(const ChannelDots& dots, const Ink& ink, std::span<const std::
 }
 
 /// Draws dots on both sides of the tonal scale. Channels are mixed if they have names.
-void write_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& sheet, Body& body,
+void write_two_sides(const PointSet& kinds, const Palette& palette, const Page& sheet, Body& body,
                      const std::stop_token& stop) {
-    const Grounds& grounds = kinds.front().two_sides->grounds;
-    const Colour bare = bare_colour(kinds, palette);
-    const bool mixes = are_named(kinds);
+    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
+    const Colour bare = paper_dot_colour(kinds, palette);
+    const bool mixes = kinds.are_named();
     PdfPage page(sheet.size(), body, stop);
     page.paper(palette.paper);
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
@@ -237,15 +237,10 @@ void write_plot(const Plot& plot, const Palette& palette, bool mixes, Body& body
 
 }  // namespace
 
-void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return write_two_sides(inks, palette, page, body, stop);
-    write_plot(plot_of(inks, page, drawing, path_stop), palette, are_named(inks), body, stop);
-}
-
-void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    write_plot(plot_of(map, page, drawing, path_stop, stop), palette, map.are_named(), body, stop);
+    if (points.layers.front().two_sides != nullptr) return write_two_sides(points, palette, page, body, stop);
+    write_plot(plot_of(points, page, drawing, path_stop, stop), palette, points.are_named(), body, stop);
 }
 
 }  // namespace ccdt::api

@@ -1,29 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <span>
 #include <stop_token>
 
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
 #include "api/output/body.h"
-#include "api/output/ink_dots.h"
-#include "api/output/map_dots.h"
 #include "api/output/page.h"
+#include "api/output/point_set.h"
 
 namespace ccdt::api {
 
 /// Writes dots as a PDF document of one page, which is as large as the drawing. Dots are discs or the strokes of pens.
-/// Dots on both sides of the tonal scale are drawn with their ground. The page has shapes only, no pixels. Each ink is
-/// a group; groups are mixed as in SVG.
+/// Dots on both sides of the tonal scale are drawn with their ground. The page has shapes only, no pixels. Each layer
+/// is a group; groups are mixed as in SVG.
 ///
 /// @param page       must have a width in millimetres
 /// @param path_stop  once stopped, the search for short paths ends, and the paths are longer
 /// @param stop       once stopped, writing ends early and the output is useless
 /// Throws std::bad_alloc if memory runs out.
-void write_pdf(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
-void write_map_pdf(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
 
 }  // namespace ccdt::api

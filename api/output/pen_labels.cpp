@@ -25,7 +25,7 @@ constexpr std::array<NamedColour, 20> kNamed = {{
 }};
 
 /// Returns the name of the nearest colour, by the squared distance in sRGB.
-std::string_view word_for(const Colour& colour) {
+std::string_view nearest_colour_name(const Colour& colour) {
     const auto distance = [&](const NamedColour& other) {
         const int red = colour.red - other.colour.red;
         const int green = colour.green - other.colour.green;
@@ -42,9 +42,9 @@ std::string without_digits(std::string name) {
 
 std::string label_of(const Ink& ink) {
     if (ink.name.empty()) return "dots";
-    if (ink.name == hexadecimal(ink.colour)) return std::string(word_for(ink.colour));
+    if (ink.name == hexadecimal(ink.colour)) return std::string(nearest_colour_name(ink.colour));
     std::string label = without_digits(ink.name);
-    return label.empty() ? std::string(word_for(ink.colour)) : label;
+    return label.empty() ? std::string(nearest_colour_name(ink.colour)) : label;
 }
 
 }  // namespace

@@ -31,10 +31,10 @@ double distance(Point a, Point b) {
 /// @param from, to  radii at the beginning and at the end of the turn
 void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
     constexpr double kTolerance = 1.0 / 50;
-    constexpr int kFewest = 8;
+    constexpr int kMinCorners = 8;
     const double outer = std::max(from, to);
     const double step = 2 * std::acos(std::max(1 - kTolerance * pen / outer, 0.0));
-    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kFewest);
+    const int count = std::max(static_cast<int>(std::ceil(2 * std::numbers::pi / step)), kMinCorners);
     for (int i = 1; i <= count; ++i) {
         const double share = static_cast<double>(i) / count;
         const double angle = 2 * std::numbers::pi * share;
@@ -110,9 +110,9 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
 }
 
 Result<void> check_sides(const Page& page, const std::string& field) {
-    constexpr double kLeast = 0.01, kMax = 100'000;
+    constexpr double kMinSide = 0.01, kMax = 100'000;
     const Point size = page.size();
-    if (std::min(size.x, size.y) >= kLeast && std::max(size.x, size.y) <= kMax) return {};
+    if (std::min(size.x, size.y) >= kMinSide && std::max(size.x, size.y) <= kMax) return {};
     std::string message = "width_mm makes a page of ";
     append_shortest(message, size.x);
     message += " x ";
@@ -150,29 +150,17 @@ double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius,
     return std::floor(fits);
 }
 
-Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
-             const std::stop_token& path_stop) {
-    const std::vector<std::string> labels = pen_labels(inks_of(inks));
-    Plot plot{page, drawing.style, drawing.plotter, {}};
-    for (std::size_t i = 0; i < inks.size(); ++i) {
-        plot.pens.push_back(make_pen(labels[i], inks[i].ink.colour, inks[i].radius * page.unit(), drawing));
-        const std::span<const Point> points = inks[i].dots.points;
-        plot.pens.back().runs.push_back({points, path_of(points, page, path_stop)});
-    }
-    return plot;
-}
-
-Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
+Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop) {
-    const std::vector<std::string> labels = pen_labels(inks_of(map.classes));
+    const std::vector<std::string> labels = pen_labels(points.inks());
     Plot plot{page, drawing.style, drawing.plotter, {}};
-    for (std::size_t i = 0; i < map.classes.size(); ++i) {
-        const auto& [ink, dots, radius] = map.classes[i];
-        plot.pens.push_back(make_pen(labels[i], ink.colour, radius * page.unit(), drawing));
-        for_features(dots, [&, &all = dots.dots](std::uint32_t, std::size_t first, std::size_t count) {
+    for (std::size_t i = 0; i < points.layers.size(); ++i) {
+        const InkDots& layer = points.layers[i];
+        Pen& pen = plot.pens.emplace_back(make_pen(labels[i], layer.ink.colour, layer.radius * page.unit(), drawing));
+        points.for_groups(layer, [&](std::uint32_t, std::size_t first, std::size_t count) {
             if (stop.stop_requested()) return;
-            const auto points = std::span(all.points).subspan(first, count);
-            plot.pens.back().runs.push_back({points, path_of(points, page, path_stop)});
+            const auto group = std::span<const Point>(layer.dots.points).subspan(first, count);
+            pen.runs.push_back({group, path_of(group, page, path_stop)});
         });
     }
     return plot;

@@ -10,9 +10,8 @@
 #include <vector>
 
 #include "api/input/drawing_options.h"
-#include "api/output/ink_dots.h"
-#include "api/output/map_dots.h"
 #include "api/output/page.h"
+#include "api/output/point_set.h"
 #include "core/geometry/point.h"
 #include "core/result.h"
 
@@ -83,24 +82,23 @@ Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page&
 /// Errors: Unusable.
 Result<void> check_sides(const Page& page, const std::string& field);
 
-/// Plans the strokes of dots. Each ink, or each class of a dot map, has a pen. The dots of an ink are one run; the dots
-/// of a class are one run for each feature. Page, points and inks must outlive the plot.
+/// Plans the strokes of dots. Each layer has a pen. The dots of a layer are one run; if they are grouped by features,
+/// they are one run for each feature. Page, points and inks must outlive the plot.
 /// @param path_stop  once stopped, the search for short paths ends, and the paths are longer
-Plot plot_of(std::span<const InkDots> inks, const Page& page, const DrawingOptions& drawing,
-             const std::stop_token& path_stop);
-Plot plot_of(const MapOfDots& map, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
-             const std::stop_token& stop);
+/// @param stop       once stopped, runs are missing and the plot is useless
+Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
+             const std::stop_token& stop = {});
 
 /// Draws a run with an object `medium`. For each stroke, calls medium.begin(Point), medium.line_to(Point) for the
-/// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.goes_on() from time
-/// to time, and returns early if it is false. Points are relative to the upper left corner of the page.
+/// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.should_continue()
+/// from time to time, and returns early if it is false. Points are relative to the upper left corner of the page.
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
-    constexpr std::size_t kBetween = 1'000;
-    const Placing place(plot.page, plot.page.unit());
+    constexpr std::size_t kCheckInterval = 1'000;
+    const PageMapping place(plot.page, plot.page.unit());
     const bool joined = plot.style == DotStyle::Path;
     for (std::size_t i = 0; i < run.path.size(); ++i) {
-        if (i % kBetween == 0 && !medium.goes_on()) return;
+        if (i % kCheckInterval == 0 && !medium.should_continue()) return;
         const Point centre = place(run.points[run.path[i]]);
         if (joined && i > 0) {
             medium.line_to(centre);

@@ -19,7 +19,7 @@ public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
         : body_(body), stop_(stop), size_(plot.page.size()) {}
 
-    bool goes_on() { return body_.flush() && !stop_.stop_requested(); }
+    bool should_continue() { return body_.flush() && !stop_.stop_requested(); }
 
 protected:
     Point upright(Point p) const { return {p.x, size_.y - p.y}; }
@@ -52,8 +52,8 @@ void trace(const Plot& plot, const Pen& pen, Medium& medium) {
 /// Converts a label to upper-case ASCII letters, with underscores for all other bytes. Digits and punctuation may have
 /// a meaning in the languages of machines.
 std::string plain(std::string_view label) {
-    constexpr std::size_t kLongest = 24;
-    std::string text(label.substr(0, kLongest));
+    constexpr std::size_t kMaxLength = 24;
+    std::string text(label.substr(0, kMaxLength));
     for (char& c : text) {
         if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
         if (c < 'A' || c > 'Z') c = '_';

@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "api/output/channel_dots.h"
@@ -21,8 +23,8 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kUsualDot = 64;   // bytes of a dot
-constexpr int kDigits = 6;              // significant digits of the longer side of a page
+constexpr std::size_t kTypicalDotBytes = 64;  // bytes of a dot
+constexpr int kDigits = 6;                    // significant digits of the longer side of a page
 constexpr int kMaxDecimals = 300;
 
 /// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
@@ -34,13 +36,13 @@ constexpr std::string_view kLayers =
 class PlacedPath {
 public:
     /// All arguments must outlive this object.
-    /// @param ranks  of the points; may be empty
+    /// @param ranks  ranks of the points; may be empty
     PlacedPath(std::span<const Point> points, std::span<const std::uint32_t> ranks, std::span<const std::uint32_t> path,
-               const Placing& placing)
-        : points_(points), ranks_(ranks), path_(path), placing_(placing) {}
+               const PageMapping& mapping)
+        : points_(points), ranks_(ranks), path_(path), mapping_(mapping) {}
 
     std::size_t size() const { return path_.size(); }
-    Point operator[](std::size_t i) const { return placing_(points_[path_[i]]); }
+    Point operator[](std::size_t i) const { return mapping_(points_[path_[i]]); }
 
     bool are_ranked() const { return !ranks_.empty(); }
     std::uint32_t rank(std::size_t i) const { return ranks_[path_[i]]; }
@@ -58,7 +60,7 @@ private:
     std::span<const Point> points_;
     std::span<const std::uint32_t> ranks_;
     std::span<const std::uint32_t> path_;
-    const Placing& placing_;
+    const PageMapping& mapping_;
 };
 
 /// Escapes a text for use as the value of an attribute.
@@ -95,7 +97,7 @@ public:
           decimals_(
               std::min(kDigits - static_cast<int>(std::floor(std::log10(std::max(width_, height_)))), kMaxDecimals)) {
         decimals_ = std::max(decimals_, 0);
-        body_.expect(dots * kUsualDot);
+        body_.expect(dots * kTypicalDotBytes);
         write(R"(<svg xmlns="http://www.w3.org/2000/svg")", attributes, R"( width=")");
         if (page.width_mm) {
             write(width_, R"(mm" height=")", height_, "mm");
@@ -132,6 +134,11 @@ public:
 
     void begin_group(std::string_view id) { write(R"(<g id=")", id, "\">\n"); }
 
+    /// Begins a group that is clipped to a clip path.
+    void begin_clip(std::string_view id) { write(R"(<g clip-path="url(#)", id, ")\">\n"); }
+
+    void end_group() { write("</g>\n"); }
+
     void end_layer() { write("</g>\n"); }
 
     /// Draws discs of equal size, or the strokes of a pen.
@@ -163,8 +170,11 @@ public:
         write("</g>\n");
     }
 
-    void area(std::string_view data, const Colour& colour) {
-        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd" d=")", data, "\"/>\n");
+    /// @param blend  blend mode of CSS; empty: the area hides what is below it
+    void area(std::string_view data, const Colour& colour, std::string_view blend = {}) {
+        write(R"(<path fill=")", hexadecimal(colour), R"(" fill-rule="evenodd")");
+        if (!blend.empty()) write(R"( style="mix-blend-mode:)", blend, "\"");
+        write(R"( d=")", data, "\"/>\n");
     }
 
     int decimals() const { return decimals_; }
@@ -179,7 +189,7 @@ private:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
             : document_(document), touch_(touch), stop_(stop) {}
 
-        bool goes_on() { return document_.body_.flush() && !stop_.stop_requested(); }
+        bool should_continue() { return document_.body_.flush() && !stop_.stop_requested(); }
 
         void begin(Point at) {
             if (points_ == 0) document_.write("<path d=\"");
@@ -190,10 +200,10 @@ private:
 
         void line_to(Point at) {
             // A longer line is continued in another path.
-            constexpr std::size_t kLongest = 250'000;
+            constexpr std::size_t kMaxPoints = 250'000;
             document_.write("L", at.x, " ", at.y);
             is_touch_ = false;
-            if (++points_ < kLongest) return;
+            if (++points_ < kMaxPoints) return;
             close();
             begin(at);
             is_touch_ = false;
@@ -249,7 +259,7 @@ private:
     int decimals_;
 };
 
-std::vector<Point> placed(std::span<const Point> points, const Placing& place) {
+std::vector<Point> placed(std::span<const Point> points, const PageMapping& place) {
     std::vector<Point> result(points.size());
     std::transform(points.begin(), points.end(), result.begin(), place);
     return result;
@@ -270,11 +280,11 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
 }
 
 /// Writes a description of a run of dots, then the dots.
-/// @param ranks  of the dots; may be empty
+/// @param ranks  ranks of the dots; may be empty
 /// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
           const Colour* paper, DotDocument& document, const std::stop_token& stop) {
-    const Placing place(plot.page, document.unit());
+    const PageMapping place(plot.page, document.unit());
     const PlacedPath dots(run.points, ranks, run.path, place);
     document.describe(run.points.size(), pen.radius, dots.length(), document.unit() * path_length(run.points),
                       plot.page.width_mm ? " mm" : "");
@@ -321,23 +331,28 @@ std::string id_of(const Ink& ink) {
     return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
 }
 
+/// Returns the blend mode of CSS that mixes inks.
+std::string_view blend_of(const Palette& palette) {
+    return palette.mixing == Mixing::Add ? "screen" : "multiply";
+}
+
 /// Draws dots on both sides of the tonal scale. Each channel has three layers, from bottom to top: ink dots, black
 /// ground, paper dots. A dot on the boundary of the ground is both an ink dot and a paper dot. The black ground hides
 /// ink dots, and paper dots are clipped to the black ground. Thus each part of a dot has the colour opposite to its
 /// ground.
-void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, const Page& page, Body& body,
+void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
                     const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Grounds& grounds = kinds.front().two_sides->grounds;
-    const bool layered = are_named(kinds);
-    const Colour bare = bare_colour(kinds, palette);
+    const Grounds& grounds = kinds.layers.front().two_sides->grounds;
+    const bool layered = kinds.are_named();
+    const Colour bare = paper_dot_colour(kinds, palette);
     std::vector<ChannelDots> channels;
     for (std::size_t c = 0; c < grounds.inks.size(); ++c) {
         ChannelDots& dots = channels.emplace_back(dots_of_channel(kinds, c));
         dots.ink = path_through(dots.ink, dots.points, path_stop);
         dots.paper = path_through(dots.paper, dots.points, path_stop);
     }
-    DotDocument document(page, count_points(kinds), kLayers, body);
-    const Placing place(page, document.unit());
+    DotDocument document(page, kinds.size(), kLayers, body);
+    const PageMapping place(page, document.unit());
     const std::vector<std::string> labels = pen_labels(grounds.inks);
     // Top-level layers get the first numbers, because some programs number only top-level layers.
     std::size_t number = layered ? channels.size() : 0;
@@ -354,7 +369,7 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
             };
             document.discs(centres, radius_of, colour, stop);
         };
-        if (layered) document.begin_layer(c + 1, labels[c], palette.mixing == Mixing::Add ? "screen" : "multiply");
+        if (layered) document.begin_layer(c + 1, labels[c], blend_of(palette));
         document.define_clip(black, ground);
         document.begin_layer(++number, "ink dots", "");
         draw_side(dots.ink, ink.colour);
@@ -369,6 +384,109 @@ void draw_two_sides(std::span<const InkDots> kinds, const Palette& palette, cons
     }
     document.finish();
 }
+
+/// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
+/// the colour of the inks of its ground, some of which it flips. A dot that the boundary of a ground crosses is drawn
+/// once for each ground under it, clipped to this ground.
+class KindLayers {
+public:
+    KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
+               const std::stop_token& path_stop, const std::stop_token& stop)
+        : kinds_(kinds.layers),
+          labels_(pen_labels(kinds.inks())),
+          palette_(palette),
+          grounds_(kinds_.front().two_sides->grounds),
+          document_(page, kinds.size(), kLayers, body),
+          place_(page, document_.unit()),
+          path_stop_(path_stop),
+          stop_(stop) {
+        for (const auto& rings : grounds_.rings) curves_.push_back(curves(rings, page, document_.decimals()));
+        const auto& [min, max] = page.box;
+        const std::vector<std::vector<Point>> border = {{min, {max.x, min.y}, max, {min.x, max.y}}};
+        border_ = curves(border, page, document_.decimals());
+    }
+
+    void draw() {
+        document_.paper(palette_.paper);
+        for (std::size_t c = 0; c < curves_.size(); ++c) {
+            document_.define_clip(clip_of(c, true), curves_[c]);
+            document_.define_clip(clip_of(c, false), border_ + curves_[c]);
+        }
+        document_.begin_layer(1, "ground", "");
+        for (std::size_t c = 0; c < curves_.size(); ++c)
+            document_.area(curves_[c], grounds_.inks[c].colour, blend_of(palette_));
+        document_.end_layer();
+        for (std::size_t k = 0; k < kinds_.size(); ++k) {
+            document_.begin_layer(k + 2, labels_[k], "");
+            draw(kinds_[k]);
+            document_.end_layer();
+        }
+        document_.finish();
+    }
+
+private:
+    /// Dots by the inks of their ground, and by the channels to whose ground they are clipped, both as bits.
+    using Groups = std::map<std::pair<unsigned, unsigned>, std::vector<std::uint32_t>>;
+
+    static std::string clip_of(std::size_t channel, bool is_black) {
+        return std::string(is_black ? "ink" : "bare") + "-" + std::to_string(channel + 1);
+    }
+
+    void draw(const InkDots& kind) {
+        for (const auto& [key, numbers] : groups_of(*kind.two_sides, kind.dots.points.size())) {
+            const auto [ground, cut] = key;
+            for_channels(
+                cut, [&, ground = ground](std::size_t c) { document_.begin_clip(clip_of(c, (ground >> c & 1) != 0)); });
+            const std::vector<std::uint32_t> path = path_through(numbers, kind.dots.points, path_stop_);
+            const auto radius_of = [&](std::size_t i) {
+                return document_.unit() * static_cast<double>(kind.two_sides->dots.radii[path[i]]);
+            };
+            document_.discs(PlacedPath(kind.dots.points, {}, path, place_), radius_of,
+                            colour_of(ground ^ kind.two_sides->flips), stop_);
+            for_channels(cut, [&](std::size_t) { document_.end_group(); });
+        }
+    }
+
+    Groups groups_of(const TwoSidedDots& dots, std::size_t count) const {
+        const unsigned all = (1U << grounds_.inks.size()) - 1;
+        Groups groups;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const unsigned cut = dots.dots.cut[i], ground = ~dots.dots.white[i] & all;
+            // Visits all subsets of the channels that are cut.
+            for (unsigned flipped = cut;; flipped = (flipped - 1) & cut) {
+                groups[{ground ^ flipped, cut}].push_back(i);
+                if (flipped == 0) break;
+            }
+        }
+        return groups;
+    }
+
+    /// Returns the colour of a set of inks, mixed in the same way as the areas of the ground.
+    Colour colour_of(unsigned inks) const {
+        Colour mixed = palette_.paper;
+        for_channels(inks, [&](std::size_t c) {
+            const Colour& ink = grounds_.inks[c].colour;
+            const auto mix = [&](unsigned char below, unsigned char above) {
+                const bool adds = palette_.mixing == Mixing::Add;
+                const int a = adds ? 255 - below : below, b = adds ? 255 - above : above;
+                const int product = (a * b + 127) / 255;
+                return static_cast<unsigned char>(adds ? 255 - product : product);
+            };
+            mixed = {mix(mixed.red, ink.red), mix(mixed.green, ink.green), mix(mixed.blue, ink.blue)};
+        });
+        return mixed;
+    }
+
+    std::span<const InkDots> kinds_;
+    std::vector<std::string> labels_;
+    const Palette& palette_;
+    const Grounds& grounds_;
+    DotDocument document_;
+    PageMapping place_;
+    std::stop_token path_stop_, stop_;
+    std::vector<std::string> curves_;  ///< [channels] path data of black ground
+    std::string border_;               ///< path data of the page
+};
 
 }  // namespace
 
@@ -391,53 +509,41 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels) {
     return scale;
 }
 
-void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return draw_two_sides(inks, palette, page, body, path_stop, stop);
-    const bool layered = are_named(inks);
-    const bool has_paper = drawing.style == DotStyle::Fill;
-    const Plot plot = plot_of(inks, page, drawing, path_stop);
-    if (page.width_mm) body.set_plot_seconds(plot.seconds());
-    DotDocument document(page, count_points(inks), layered ? kLayers : "", body);
-    if (layered && has_paper) document.paper(palette.paper);
-    for (std::size_t i = 0; i < inks.size(); ++i) {
-        const Pen& pen = plot.pens[i];
-        if (layered) document.begin_layer(i + 1, pen.label, palette.mixing == Mixing::Add ? "screen" : "multiply");
-        draw(plot, pen, pen.runs.front(), inks[i].dots.ranks, !layered && has_paper ? &palette.paper : nullptr,
-             document, stop);
-        if (layered) document.end_layer();
+    if (points.layers.front().two_sides != nullptr) {
+        if (drawing.layers == Layers::Kind && points.are_named())
+            return KindLayers(points, palette, page, body, path_stop, stop).draw();
+        return draw_two_sides(points, palette, page, body, path_stop, stop);
     }
-    document.finish();
-}
-
-void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop) {
-    const Plot plot = plot_of(map, page, drawing, path_stop, stop);
+    // Programs for plotters treat each top-level group as a layer, and features are groups.
+    const bool layered = points.are_grouped() || points.are_named();
+    const bool has_paper = drawing.style == DotStyle::Fill;
+    const Plot plot = plot_of(points, page, drawing, path_stop, stop);
     if (page.width_mm) body.set_plot_seconds(plot.seconds());
-    DotDocument document(page, map.size(), kLayers, body);
-    if (drawing.style == DotStyle::Fill) document.paper(palette.paper);
-    for (std::size_t number = 0; number < map.classes.size(); ++number) {
-        const ClassDots& dots = map.classes[number].dots;
-        const Pen& pen = plot.pens[number];
-        // Even a single class needs a layer: programs for plotters treat each top-level group as a layer, and the
-        // features are groups.
-        const std::string prefix = map.are_named() ? "class-" + std::to_string(number) + "-feature-" : "feature-";
-        document.begin_layer(number + 1, pen.label, "multiply");
+    DotDocument document(page, points.size(), layered ? kLayers : "", body);
+    if (layered && has_paper) document.paper(palette.paper);
+    for (std::size_t i = 0; i < points.layers.size(); ++i) {
+        const InkDots& layer = points.layers[i];
+        const Pen& pen = plot.pens[i];
+        const std::string prefix = points.are_named() ? "class-" + std::to_string(i) + "-feature-" : "feature-";
+        if (layered) document.begin_layer(i + 1, pen.label, blend_of(palette));
         std::size_t run = 0;
-        for_features(dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+        points.for_groups(layer, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
             if (stop.stop_requested() || run == pen.runs.size()) return;
-            document.begin_group(prefix + std::to_string(feature));
-            draw(plot, pen, pen.runs[run++], ranks_of(dots.dots, first, count), nullptr, document, stop);
-            document.end_layer();
+            if (points.are_grouped()) document.begin_group(prefix + std::to_string(feature));
+            draw(plot, pen, pen.runs[run++], ranks_of(layer.dots, first, count),
+                 !layered && has_paper ? &palette.paper : nullptr, document, stop);
+            if (points.are_grouped()) document.end_layer();
         });
-        document.end_layer();
+        if (layered) document.end_layer();
     }
     document.finish();
 }
 
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop) {
     const double scale = page.canvas.scale;
-    std::vector<Point> dots = placed(points, Placing(page, scale));
+    std::vector<Point> dots = placed(points, PageMapping(page, scale));
     if (page.periodic) add_copies(dots, scale * Point{page.box.width(), page.box.height()}, radius * scale + 1);
     Canvas canvas = page.canvas;
     canvas.scale = 1;

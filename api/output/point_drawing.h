@@ -8,9 +8,8 @@
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
 #include "api/output/body.h"
-#include "api/output/ink_dots.h"
-#include "api/output/map_dots.h"
 #include "api/output/page.h"
+#include "api/output/point_set.h"
 #include "core/geometry/point.h"
 #include "core/halftone/dots.h"
 
@@ -29,31 +28,29 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
 /// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
-/// units of the points. The origin is the upper left corner of the page. The dots of each ink are ordered along a
-/// short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
+/// units of the points. The origin is the upper left corner of the page. The dots of each group are ordered along
+/// a short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
 /// ranks, their circles have the attribute `data-rank`. The paper is drawn only if dots are discs, because in drawings
 /// for pens a pen would draw the paper, too.
 ///
-/// Inks with names are layers, as Inkscape and programs for plotters understand them, so that pens can be changed
+/// Layers with names are layers as Inkscape and programs for plotters understand them, so that pens can be changed
 /// between layers. The ids of layers are `layer1`, `layer2` and so on. The labels of layers have no digits, because
 /// programs for plotters read digits in a label as the layer's number.
 ///
-/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
-/// each channel is a layer that contains these three.
+/// If points are grouped by features, even a single class is a layer, and each layer has a group for each feature. The
+/// id of a group is `feature-2` for the feature with index 2, or `class-1-feature-2` if classes have names.
 ///
-/// @param inks       the radius of dots must be at most a small multiple of the page's longer side
+/// Dots on both sides of the tonal scale are three layers: ink dots, black ground, paper dots. With several channels,
+/// each channel is a layer that contains these three. With Layers::Kind, the layers are the ground and the dots of each
+/// kind.
+///
+/// @param points     the radius of dots must be at most a small multiple of the page's longer side
 /// @param palette    the palette of the inks
 /// @param path_stop  once stopped, the search for short paths ends, and the paths are longer; output begins after the
 ///                   search
 /// @param stop       once stopped, writing ends early and the output is useless
-void write_svg(std::span<const InkDots> inks, const Palette& palette, const Page& page, const DrawingOptions& drawing,
+void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop = {}, const std::stop_token& stop = {});
-
-/// Writes the dots of a map as SVG, like write_svg(). Each class is a layer, with a group for each feature. The id of a
-/// group is `feature-2` for the feature with index 2, or `class-1-feature-2` if classes have names. The dots of each
-/// group are ordered along a short path.
-void write_map_svg(const MapOfDots& map, const Palette& palette, const Page& page, const DrawingOptions& drawing,
-                   Body& body, const std::stop_token& path_stop = {}, const std::stop_token& stop = {});
 
 /// Draws dots with antialiasing. On a torus, dots that cross the border reappear at the opposite side, so the picture
 /// tiles.

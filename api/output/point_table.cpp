@@ -11,17 +11,17 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
-constexpr std::size_t kUsualLine = 40;      ///< two numbers of 18 characters, a comma and a line break
-constexpr std::size_t kUsualName = 8;       ///< usual bytes of an ink's name and a comma
-constexpr std::size_t kNpyAlignment = 64;   ///< alignment of the offset of the first number
+constexpr std::size_t kStopStride = 4'096;     ///< points between two checks of the stop token
+constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers of 18 characters, a comma and a line break
+constexpr std::size_t kTypicalNameBytes = 8;   ///< usual bytes of an ink's name and a comma
+constexpr std::size_t kNpyAlignment = 64;      ///< alignment of the offset of the first number
 
-/// @param ranks  of the points; may be empty
+/// @param ranks  ranks of the points; may be empty
 /// @param end    end of each line
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {
     std::string& out = body.text();
-    const std::size_t stride = stride_of(end.size());
+    const std::size_t stride = flush_stride(end.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (i % stride == 0 && (!body.flush() || stop.stop_requested())) break;
         append_shortest(out, points[i].x);
@@ -78,11 +78,11 @@ std::string names_of(unsigned bits, const Grounds& grounds) {
 
 /// Writes a line for each dot, with its radius and its side. With several channels, the flipped channels and the inks
 /// of the ground take the place of the side.
-void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop_token& stop) {
-    const bool named = are_named(kinds);
+void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& stop) {
+    const bool named = kinds.are_named();
     std::string& out = body.text();
     out.append("x,y,radius,").append(named ? "flips,ground" : "side").append("\r\n");
-    for (const InkDots& kind : kinds) {
+    for (const InkDots& kind : kinds.layers) {
         const auto& [dots, flips, grounds] = *kind.two_sides;
         for (std::size_t i = 0; i < dots.radii.size(); ++i) {
             if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
@@ -101,6 +101,23 @@ void write_two_sides(std::span<const InkDots> kinds, Body& body, const std::stop
             }
             out += "\r\n";
         }
+    }
+}
+
+/// Writes a row of an NPY file for each dot, with the columns of write_two_sides().
+void write_two_sided_rows(const PointSet& kinds, Body& body, const std::stop_token& stop) {
+    const bool named = kinds.are_named();
+    const std::size_t columns = named ? 5 : 4;
+    write_npy_header(kinds.size(), columns, body);
+    for (const InkDots& kind : kinds.layers) {
+        const auto& [dots, flips, grounds] = *kind.two_sides;
+        const auto rest = [&, &dots = dots, &flips = flips, &grounds = grounds](std::size_t i) {
+            const auto radius = static_cast<double>(dots.radii[i]);
+            if (!named) return std::array{radius, dots.white[i] != 0 ? 0.0 : 1.0, 0.0};
+            return std::array<double, 3>{radius, static_cast<double>(flips),
+                                         static_cast<double>(inks_below(dots.white[i], grounds))};
+        };
+        write_rows(body, kind.dots.points, columns, rest, stop);
     }
 }
 
@@ -126,84 +143,47 @@ void append_columns(std::string& out, const CarriedProperties& properties, std::
 
 }  // namespace
 
-void write_csv(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) return write_two_sides(inks, body, stop);
-    const bool named = are_named(inks);
-    body.expect((count_points(inks) + 1) * (kUsualLine + (named ? kUsualName : 0)));
-    const bool ranked = !named && !inks.front().dots.ranks.empty();
-    body.text().append("x,y").append(named ? ",ink" : ranked ? ",rank" : "").append("\r\n");
-    for (const InkDots& each : inks)
-        write_lines(body, each.dots.points, each.dots.ranks, named ? ',' + each.ink.name + "\r\n" : "\r\n", stop);
-}
-
-void write_npy(std::span<const InkDots> inks, Body& body, const std::stop_token& stop) {
-    if (inks.front().two_sides != nullptr) {
-        const bool named = are_named(inks);
-        const std::size_t columns = named ? 5 : 4;
-        write_npy_header(count_points(inks), columns, body);
-        for (const InkDots& kind : inks) {
-            const auto& [dots, flips, grounds] = *kind.two_sides;
-            write_rows(
-                body, kind.dots.points, columns,
-                [&, &dots = dots, &flips = flips, &grounds = grounds](std::size_t i) {
-                    const auto radius = static_cast<double>(dots.radii[i]);
-                    if (!named) return std::array{radius, dots.white[i] != 0 ? 0.0 : 1.0, 0.0};
-                    return std::array<double, 3>{radius, static_cast<double>(flips),
-                                                 static_cast<double>(inks_below(dots.white[i], grounds))};
-                },
-                stop);
-        }
-        return;
+void write_csv(const PointSet& points, Body& body, const std::stop_token& stop) {
+    if (points.layers.front().two_sides != nullptr) return write_two_sides(points, body, stop);
+    const bool named = points.are_named(), grouped = points.are_grouped();
+    const auto* const properties = points.properties;
+    body.expect((points.size() + 1) * (kTypicalLineBytes + (named || grouped ? kTypicalNameBytes : 0)));
+    std::string& out = body.text();
+    out.append("x,y").append(points.are_ranked() ? ",rank" : "").append(grouped ? ",feature" : "");
+    if (named) out += grouped ? ",class" : ",ink";
+    if (properties != nullptr) {
+        for (const std::string& name : properties->names) out.append(",").append(quoted(name));
     }
-    const std::size_t columns = are_named(inks) || !inks.front().dots.ranks.empty() ? 3 : 2;
-    write_npy_header(count_points(inks), columns, body);
-    double number = 0;
-    for (const InkDots& each : inks) {
-        write_rows(
-            body, each.dots.points, columns,
-            [&, &ranks = each.dots.ranks](std::size_t i) {
-                return std::array{ranks.empty() ? number : ranks[i], 0.0, 0.0};
-            },
-            stop);
-        ++number;
-    }
-}
-
-void write_map_csv(const MapOfDots& map, Body& body, const std::stop_token& stop) {
-    const bool named = map.are_named();
-    body.expect((map.size() + 1) * (kUsualLine + kUsualName));
-    body.text().append("x,y").append(map.are_ranked() ? ",rank" : "").append(named ? ",feature,class" : ",feature");
-    if (map.properties != nullptr) {
-        for (const std::string& name : map.properties->names) body.text().append(",").append(quoted(name));
-    }
-    body.text() += "\r\n";
-    for (const MapDots& each : map.classes) {
-        const std::string of_class = named ? ',' + quoted(each.ink.name) : "";
-        for_features(each.dots, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
-            std::string end = ',' + std::to_string(feature) + of_class;
-            if (map.properties != nullptr) append_columns(end, *map.properties, feature);
+    out += "\r\n";
+    for (const InkDots& layer : points.layers) {
+        points.for_groups(layer, [&](std::uint32_t feature, std::size_t first, std::size_t count) {
+            std::string end;
+            if (grouped) end.append(",").append(std::to_string(feature));
+            if (named) end.append(",").append(quoted(layer.ink.name));
+            if (properties != nullptr) append_columns(end, *properties, feature);
             end += "\r\n";
-            write_lines(body, std::span(each.dots.dots.points).subspan(first, count),
-                        ranks_of(each.dots.dots, first, count), end, stop);
+            write_lines(body, std::span(layer.dots.points).subspan(first, count), ranks_of(layer.dots, first, count),
+                        end, stop);
         });
     }
 }
 
-void write_map_npy(const MapOfDots& map, Body& body, const std::stop_token& stop) {
-    const bool ranked = map.are_ranked();
-    const std::size_t columns = (map.are_named() ? 4 : 3) + (ranked ? 1 : 0);
-    write_npy_header(map.size(), columns, body);
+void write_npy(const PointSet& points, Body& body, const std::stop_token& stop) {
+    if (points.layers.front().two_sides != nullptr) return write_two_sided_rows(points, body, stop);
+    const bool ranked = points.are_ranked(), grouped = points.are_grouped(), named = points.are_named();
+    const std::size_t columns = std::size_t{2} + ranked + grouped + named;
+    write_npy_header(points.size(), columns, body);
     double number = 0;
-    for (const MapDots& each : map.classes) {
-        const auto& features = each.dots.feature_of;
-        write_rows(
-            body, each.dots.dots.points, columns,
-            [&, &ranks = each.dots.dots.ranks](std::size_t i) {
-                const double feature = features[i];
-                return ranked ? std::array{static_cast<double>(ranks[i]), feature, number}
-                              : std::array{feature, number, 0.0};
-            },
-            stop);
+    for (const InkDots& layer : points.layers) {
+        const auto rest = [&](std::size_t i) {
+            std::array<double, 3> row{};
+            std::size_t column = 0;
+            if (ranked) row[column++] = layer.dots.ranks[i];
+            if (grouped) row[column++] = layer.features[i];
+            row[column] = number;
+            return row;
+        };
+        write_rows(body, layer.dots.points, columns, rest, stop);
         ++number;
     }
 }

@@ -195,10 +195,10 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
 /// Draws the spectrum. If the spectrum is large, a pixel shows the mean of several frequencies. If it is small, a
 /// frequency has several pixels, because some viewers blur pictures when they enlarge them.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
-    constexpr int kMaxPixels = 640, kFewestPixels = 480;
+    constexpr int kMaxPixels = 640, kMinPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);
     const int shrink = (side + kMaxPixels - 1) / kMaxPixels;
-    const int repeat = (kFewestPixels + side - 1) / side;
+    const int repeat = (kMinPixels + side - 1) / side;
     const int columns = (spectrum.width + shrink - 1) / shrink, rows = (spectrum.height + shrink - 1) / shrink;
     Periodogram result{{columns * repeat, rows * repeat, 0, {}}, {double(columns) * shrink, double(rows) * shrink}};
     std::vector<std::uint8_t>& pixels = result.raster.coverage;

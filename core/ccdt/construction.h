@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/distribution.h"
 #include "core/ccdt/domain_mesh.h"
 #include "core/ccdt/goals.h"
 #include "core/ccdt/relaxation.h"

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/geometry/delaunay.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt {
 
@@ -36,7 +37,7 @@ Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t s
     }
     if (stop.stop_requested()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     if (!scaffold) return failure(ErrorCode::Internal, "the domain cannot be triangulated");
-    return DomainMesh{std::move(border), Triangulation(sites, *scaffold)};
+    return DomainMesh{std::move(border), mesh_of_border(sites, *scaffold)};
 }
 
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity) {

@@ -7,7 +7,7 @@
 
 #include "core/ccdt/border.h"
 #include "core/ccdt/capacity_integral.h"
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/distribution.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"

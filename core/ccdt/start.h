@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/ccdt/ccdt.h"
+#include "core/ccdt/distribution.h"
 #include "core/ccdt/fixed_area.h"
 #include "core/density/density.h"
 #include "core/geometry/domain.h"

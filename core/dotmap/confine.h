@@ -7,7 +7,7 @@
 #include <stop_token>
 #include <vector>
 
-#include "core/dotmap/dot_map.h"
+#include "core/dotmap/map_feature.h"
 #include "core/geometry/domain.h"
 #include "core/result.h"
 

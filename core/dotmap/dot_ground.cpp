@@ -39,7 +39,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number, std::size_t featur
 std::optional<InteriorSampler> interior_of(const Domain& area) {
     const auto scaffold = triangulate(bare_border(area));
     if (!scaffold) return std::nullopt;
-    return InteriorSampler(inside_triangles(Triangulation(0, *scaffold)));
+    return InteriorSampler(inside_triangles(mesh_of_border(0, *scaffold)));
 }
 
 /// Returns the position of a point along Morton's curve.

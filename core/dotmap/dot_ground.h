@@ -11,9 +11,9 @@
 
 #include "core/ccdt/interior_sampler.h"
 #include "core/density/density.h"
-#include "core/dotmap/dot_map.h"
 #include "core/dotmap/feature_area.h"
 #include "core/dotmap/feature_index.h"
+#include "core/dotmap/map_feature.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/parallel/executor.h"

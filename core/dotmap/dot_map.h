@@ -1,31 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/ccdt/ccdt.h"
 #include "core/density/density.h"
-#include "core/geometry/domain.h"
+#include "core/dotmap/map_feature.h"
 #include "core/geometry/point.h"
 #include "core/result.h"
 
 namespace ccdt {
-
-/// A part of a map for which the number of dots of each class is given.
-struct MapFeature {
-    Domain area;                    ///< not a torus
-    std::vector<std::size_t> dots;  ///< [classes] number of dots
-};
-
-/// The dots of one class.
-struct ClassDots {
-    Distribution dots;                      ///< without mesh; points are sorted by feature
-    std::vector<std::uint32_t> feature_of;  ///< [points] feature of each point
-};
 
 /// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot
 /// leaves its feature. The distance between neighbours in two features lies between the spacings of these features.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Implements line_transforms.h for the instruction set for which the including file compiles pocketfft. No other file
-// includes pocketfft.
+// Implements the transforms of line_set.h for the instruction set for which the including file compiles pocketfft. No
+// other file includes pocketfft.
 
 // Debian 12 has no package of pocketfft. It ships a copy of this header-only library among the third-party headers of
 // gemmi, a library for crystallography, which is not used otherwise.
@@ -13,7 +13,7 @@
 #include <gemmi/third_party/pocketfft_hdronly.h>
 #undef _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 
-#include "core/fourier/line_transforms.h"
+#include "core/fourier/line_set.h"
 
 namespace ccdt {
 namespace {

@@ -58,10 +58,9 @@ void filter(std::vector<float>& values, int width, int height, const Kernel& ker
 }
 
 /// Averages blocks of 2 x 2 pixels. If a side is odd, the last row or column is repeated.
-std::vector<float> halved(const std::vector<float>& values, int width, int height) {
+void halve(const std::vector<float>& values, int width, int height, std::vector<float>& result) {
     const int columns = (width + 1) / 2, rows = (height + 1) / 2;
-    std::vector<float> result;
-    result.reserve(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+    float* to = result.data();
     const auto row = [&](int y) {
         return values.data() + static_cast<std::size_t>(std::min(y, height - 1)) * static_cast<std::size_t>(width);
     };
@@ -69,42 +68,51 @@ std::vector<float> halved(const std::vector<float>& values, int width, int heigh
         const float *upper = row(2 * y), *lower = row(2 * y + 1);
         for (int x = 0; x < columns; ++x) {
             const int left = 2 * x, right = std::min(left + 1, width - 1);
-            result.push_back((upper[left] + upper[right] + lower[left] + lower[right]) / 4);
+            *to++ = (upper[left] + upper[right] + lower[left] + lower[right]) / 4;
         }
     }
-    return result;
 }
 
 }  // namespace
 
-BlurPyramid::BlurPyramid(std::vector<float> values, int width, int height, double widest, Executor& executor) {
-    assert(values.size() == static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    constexpr int kSmallest = 4;  // least side of a level, pixels
-    std::vector<float> scratch;
-    filter(values, width, height, kWide, scratch, executor);
-    levels_.push_back({width, height, std::move(values)});
-    for (double reached = 1; reached < widest; reached *= 2) {
-        const Level& finer = levels_.back();
-        if (std::min(finer.width, finer.height) < 2 * kSmallest) break;
-        Level next{(finer.width + 1) / 2, (finer.height + 1) / 2, halved(finer.values, finer.width, finer.height)};
-        filter(next.values, next.width, next.height, kNext, scratch, executor);
-        levels_.push_back(std::move(next));
+BlurPyramid::BlurPyramid(int width, int height, double widest) {
+    constexpr int kMinSide = 4;  // smallest side of a level, pixels
+    double reached = 1;
+    while (true) {
+        const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+        levels_.push_back({width, height, std::vector<float>(pixels)});
+        if (reached >= widest || std::min(width, height) < 2 * kMinSide) return;
+        reached *= 2;
+        width = (width + 1) / 2;
+        height = (height + 1) / 2;
     }
 }
 
-float BlurPyramid::Level::at(Point place) const {
-    return interpolated(values, width, height, place);
+void BlurPyramid::assign(const std::vector<float>& values, Executor& executor) {
+    assert(values.size() == levels_.front().values.size());
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+        Level& level = levels_[k];
+        if (k == 0) {
+            std::ranges::copy(values, level.values.begin());
+        } else {
+            halve(levels_[k - 1].values, levels_[k - 1].width, levels_[k - 1].height, level.values);
+        }
+        filter(level.values, level.width, level.height, k == 0 ? kWide : kNext, scratch_, executor);
+    }
 }
 
-float BlurPyramid::at(Point place, double sigma) const {
+BlurPyramid::LevelSample BlurPyramid::sample(std::size_t level, Point place) const {
+    const Point inside = 1 / static_cast<double>(std::size_t{1} << level) * place;
+    const BetweenPixels x(inside.x, levels_[level].width), y(inside.y, levels_[level].height);
+    return {level, y.first * static_cast<std::size_t>(levels_[level].width) + x.first, x.share, y.share};
+}
+
+BlurPyramid::Sample BlurPyramid::sample(Point place, double sigma) const {
     const auto last = static_cast<double>(levels_.size() - 1);
     const double level = std::clamp(std::log2(std::max(sigma, 1.0)), 0.0, last);
-    const auto lower = static_cast<std::size_t>(level);
-    const auto share = static_cast<float>(level - static_cast<double>(lower));
-    const auto mean = [&](std::size_t k) {
-        return levels_[k].at(1 / static_cast<double>(std::size_t{1} << k) * place);
-    };
-    return share > 0 ? (1 - share) * mean(lower) + share * mean(lower + 1) : mean(lower);
+    const auto finer = static_cast<std::size_t>(level);
+    const auto share = static_cast<float>(level - static_cast<double>(finer));
+    return {sample(finer, place), sample(std::min(finer + 1, levels_.size() - 1), place), share};
 }
 
 }  // namespace ccdt

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/geometry/point.h"
+#include "core/halftone/bilinear.h"
 #include "core/parallel/executor.h"
 
 namespace ccdt {
@@ -15,27 +17,59 @@ namespace ccdt {
 /// Source: Burt, Adelson 1983, The Laplacian pyramid as a compact image code.
 class BlurPyramid {
 public:
-    /// @param values  [width * height]
-    /// @param widest  largest standard deviation that at() supports, in pixels
-    /// Deterministic for any number of threads. O(pixels).
-    BlurPyramid(std::vector<float> values, int width, int height, double widest,
-                Executor& executor = inline_executor());
+    BlurPyramid() = default;
 
-    /// Returns the mean weighted by a Gaussian around a position, interpolated between levels.
+    /// Reserves memory. The image is set by assign().
+    /// @param widest  largest standard deviation that sample() supports, in pixels
+    BlurPyramid(int width, int height, double widest);
+
+    /// Computes the levels of an image [width * height]. Deterministic for any number of threads. O(pixels).
+    void assign(const std::vector<float>& values, Executor& executor = inline_executor());
+
+    /// A position in a level.
+    struct LevelSample {
+        std::size_t level = 0;
+        std::size_t pixel = 0;  ///< upper left one of the four pixels between which the value is interpolated
+        float right = 0;        ///< weight of the pixels on the right
+        float below = 0;        ///< weight of the lower pixels
+    };
+
+    /// A position and a standard deviation, between two levels.
+    struct Sample {
+        LevelSample finer, coarser;
+        float share = 0;  ///< weight of the coarser level
+    };
+
     /// @param place  in pixels from the image's upper left corner
     /// @param sigma  approximate standard deviation in pixels; values below 1 count as 1
-    float at(Point place, double sigma) const;
+    Sample sample(Point place, double sigma) const;
+
+    /// Returns the mean weighted by a Gaussian, interpolated between levels.
+    float at(const Sample& sample) const {
+        const float finer = at(sample.finer);
+        return sample.share > 0 ? (1 - sample.share) * finer + sample.share * at(sample.coarser) : finer;
+    }
 
 private:
     struct Level {
         int width = 0;
         int height = 0;
         std::vector<float> values;
-
-        float at(Point place) const;
     };
 
+    LevelSample sample(std::size_t level, Point place) const;
+
+    float at(const LevelSample& sample) const {
+        const Level& level = levels_[sample.level];
+        const std::size_t right = level.width > 1 ? 1 : 0;
+        const std::size_t below = level.height > 1 ? static_cast<std::size_t>(level.width) : 0;
+        const float* pixel = level.values.data() + sample.pixel;
+        return mix(mix(pixel[0], pixel[right], sample.right), mix(pixel[below], pixel[below + right], sample.right),
+                   sample.below);
+    }
+
     std::vector<Level> levels_;
+    std::vector<float> scratch_;
 };
 
 }  // namespace ccdt

@@ -6,10 +6,10 @@
 namespace ccdt {
 
 BoundedLeastSquares::Numbers BoundedLeastSquares::minimize() const {
-    constexpr int kMostRounds = 100;  // a few suffice; the limit prevents an endless loop due to rounding
+    constexpr int kMaxRounds = 100;  // a few suffice; the limit prevents an endless loop due to rounding
     Numbers x{};
     States states{};
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
         const auto next = to_free(x, states);
         if (!next) break;
         states[*next] = State::Free;
@@ -37,12 +37,12 @@ std::optional<std::size_t> BoundedLeastSquares::to_free(const Numbers& x, const 
 /// Returns the minimum over the free variables, without regard to their bounds. Since G is positive definite, the
 /// elimination needs no pivoting.
 BoundedLeastSquares::Numbers BoundedLeastSquares::solve(const Numbers& x, const States& states) const {
-    std::array<std::size_t, kMostNumbers> free{};
+    std::array<std::size_t, kMaxNumbers> free{};
     std::size_t n = 0;
     for (std::size_t i = 0; i < count; ++i) {
         if (states[i] == State::Free) free[n++] = i;
     }
-    std::array<Numbers, kMostNumbers> rows{};
+    std::array<Numbers, kMaxNumbers> rows{};
     Numbers right{};
     for (std::size_t i = 0; i < n; ++i) {
         right[i] = wanted[free[i]];

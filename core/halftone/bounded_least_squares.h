@@ -15,19 +15,19 @@ namespace ccdt {
 /// whose release decreases the objective fastest.
 class BoundedLeastSquares {
 public:
-    static constexpr std::size_t kMostNumbers = 6;
-    using Numbers = std::array<double, kMostNumbers>;
+    static constexpr std::size_t kMaxNumbers = 6;
+    using Numbers = std::array<double, kMaxNumbers>;
 
-    std::size_t count = 0;                         ///< n
-    std::array<Numbers, kMostNumbers> products{};  ///< G
-    Numbers wanted{};                              ///< w
+    std::size_t count = 0;                        ///< n
+    std::array<Numbers, kMaxNumbers> products{};  ///< G
+    Numbers wanted{};                             ///< w
 
     /// Returns the minimum [n]; the remaining entries are 0.
     Numbers minimize() const;
 
 private:
     enum class State { AtZero, Free, AtOne };
-    using States = std::array<State, kMostNumbers>;
+    using States = std::array<State, kMaxNumbers>;
 
     std::optional<std::size_t> to_free(const Numbers& x, const States& states) const;
     Numbers solve(const Numbers& x, const States& states) const;

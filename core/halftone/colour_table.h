@@ -32,8 +32,9 @@ class ColourTable {
 public:
     using Function = std::function<Node(const Light&)>;
 
-    ColourTable(Function function, Steps steps)
-        : function_(std::move(function)), steps_(steps), nodes_(kSide * kSide * kSide), is_filled_(nodes_.size()) {
+    /// @param used  number of entries of a node that are interpolated; the remaining ones are 0
+    ColourTable(Function function, Steps steps, std::size_t used = Node().size())
+        : function_(std::move(function)), steps_(steps), used_(used), nodes_(kNodes * used), is_filled_(kNodes) {
         for (std::size_t i = 0; i < places_.size(); ++i)
             places_[i] = (kSide - 1) * lightness(std::min(1.0f, static_cast<float>(i) / kSteps));
         for (std::size_t i = 0; i < kSide; ++i) light_[i] = luminance(static_cast<float>(i) / (kSide - 1));
@@ -65,8 +66,8 @@ public:
         Node mixture{};
         const auto add = [&](float weight) {
             if (!(weight > 0)) return;
-            const Node& corner = at_node(node);
-            for (std::size_t i = 0; i < corner.size(); ++i) mixture[i] += weight * corner[i];
+            const float* corner = at_node(node);
+            for (std::size_t i = 0; i < used_; ++i) mixture[i] += weight * corner[i];
         };
         add(1 - axes[0].part);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -77,7 +78,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t kSide = 17;
+    static constexpr std::size_t kSide = 17, kNodes = kSide * kSide * kSide;
     static constexpr std::size_t kSteps = 4096;  // of light; between steps, lightness is linear to 1e-5
 
     /// Returns the position of a light on an axis, in nodes.
@@ -87,24 +88,27 @@ private:
         return std::lerp(places_[below], places_[below + 1], step - static_cast<float>(below));
     }
 
-    const Node& at_node(std::size_t node) {
+    const float* at_node(std::size_t node) {
         if (!is_filled_[node].load(std::memory_order_acquire)) fill(node);
-        return nodes_[node];
+        return nodes_.data() + node * used_;
     }
 
     /// Computes a node, only once. Other threads that need the node wait.
     void fill(std::size_t node) {
         const std::lock_guard lock(filling_[node % filling_.size()]);
         if (is_filled_[node].load(std::memory_order_relaxed)) return;
-        nodes_[node] = function_({light_[node % kSide], light_[node / kSide % kSide], light_[node / (kSide * kSide)]});
+        const Node values =
+            function_({light_[node % kSide], light_[node / kSide % kSide], light_[node / (kSide * kSide)]});
+        std::copy_n(values.begin(), used_, nodes_.begin() + static_cast<std::ptrdiff_t>(node * used_));
         is_filled_[node].store(true, std::memory_order_release);
     }
 
     const Function function_;
     const Steps steps_;
+    const std::size_t used_;
     std::array<float, kSteps + 2> places_{};  ///< positions for equal steps of light; the last entry is beyond 1
     std::array<float, kSide> light_{};        ///< light at the nodes of an axis
-    std::vector<Node> nodes_;                 ///< red varies fastest
+    std::vector<float> nodes_;                ///< [nodes][used]; red varies fastest
     std::vector<std::atomic<bool>> is_filled_;
     std::array<std::mutex, 64> filling_;  ///< each guards some of the nodes
 };

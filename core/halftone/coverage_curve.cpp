@@ -46,7 +46,7 @@ CoverageCurve::CoverageCurve() : dots_{0} {
     constexpr double kStep = 0.025;
     for (double now = 0;; now += kStep) {
         const double covered = within_reach(now + kStep);
-        if (covered - solid_ < kLeastGain * kStep) {
+        if (covered - solid_ < kMinGain * kStep) {
             dots_.resize(kEntries + 1, now);
             return;
         }

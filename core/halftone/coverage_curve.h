@@ -16,7 +16,7 @@ public:
     /// Least area that one more dot must newly cover, relative to the dot's own area. Because of this limit, nearly
     /// solid areas keep a few white specks. Covering these specks would take 50 % more dots and change the light by a
     /// thousandth.
-    static constexpr double kLeastGain = 0.003;
+    static constexpr double kMinGain = 0.003;
 
     CoverageCurve();
 
@@ -24,7 +24,7 @@ public:
     /// solid().
     double dots(double share) const;
 
-    /// Returns the largest share that is worth its dots according to kLeastGain. Areas of this share count as solid.
+    /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.
     double solid() const { return solid_; }
 
 private:

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "core/halftone/bilinear.h"
-#include "core/halftone/blur_pyramid.h"
 #include "core/halftone/dot_print.h"
-#include "core/halftone/fit_rounds.h"
+#include "core/halftone/fitted_dots.h"
 #include "core/halftone/light_fit.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/pixel_ranges.h"
@@ -22,11 +20,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A number for each channel.
-using Channels = std::array<float, kMostInks>;
+/// A value for each channel.
+using Channels = std::array<float, kMaxInks>;
 
 /// Solves (A + e I) x = b for a symmetric, positive semidefinite A, by Cholesky's method.
-Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count, float e) {
+Channels solved(std::array<Channels, kMaxInks> a, Channels b, std::size_t count, float e) {
     for (std::size_t j = 0; j < count; ++j) {
         a[j][j] += e;
         for (std::size_t k = 0; k < j; ++k) a[j][j] -= a[j][k] * a[j][k];
@@ -45,137 +43,102 @@ Channels solved(std::array<Channels, kMostInks> a, Channels b, std::size_t count
     return b;
 }
 
-/// Fits the areas of dots to the picture.
+/// Fits the areas of dots to the light of each channel.
 class DotFit {
 public:
     DotFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
-        : plan_(plan), executor_(executor) {
-        for (std::size_t kind = 0; kind < sites.size(); ++kind) {
-            if (!sites[kind].empty()) add(plan.kinds[kind], sites[kind]);
+        : plan_(plan), executor_(executor), dots_(plan, sites, executor) {
+        for (const TwoSidedChannel& channel : plan.channels) {
+            std::vector<float> error(channel.white);
+            for_pixels(executor, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
+            bases_.push_back(dots_.error_image(error));
         }
-        areas_ = planned_;
-        cut_.resize(sites_.size() * plan.channels.size());
-        gains_.resize(sites_.size());
-        for_pixels(executor, sites_.size(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
+        cut_.resize(dots_.count() * plan.channels.size());
+        gains_.resize(dots_.count());
+        for_pixels(executor, dots_.count(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
         find_cut();
     }
 
-    const std::vector<float>& areas() const { return areas_; }
+    const FittedDots& dots() const { return dots_; }
 
-    /// Changes the area of each dot by the error of the local mean of what is drawn, times the ground that it stands
-    /// for. Long waves of error vanish at once, those of the length of a spacing after some rounds.
     void improve() {
-        constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
-        const float widest = *std::ranges::max_element(ground_per_dot_);
-        std::vector<float> change(sites_.size(), 0);
-        for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-            const TwoSidedChannel& channel = plan_.channels[c];
-            std::vector<float> error(channel.white);
-            for_pixels(executor_, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
-            for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, c, error);
-            for (const auto& [one, other] : close_) print_overlap(one, other, c, error);
-            const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), executor_);
-            for_pixels(executor_, sites_.size(), [&](std::size_t dot) {
-                const float ground = ground_per_dot_[dot];
-                const float mean = means.at(sites_[dot], spread(ground)) * ground;
-                const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
-                change[dot] += -kStep * sign(dot, c) * gains_[dot][c] * std::copysign(excess, mean);
-            });
-        }
-        for_pixels(executor_, sites_.size(), [&](std::size_t dot) {
-            areas_[dot] = std::clamp(areas_[dot] + change[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
-        });
+        const auto draw = [this](std::size_t channel, std::vector<float>& image) {
+            for (std::size_t dot = 0; dot < dots_.count(); ++dot) print(dot, channel, image);
+            for (const auto& [one, other] : close_) print_overlap(one, other, channel, image);
+        };
+        dots_.improve(bases_, draw, [this](std::size_t dot, std::size_t c) { return sign(dot, c) * gains_[dot][c]; });
     }
 
-    /// Finds where the boundary of the ground cuts dots of their present sizes, and which dots are close together.
+    /// Finds the dots that the boundary of a ground crosses, and the pairs of dots that are close together, given the
+    /// current areas.
     void find_cut() {
         if (plan_.kinds.size() > 1) {
-            close_ = close_pairs(plan_.cells, sites_, areas_);
-            std::erase_if(close_, [&](const auto& pair) { return (flips_[pair[0]] & flips_[pair[1]]) == 0; });
+            close_ = dots_.close_pairs();
+            std::erase_if(close_, [&](const auto& pair) { return (dots_.flips(pair[0]) & dots_.flips(pair[1])) == 0; });
         }
-        for_pixels(executor_, sites_.size(), [&](std::size_t dot) {
+        for_pixels(executor_, dots_.count(), [&](std::size_t dot) {
             for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
                 if (flips(dot, c)) cut_[dot * plan_.channels.size() + c] = cut_of(dot, plan_.channels[c].ground);
             }
         });
     }
 
-    /// Channels whose boundary cuts a dot, as bits.
+    /// Returns the channels whose boundary crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-            const Cut& cut = cut_at(dot, c);
+            const Cut cut = flips(dot, c) ? cut_at(dot, c) : cut_of(dot, plan_.channels[c].ground);
             bits |= static_cast<unsigned>(cut.brightening * cut.darkening > 0) << c;
         }
         return bits;
     }
 
+    /// Returns the channels whose ground is white at the centre of a dot, as bits.
     unsigned white_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c)
-            bits |= static_cast<unsigned>(plan_.channels[c].ground.is_white(sites_[dot])) << c;
+            bits |= static_cast<unsigned>(plan_.channels[c].ground.is_white(dots_.site(dot))) << c;
         return bits;
     }
 
 private:
-    /// Ground that a dot in the emptiest places stands for, at most, over the mean, is 1 / this.
-    static constexpr double kLeastDensity = 1e-4;
-
-    /// Standard deviation of the blur by which a dot is judged: the spacing there.
-    static double spread(float ground) { return std::sqrt(static_cast<double>(ground)); }
-
-    static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
-
     float at(const std::vector<float>& values, Point site) const {
         return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
     }
 
-    /// Adds the dots of a kind.
-    void add(const KindOfDots& kind, std::span<const Point> sites) {
-        const double sum = sum_of_pixels(executor_, kind.density.size(),
-                                         [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
-        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
-                                    std::numeric_limits<float>::min());
-        const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
-        for (const Point& site : sites) {
-            sites_.push_back(site);
-            flips_.push_back(static_cast<std::uint8_t>(kind.flips));
-            planned_.push_back(at(kind.area, site));
-            ground_per_dot_.push_back(unit / std::max(at(kind.density, site), least));
-        }
-    }
-
-    /// Computes how a dot's area answers to errors of each channel. The kinds that lie around there share the
-    /// correction such that the sum of squared changes, over what each kind covers, is least: that of kind s is
-    /// -s (S A S^T)^-1 error. S A S^T holds the areas that two channels both flip: the smaller one if they are nested.
+    /// Returns the change of a dot's area per unit of error in each channel. The kinds around the dot divide the
+    /// correction such that the sum of their squared relative changes, weighted by the shares that they cover, is
+    /// least. The relative change of a kind with the signs s is then -s (S A S^T)^-1 error, where an entry of S A S^T
+    /// is the area in which dots flip both channels. If areas are nested, this is the smaller of the two areas.
     Channels gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.05f;  // of the largest share: what few dots could change is left as it is
+        constexpr float kDamping =
+            0.05f;  // relative to the largest share; leaves errors that only few dots could correct
         const std::size_t channels = plan_.channels.size();
         if (channels == 1) return {1};
         Channels share{}, sign{}, flipped{};
         for (std::size_t c = 0; c < channels; ++c) {
             const TwoSidedChannel& channel = plan_.channels[c];
-            const bool white = channel.ground.is_white(sites_[dot]);
-            const float light = at(channel.light, sites_[dot]);
+            const bool white = channel.ground.is_white(dots_.site(dot));
+            const float light = at(channel.light, dots_.site(dot));
             share[c] = std::max(white ? 1 - light : light, 0.0f);
             sign[c] = white ? -1.0f : 1.0f;
             flipped[c] = flips(dot, c) ? sign[c] : 0;
         }
-        std::array<Channels, kMostInks> areas = areas_at(sites_[dot], share);
+        std::array<Channels, kMaxInks> areas = areas_at(dots_.site(dot), share);
         for (std::size_t i = 0; i < channels; ++i) {
             for (std::size_t j = 0; j < channels; ++j) areas[i][j] *= sign[i] * sign[j];
         }
-        const float own = planned_[dot] / ground_per_dot_[dot];
+        const float own = dots_.planned_share(dot);
         const float most = std::max(*std::ranges::max_element(share), own);
         Channels gains = solved(areas, flipped, channels, kDamping * most);
         for (std::size_t c = 0; c < channels; ++c) gains[c] *= own * sign[c];
         return gains;
     }
 
-    /// Computes the share of a place that each two channels both flip.
-    /// @param share  that each channel flips
-    std::array<Channels, kMostInks> areas_at(Point site, const Channels& share) const {
-        std::array<Channels, kMostInks> areas{};
+    /// Returns, for each pair of channels, the share of a place in which dots flip both channels.
+    /// @param share  share that is flipped in each channel
+    std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
+        std::array<Channels, kMaxInks> areas{};
         const auto for_pairs = [&](const auto& work) {
             for (std::size_t i = 0; i < plan_.channels.size(); ++i) {
                 for (std::size_t j = 0; j < plan_.channels.size(); ++j) work(i, j);
@@ -196,37 +159,39 @@ private:
         return areas;
     }
 
-    bool flips(std::size_t dot, std::size_t channel) const { return (flips_[dot] >> channel & 1) != 0; }
+    bool flips(std::size_t dot, std::size_t channel) const { return (dots_.flips(dot) >> channel & 1) != 0; }
 
-    /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
+    /// Division of a dot into the part on black ground, which it brightens, and the part on white ground, which it
+    /// darkens.
     struct Cut {
         float brightening = 0;       ///< share of the dot's area
         float darkening = 0;         ///< share of the dot's area
-        Point brightened, darkened;  ///< centroids of the parts, from the dot's centre, in radii
+        Point brightened, darkened;  ///< centroids of the parts relative to the dot's centre, in radii
     };
 
     const Cut& cut_at(std::size_t dot, std::size_t channel) const {
         return cut_[dot * plan_.channels.size() + channel];
     }
 
-    /// Light that a dot brings to a channel, or takes, over its area.
+    /// Returns the light that a dot adds to a channel, divided by the dot's area. Negative if the dot darkens.
     float sign(std::size_t dot, std::size_t channel) const {
         const Cut& cut = cut_at(dot, channel);
         return cut.brightening - cut.darkening;
     }
 
     Cut cut_of(std::size_t dot, const Ground& ground) const {
-        constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
-        const bool white = ground.is_white(sites_[dot]);
-        const double reach = radius(areas_[dot]);
-        if (std::ranges::all_of(rim_samples(), [&](const Point& way) {
-                return ground.is_white(sites_[dot] + kMargin * reach * way) == white;
+        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
+        const Point site = dots_.site(dot);
+        const bool white = ground.is_white(site);
+        const double reach = dots_.radius(dot);
+        if (!dots_.is_near_boundary(dot) || std::ranges::all_of(rim_samples(), [&](const Point& way) {
+                return ground.is_white(site + kMargin * reach * way) == white;
             }))
             return white ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
         Cut cut;
         int brightened = 0;
         for (const Point& sample : disc_samples()) {
-            const bool darkens = ground.is_white(sites_[dot] + reach * sample);
+            const bool darkens = ground.is_white(site + reach * sample);
             Point& sum = darkens ? cut.darkened : cut.brightened;
             sum = sum + sample;
             brightened += darkens ? 0 : 1;
@@ -238,41 +203,39 @@ private:
         return cut;
     }
 
-    /// Adds the light of a dot to an image of what is drawn, less what should be.
+    /// Adds the light of a dot to an image of the error.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
         if (!flips(dot, channel)) return;
         const Cut& cut = cut_at(dot, channel);
-        const float area = areas_[dot];
-        const double reach = radius(area);
+        const float area = dots_.area(dot);
+        const double reach = dots_.radius(dot);
+        const Point site = dots_.site(dot);
         if (cut.brightening == 0 || cut.darkening == 0)
-            return add_disc(plan_.cells, sites_[dot], reach, (cut.brightening - cut.darkening) * area, image);
-        add_light(plan_.cells, sites_[dot] + reach * cut.brightened, cut.brightening * area, image);
-        add_light(plan_.cells, sites_[dot] + reach * cut.darkened, -cut.darkening * area, image);
+            return dots_.add_disc(site, reach, (cut.brightening - cut.darkening) * area, image);
+        dots_.add_light(site + reach * cut.brightened, cut.brightening * area, image);
+        dots_.add_light(site + reach * cut.darkened, -cut.darkening * area, image);
     }
 
-    /// Takes back the light of what two dots cover both.
+    /// Subtracts the light of the area that two dots both cover, which was added twice.
     void print_overlap(std::uint32_t one, std::uint32_t other, std::size_t channel, std::vector<float>& image) const {
         if (!flips(one, channel) || !flips(other, channel)) return;
-        const Point way = sites_[other] - sites_[one];
+        const Point way = dots_.site(other) - dots_.site(one);
         const double distance = std::sqrt(::ccdt::dot(way, way));
-        const double first = radius(areas_[one]), second = radius(areas_[other]);
+        const double first = dots_.radius(one), second = dots_.radius(other);
         const double overlap = common_area(first, second, distance);
         if (!(overlap > 0)) return;
         const float sign_of_both = (sign(one, channel) + sign(other, channel)) / 2;
-        add_light(plan_.cells, middle_of_overlap(sites_[one], first, sites_[other], second),
-                  -sign_of_both * static_cast<float>(overlap), image);
+        dots_.add_light(middle_of_overlap(dots_.site(one), first, dots_.site(other), second),
+                        -sign_of_both * static_cast<float>(overlap), image);
     }
 
     const TwoSidedPlan& plan_;
     Executor& executor_;
-    std::vector<Point> sites_;           ///< [dots], of one kind after the other
-    std::vector<std::uint8_t> flips_;    ///< [dots] channels, as bits
-    std::vector<float> planned_;         ///< [dots] area
-    std::vector<float> areas_;           ///< [dots]
-    std::vector<float> ground_per_dot_;  ///< [dots] area of the picture that each of its kind stands for
-    std::vector<Channels> gains_;        ///< [dots] change of area by error of light and ground, as what flips it has
-    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs that may overlap
-    std::vector<Cut> cut_;  ///< [dots][channels]; neither, where the dot does not flip the channel
+    FittedDots dots_;
+    std::vector<std::vector<float>> bases_;            ///< [channels] error without dots
+    std::vector<Channels> gains_;                      ///< [dots] result of gains_of()
+    std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
+    std::vector<Cut> cut_;  ///< [dots][channels]; default values for channels that the dot does not flip
 };
 
 }  // namespace

@@ -12,14 +12,14 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots such that the local mean of what is drawn is that of the picture in each channel, also
-/// where the boundary of the ground cuts dots: where it does, the part of a dot beyond the boundary has the opposite
-/// colour.
+/// Chooses the radii of the dots such that the local mean of the drawing equals that of the picture in each channel.
+/// If the boundary of the ground crosses a dot, the part of the dot beyond the boundary has the opposite colour.
 ///
 /// @param sites  [kinds] in cells, y down the rows
-/// @param fit    false: each dot has the area that is planned where it lies
+/// @param fit    false: each dot has the planned area of its position
+/// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
 /// @returns      [kinds]
-/// Same input, same bytes, on any executor. O(cells + sites).
+/// Deterministic for any number of threads. O(cells + sites).
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

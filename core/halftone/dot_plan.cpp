@@ -20,25 +20,26 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// What is to be covered, sorted by what is to be covered around there.
-class Demand {
+/// Histogram of the wanted coverage of all pixels by the mean coverage around the pixel.
+class CoverageHistogram {
 public:
     void add(const std::vector<float>& cover, const std::vector<float>& around, Executor& executor) {
         if (cover.size() <= kPixelsOfSum) return add(cover, around, 0, cover.size());
-        std::vector<Demand> parts((cover.size() + kPixelsOfSum - 1) / kPixelsOfSum);
+        std::vector<CoverageHistogram> parts((cover.size() + kPixelsOfSum - 1) / kPixelsOfSum);
         for_ranges(executor, cover.size(), kPixelsOfSum, [&](std::size_t begin, std::size_t end) {
             parts[begin / kPixelsOfSum].add(cover, around, begin, end);
         });
-        for (const Demand& part : parts) std::ranges::transform(sums_, part.sums_, sums_.begin(), std::plus());
+        for (const CoverageHistogram& part : parts)
+            std::ranges::transform(sums_, part.sums_, sums_.begin(), std::plus());
     }
 
-    /// The sum over all that is to be covered of a value that depends on the share around.
+    /// Returns the sum of cover * value(around) over all pixels, where `around` is the mean coverage around the pixel.
     template <class Value>
     double sum(const Value& value) const {
-        constexpr double kLeast = 0.25;  // the first bin is of what is next to nothing, but not nothing
+        constexpr double kFirstBin = 0.25;  // position of the first bin, whose coverage is small but not 0
         double total = 0;
         for (std::size_t bin = 0; bin < sums_.size(); ++bin) {
-            if (sums_[bin] > 0) total += sums_[bin] * value(std::max(static_cast<double>(bin), kLeast) / kBins);
+            if (sums_[bin] > 0) total += sums_[bin] * value(std::max(static_cast<double>(bin), kFirstBin) / kBins);
         }
         return total;
     }
@@ -56,80 +57,82 @@ private:
     std::array<double, kBins + 1> sums_{};
 };
 
-/// Discs of one size, how many there are for what is to be covered.
-class Discs {
+/// Total area of discs of one size that is needed for a wanted coverage. The areas of overlapping discs add up.
+class DiscArea {
 public:
-    /// Areas of discs per share to be covered somewhere, by the share around, of which a multiple is wanted.
-    double per_share(double around, double factor) const { return curve_.dots(factor * around) / around; }
+    /// Returns the total disc area per wanted coverage.
+    /// @param around  mean wanted coverage around the place
+    /// @param factor  factor by which the wanted coverage is multiplied
+    double per_cover(double around, double factor) const { return curve_.dots(factor * around) / around; }
 
-    /// Areas of all.
-    double sum(const Demand& demand, double factor = 1) const {
-        return demand.sum([&](double around) { return per_share(around, factor); });
+    /// Returns the total disc area of a picture, in pixels.
+    double sum(const CoverageHistogram& cover, double factor = 1) const {
+        return cover.sum([&](double around) { return per_cover(around, factor); });
     }
 
-    /// What they cover over what they should.
-    double tone(const Demand& demand, double factor) const {
+    /// Returns the area that the discs cover, divided by the area that they should cover.
+    double tone(const CoverageHistogram& cover, double factor) const {
         const auto covered = [&](double around) { return std::min(factor * around, curve_.solid()) / around; };
-        return demand.sum(covered) / demand.sum([](double) { return 1; });
+        return cover.sum(covered) / cover.sum([](double) { return 1; });
     }
 
 private:
     CoverageCurve curve_;
 };
 
-/// The multiple of what is to be covered at which the areas of all discs come to a sum.
-double find_factor(const Demand& demand, const Discs& discs, double areas) {
+/// Returns the factor on the wanted coverage at which the total disc area has a given value.
+double find_factor(const CoverageHistogram& cover, const DiscArea& discs, double area) {
     constexpr int kHalvings = 50;
     double low = 1e-9, high = 1e6;
     for (int i = 0; i < kHalvings; ++i) {
         const double factor = std::sqrt(low * high);
-        (discs.sum(demand, factor) > areas ? high : low) = factor;
+        (discs.sum(cover, factor) > area ? high : low) = factor;
     }
     return std::sqrt(low * high);
 }
 
-/// Radius of the surroundings that the same dots cover, in radii of dots. Measured on
-/// photographs and textures, by the tone of their levels; 0.6 to 0.9 do.
+/// Standard deviation, in radii of dots, of the blur that gives the mean coverage around a pixel. Measured on
+/// photographs and textures, by the tone of their levels. Values from 0.6 to 0.9 are equally good.
 constexpr double kSurroundings = 0.7;
 
-/// Turns what is to be covered into dots, per pixel. Returns their sum.
-/// @param area  of a dot, in pixels
-double to_density(std::vector<float>& cover, const std::vector<float>& around, const Discs& discs, double factor,
+/// Converts the wanted coverage of each pixel to the number of dots per pixel. Returns the sum of these numbers.
+/// @param area  area of a dot, in pixels
+double to_density(std::vector<float>& cover, const std::vector<float>& around, const DiscArea& discs, double factor,
                   double area, Executor& executor) {
     constexpr double kNothing = 1e-6;
     return sum_of_pixels(executor, cover.size(), [&](std::size_t i) {
         const double share = std::clamp(static_cast<double>(around[i]), kNothing, 1.0);
-        cover[i] = static_cast<float>(static_cast<double>(cover[i]) * discs.per_share(share, factor) / area);
+        cover[i] = static_cast<float>(static_cast<double>(cover[i]) * discs.per_cover(share, factor) / area);
         return static_cast<double>(cover[i]);
     });
 }
 
 }  // namespace
 
-DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
+DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotRequest& request,
                   const std::stop_token& stop, Executor& executor) {
-    assert(wish.sites || wish.radius);
-    const auto sites = static_cast<double>(wish.sites.value_or(0));
-    const Discs discs;
-    const auto radius = [&](const Demand& demand) {
-        return wish.radius ? *wish.radius : std::sqrt(discs.sum(demand) / (kPi * sites));
+    assert(request.sites || request.radius);
+    const auto sites = static_cast<double>(request.sites.value_or(0));
+    const DiscArea discs;
+    const auto radius = [&](const CoverageHistogram& histogram) {
+        return request.radius ? *request.radius : std::sqrt(discs.sum(histogram) / (kPi * sites));
     };
-    Demand first, demand;
+    CoverageHistogram first, histogram;
     for (const auto& each : cover) first.add(each, each, executor);
     const double size = radius(first);
     std::vector<std::vector<float>> around;
     for (auto& each : cover) {
         if (stop.stop_requested()) return {};
-        each = sharpened(each, width, height, wish.detail * size, executor);
+        each = sharpened(each, width, height, request.detail * size, executor);
         around.push_back(blurred(each, width, height, kSurroundings * size, executor));
-        demand.add(each, around.back(), executor);
+        histogram.add(each, around.back(), executor);
     }
 
     DotPlan plan;
-    plan.radius = radius(demand);
-    const double area = std::max(kPi * plan.radius * plan.radius, kLeastDotArea);
-    const double factor = wish.sites && wish.radius ? find_factor(demand, discs, sites * area) : 1;
-    plan.tone = discs.tone(demand, factor);
+    plan.radius = radius(histogram);
+    const double area = std::max(kPi * plan.radius * plan.radius, kMinDotArea);
+    const double factor = request.sites && request.radius ? find_factor(histogram, discs, sites * area) : 1;
+    plan.tone = discs.tone(histogram, factor);
     for (std::size_t ink = 0; ink < cover.size(); ++ink) {
         plan.dots.push_back(to_density(cover[ink], around[ink], discs, factor, area, executor));
         around[ink] = {};

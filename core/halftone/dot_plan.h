@@ -10,12 +10,12 @@
 
 namespace ccdt {
 
-/// Least area of a dot, in pixels of the picture, with which dots are counted. It keeps the number of dots that fill a
-/// picture finite.
-inline constexpr double kLeastDotArea = 1e-12;
+/// Smallest area of a dot, in pixels of the picture, that is used to compute the number of dots. This limit keeps the
+/// number finite.
+inline constexpr double kMinDotArea = 1e-12;
 
 /// Given properties of the dots: their number, their radius, or both.
-struct DotWish {
+struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
     std::optional<double> radius;      ///< pixels of the picture, > 0
     double detail = 0;                 ///< standard deviation, in radii, of the blur that sharpening compensates; >= 0
@@ -40,7 +40,7 @@ struct DotPlan {
 /// @param cover  [inks][width * height] wanted coverage in [0, 1], at least one value > 0
 /// @param stop   polled once per ink; after a stop the result must not be used
 /// Deterministic for any number of threads. O(pixels).
-DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotWish& wish,
+DotPlan plan_dots(std::vector<std::vector<float>> cover, int width, int height, const DotRequest& request,
                   const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
 }  // namespace ccdt

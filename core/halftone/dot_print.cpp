@@ -49,17 +49,11 @@ void add_light(const CellGrid& cells, Point place, float amount, std::vector<flo
     lower[x.second] += below * x.share;
 }
 
-void add_disc(const CellGrid& cells, Point centre, double radius, float amount, std::vector<float>& image) {
-    const double reach = radius / 2;
-    for (const double y : {-reach, reach}) {
-        for (const double x : {-reach, reach}) add_light(cells, centre + Point{x, y}, amount / 4, image);
-    }
-}
-
 std::vector<std::array<std::uint32_t, 2>> close_pairs(const CellGrid& cells, std::span<const Point> sites,
                                                       std::span<const float> areas) {
     std::vector<std::array<std::uint32_t, 2>> close;
-    constexpr double kMargin = 1.15;  // of the distance at which dots touch, so that small changes keep the answer
+    constexpr double kMargin =
+        1.15;  // on the distance at which dots touch, so that small changes of areas add no pairs
     const double widest = radius(*std::ranges::max_element(areas));
     const double side = std::max(2 * kMargin * widest, 1.0);
     const auto columns = static_cast<std::size_t>(cells.columns / side) + 1;

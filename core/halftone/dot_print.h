@@ -13,29 +13,29 @@
 
 namespace ccdt {
 
-/// Returns the area that two discs have in common.
+/// Returns the area of the intersection of two discs.
+/// @param first, second  radii
+/// @param distance       distance between the centres
 double common_area(double first, double second, double distance);
 
-/// Returns the centroid of the area that two discs have in common, approximately.
+/// Returns the approximate centroid of the intersection of two discs.
+/// @param first, second  radii
 Point middle_of_overlap(Point one, double first, Point other, double second);
 
-/// Adds an amount of light at a place, shared among the nearest cells.
+/// Adds light to an image at a position. Divides it among the four nearest cells, as in bilinear interpolation.
 void add_light(const CellGrid& cells, Point place, float amount, std::vector<float>& image);
 
-/// Adds an amount of light at four places, which have the mean and the variance of a disc.
-void add_disc(const CellGrid& cells, Point centre, double radius, float amount, std::vector<float>& image);
-
-/// Finds pairs of dots that overlap, or nearly.
-/// @param areas  [sites] in cells
+/// Finds the pairs of dots that overlap or nearly touch.
+/// @param areas  [sites] areas of the dots, in cells
 std::vector<std::array<std::uint32_t, 2>> close_pairs(const CellGrid& cells, std::span<const Point> sites,
                                                       std::span<const float> areas);
 
 inline constexpr int kSamplesOfDisc = 32, kSamplesOfRim = 8;
 
-/// Returns directions all around.
+/// Returns unit vectors in equally spaced directions.
 const std::array<Point, kSamplesOfRim>& rim_samples();
 
-/// Returns places spread evenly over the unit disc, by a spiral with the golden angle.
+/// Returns positions that are spread evenly over the unit disc, on a spiral with the golden angle.
 const std::array<Point, kSamplesOfDisc>& disc_samples();
 
 }  // namespace ccdt

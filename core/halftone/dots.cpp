@@ -337,7 +337,7 @@ Raster draw_samples(std::span<const Point> dots, const Canvas& canvas, const Rad
 int samples_for(double radius, const Canvas& canvas, bool antialias) {
     constexpr double kRadius = 3, kBinaryRadius = 1.5;
     if (!antialias && radius >= kBinaryRadius) return 1;
-    const double most = std::floor(std::sqrt(kMostSamples / canvas.width / canvas.height));
+    const double most = std::floor(std::sqrt(kMaxSamples / canvas.width / canvas.height));
     if (radius * most <= kRadius) return static_cast<int>(std::max(1.0, most));
     return static_cast<int>(std::max(1.0, std::ceil(kRadius / radius)));
 }

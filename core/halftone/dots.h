@@ -39,10 +39,10 @@ struct DotOptions {
 };
 
 /// Largest number of samples on a canvas for which samples_for() chooses more than one sample per pixel.
-inline constexpr double kMostSamples = 16e6;
+inline constexpr double kMaxSamples = 16e6;
 
 /// Returns the number of samples along each side of a pixel at which dots have the coverage of exact discs. Chooses at
-/// least three samples per radius, or fewer if the whole canvas would need more than kMostSamples. Binary dots with a
+/// least three samples per radius, or fewer if the whole canvas would need more than kMaxSamples. Binary dots with a
 /// radius of 1.5 pixels or more need only one sample.
 /// @param radius  pixels
 int samples_for(double radius, const Canvas& canvas, bool antialias);

@@ -20,12 +20,12 @@ namespace {
 
 constexpr float kBoundary = 0.5f;
 
-/// Range of levels, with what antialiasing may add to it.
-struct Ends {
+/// Range of levels.
+struct LevelRange {
     float low, high;
 };
 
-/// The level along one row of a canvas, at the cells' columns.
+/// Levels along a horizontal line of a canvas, at the columns of cells.
 class LevelRow {
 public:
     LevelRow(const Ground& ground, double y)
@@ -41,15 +41,17 @@ public:
 
     float at(const BetweenPixels& x) const { return mix(level_[x.first], level_[x.second], x.share); }
 
-    /// Returns the range of levels between two columns, and half a pixel beyond.
-    Ends ends(const BetweenPixels& x, Point step) const {
+    /// Returns the range of levels between two cell centres, extended by half a pixel in each direction for
+    /// antialiasing.
+    LevelRange range(const BetweenPixels& x, Point step) const {
         const float a = level_[x.first], b = level_[x.second];
         const float down = std::max(std::abs(slope_[x.first]), std::abs(slope_[x.second])) * static_cast<float>(step.y);
         const float reach = (std::abs(b - a) * static_cast<float>(step.x) + down) / 2;
         return {std::min(a, b) - reach, std::max(a, b) + reach};
     }
 
-    /// Length of the gradient, for lengths of `step` cells across and down.
+    /// Returns the length of the gradient of the level, per pixel.
+    /// @param step  cells per pixel
     float steepness(const BetweenPixels& x, Point step) const {
         const float across = (level_[x.second] - level_[x.first]) * static_cast<float>(step.x);
         const float down = mix(slope_[x.first], slope_[x.second], x.share) * static_cast<float>(step.y);
@@ -59,10 +61,10 @@ public:
 private:
     std::size_t columns_;
     std::vector<float> level_;
-    std::vector<float> slope_;  ///< per row
+    std::vector<float> slope_;  ///< change of the level from one row of cells to the next
 };
 
-/// Share of a pixel that is black, 255 being all of it.
+/// Returns the black share of a pixel, from 0 to 255.
 std::uint8_t black_share(const LevelRow& row, const BetweenPixels& x, Point step, bool antialias) {
     const float above = row.at(x) - kBoundary;
     if (!antialias) return above > 0 ? 0 : 255;
@@ -71,12 +73,14 @@ std::uint8_t black_share(const LevelRow& row, const BetweenPixels& x, Point step
     return static_cast<std::uint8_t>(std::lrint(255 * (kBoundary - above / steepness)));
 }
 
-/// Ink of a pixel, a share of which is black ground and a share of which dots flip.
+/// Returns the ink of a pixel.
+/// @param black    share of black ground
+/// @param flipped  share that dots flip
 std::uint8_t ink_of(unsigned black, unsigned flipped) {
     return static_cast<std::uint8_t>((black * (255 - flipped) + (255 - black) * flipped + 127) / 255);
 }
 
-/// Pixels of a canvas by the cell centres that they lie between.
+/// Columns of pixels of a canvas, grouped by the two cell centres between which they lie.
 class PixelColumns {
 public:
     /// @param step  cells per pixel
@@ -90,7 +94,8 @@ public:
 
     const BetweenPixels& operator[](std::size_t pixel) const { return places_[pixel]; }
 
-    /// Calls function(begin, end, place) for each range of pixels between the same two centres, with one of its places.
+    /// Calls function(begin, end, place) for each range of pixels between the same two centres. `place` is the position
+    /// of one of these pixels.
     template <class Function>
     void for_runs(const Function& function) const {
         for (std::size_t run = 0; run + 1 < runs_.size(); ++run)
@@ -102,12 +107,13 @@ private:
     std::vector<std::size_t> runs_;
 };
 
-/// Applies the ground to pixels between the same two cell centres. Where the boundary is not near all have one ground.
+/// Applies the ground to pixels between the same two cell centres. If the boundary is not near, all pixels have the
+/// same ground.
 void apply_run(const LevelRow& row, const PixelColumns& columns, std::size_t begin, std::size_t end,
                const BetweenPixels& between, Point step, bool antialias, std::uint8_t* pixels) {
-    const Ends ends = row.ends(between, step);
-    if (ends.low > kBoundary) return;
-    if (ends.high < kBoundary) {
+    const LevelRange range = row.range(between, step);
+    if (range.low > kBoundary) return;
+    if (range.high < kBoundary) {
         for (std::size_t x = begin; x < end; ++x) pixels[x] = static_cast<std::uint8_t>(255 - pixels[x]);
         return;
     }
@@ -115,8 +121,8 @@ void apply_run(const LevelRow& row, const PixelColumns& columns, std::size_t beg
         pixels[x] = ink_of(black_share(row, columns[x], step, antialias), pixels[x]);
 }
 
-/// Lowest and highest level of a cell and its eight neighbours.
-std::pair<float, float> range_around(const Ground& ground, int column, int row) {
+/// Returns the range of levels of a cell and its eight neighbours.
+LevelRange range_around(const Ground& ground, int column, int row) {
     const CellGrid& cells = ground.cells();
     float low = 1, high = 0;
     for (int y = std::max(row - 1, 0); y <= std::min(row + 1, cells.rows - 1); ++y) {
@@ -130,6 +136,7 @@ std::pair<float, float> range_around(const Ground& ground, int column, int row) 
     return {low, high};
 }
 
+/// Returns the share of a cell that is white, in sixteenths.
 float white_share(const Ground& ground, int column, int row) {
     constexpr int kSamples = 4;
     const auto [low, high] = range_around(ground, column, row);
@@ -143,9 +150,9 @@ float white_share(const Ground& ground, int column, int row) {
     return static_cast<float>(white) / (kSamples * kSamples);
 }
 
-/// Adds what differs from the surroundings, as unsharp masking does.
-std::vector<float> emphasised(const std::vector<float>& light, const CellGrid& cells, double sigma, double strength,
-                              Executor& executor) {
+/// Sharpens light by unsharp masking.
+std::vector<float> unsharp_masked(const std::vector<float>& light, const CellGrid& cells, double sigma, double strength,
+                                  Executor& executor) {
     std::vector<float> result = blurred(light, cells.columns, cells.rows, sigma, executor);
     const auto gain = static_cast<float>(strength);
     for_ranges(executor, light.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
@@ -155,8 +162,8 @@ std::vector<float> emphasised(const std::vector<float>& light, const CellGrid& c
     return result;
 }
 
-/// Gives channels the light of the grey that they are near to, or that they have within some cells: so they have their
-/// boundaries in one place there.
+/// Makes nearly grey places grey, so that the boundaries of all channels coincide there. A place is nearly grey if its
+/// channels differ little from the luminance, or if the luminance has the value of the channel within a short distance.
 void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Executor& executor) {
     constexpr float kNear = 0.04f, kCells = 0.75f;
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
@@ -226,16 +233,16 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Executor& execu
 
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
                                   double detail, bool is_rgb, Executor& executor) {
-    // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye: less
-    // smoothing leaves boundaries that meander through noise, more of it lets strokes of text dissolve into dots.
+    // Measured on eleven photographs and pages of text, by |dL*| after blurs of 0.5 to 2 pitches and by eye. With less
+    // smoothing, boundaries meander through noise. With more smoothing, strokes of text dissolve into dots.
     constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
-    constexpr float kLeastStrength = 1e-3f;  // dots far smaller than cells: next to no smoothing
+    constexpr float kMinStrength = 1e-3f;  // for dots that are far smaller than cells
     constexpr int kSteps = 15;
     std::vector<std::vector<float>> clear;
     for (const auto& channel : light)
-        clear.push_back(emphasised(channel, cells, kSurroundings * radius, kEmphasis * detail, executor));
+        clear.push_back(unsharp_masked(channel, cells, kSurroundings * radius, kEmphasis * detail, executor));
     if (is_rgb) join_greys(clear, cells, executor);
-    const float strength = std::max(static_cast<float>(kSmoothing * radius), kLeastStrength);
+    const float strength = std::max(static_cast<float>(kSmoothing * radius), kMinStrength);
     std::vector<Ground> grounds;
     for (auto& channel : clear) {
         grounds.emplace_back(denoised(channel, cells.columns, cells.rows, strength, kSteps, executor), cells);

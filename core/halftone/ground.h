@@ -14,9 +14,9 @@ namespace ccdt {
 
 /// Division of a picture into white ground, which is the bare paper, and black ground, which is solid ink.
 ///
-/// A level is given at the centres of cells and interpolated bilinearly between them; beyond the outermost centres it
-/// is constant. The ground is white where the level is above 1/2, so its boundary is a smooth curve that is finer than
-/// the cells. Places are in cells, x along the columns, y down the rows.
+/// The ground is white where a level is above 1/2. The level is given at the centres of cells and interpolated
+/// bilinearly between them; beyond the outermost centres it is constant. So the boundary is a smooth curve, which is
+/// more precise than the cells. Positions are in cells: x counts columns, y counts rows.
 class Ground {
 public:
     /// @param level  [columns * rows], finite
@@ -33,10 +33,10 @@ public:
     /// Returns the share of each cell that is white [columns * rows], in sixteenths.
     std::vector<float> white_shares(Executor& executor = inline_executor()) const;
 
-    /// Turns the shares of pixels that dots flip into the shares that ink covers: of white ground as many, of black
-    /// ground the rest.
+    /// Converts the share of each pixel that dots flip to the share that ink covers. Both are equal on white ground; on
+    /// black ground, they add up to 1.
     ///
-    /// @param flipped    drawn on a canvas that shows the whole picture
+    /// @param flipped    coverage by dots, on a canvas that shows the whole picture; modified
     /// @param scale      canvas pixels per cell, across and down
     /// @param antialias  false: a pixel has the ground of its centre
     void apply(Raster& flipped, Point scale, bool antialias, Executor& executor = inline_executor()) const;
@@ -46,19 +46,19 @@ private:
     std::vector<float> level_;
 };
 
-/// Divides each channel of a picture into white and black ground such that |light - ground| is at most about one half,
-/// along a boundary that is short and smooth, follows the picture's edges, and leaves out specks which dots can draw.
+/// Divides each channel of a picture into white and black ground. The difference |light - ground| is at most about one
+/// half. The boundary is short and smooth, follows the edges of the picture, and leaves out specks that dots can draw.
 ///
-/// Light is sharpened by `detail` before, so that thin strokes of text belong to the ground even where they are nearer
-/// to the paper than to black. Then it is denoised() by total variation, stronger for larger dots. Where red, green and
-/// blue differ little they have one ground, lest greys have coloured fringes.
+/// First, the light is sharpened. Thin strokes of text then belong to the ground even if they are closer to the paper
+/// than to black. Then the light is smoothed by denoised(), more strongly for larger dots. Where red, green and blue
+/// differ little, they share one ground, so that greys have no coloured fringes.
 ///
 /// @param light   [channels][columns * rows] in [0, 1], linear light of each cell
-/// @param radius  of the dots, in cells, > 0
-/// @param detail  in [0, 1]
-/// @param is_rgb  the channels are red, green and blue
+/// @param radius  radius of the dots, in cells, > 0
+/// @param detail  strength of the sharpening, in [0, 1]
+/// @param is_rgb  whether the channels are red, green and blue
 /// @returns       [channels]
-/// Same input, same bytes, on any executor. O(cells).
+/// Deterministic for any number of threads. O(cells).
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
                                   double detail, bool is_rgb, Executor& executor = inline_executor());
 

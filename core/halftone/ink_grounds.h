@@ -11,31 +11,35 @@
 
 namespace ccdt {
 
-/// Chooses grounds of inks on which dots can make the picture: inks that each cover less than a half may take more than
-/// half of the light together.
+/// Chooses the grounds of inks such that dots on them can reproduce the picture. A threshold of one half for each ink
+/// is not sufficient: several inks that each cover less than a half may need dots that together cover more than a half.
 class InkGrounds {
 public:
-    /// @param wanted  light of the picture; kept by reference
+    /// @param wanted  light of the picture; must outlive this object
     InkGrounds(const InkSet& inks, const LightPlanes& wanted, Executor& executor);
 
-    /// Turns grounds over where dots on them would cover too much, but leaves them near to a half.
-    /// @param bare  [inks][cells] what inks leave bare
-    void settle(std::vector<std::vector<float>>& bare);
+    /// Changes the ground of inks where dots would cover more than a half of the area. Sets the bare share of these
+    /// inks to a value near one half, so that the smoothing of the grounds can still change it.
+    /// @param bare  [inks][cells] share of each cell that an ink leaves bare; modified
+    void reduce_cover(std::vector<std::vector<float>>& bare);
 
-    /// Makes sure of better grounds where dots cannot make the picture on those of a plan.
-    /// @returns  whether there are such places
-    bool repair(std::vector<std::vector<float>>& bare, const TwoSidedPlan& plan);
+    /// Finds cells where dots on the grounds of a plan cannot reproduce the colour. Sets the bare share of each ink to
+    /// 0 or 1 there, according to a better ground.
+    /// @returns  whether there are such cells
+    bool replace_grounds(std::vector<std::vector<float>>& bare, const TwoSidedPlan& plan);
 
 private:
+    /// Returns the inks that cover at least a half of a cell, as bits.
     unsigned ground_of(const std::vector<std::vector<float>>& bare, std::size_t cell) const;
 
-    /// Share that all dots cover.
+    /// Returns the share of a cell that all dots on a ground cover.
     float cover(unsigned ground, std::size_t cell);
 
-    /// Tells whether dots on a ground cannot make the light of a cell.
-    bool is_off(unsigned ground, std::size_t cell);
+    /// Returns whether dots on a ground cannot reproduce the light of a cell.
+    bool is_unsuitable(unsigned ground, std::size_t cell);
 
-    /// Finds the ground on which dots cover least, of those that differ from one in the inks nearest to a half.
+    /// Returns the ground on which dots cover the smallest share. Considers all grounds that differ from the given one
+    /// in some of the inks whose share is nearest to one half.
     unsigned best_near(const std::vector<std::vector<float>>& bare, unsigned ground, std::size_t cell);
 
     std::size_t inks_;

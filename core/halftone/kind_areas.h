@@ -8,19 +8,20 @@
 
 namespace ccdt {
 
-/// Radius of the surroundings that dots share in showing a place, in radii of dots.
+/// Standard deviation, in radii of dots, of the blur that gives the coverage around a place, on which the areas of dots
+/// depend.
 inline constexpr double kSurroundingsOfDots = 2;
 
-/// Share of the surroundings that a place counts for at least: a small light in the dark is one dot rather than many
-/// tiny ones.
-inline constexpr float kLeastOfSurroundings = 0.25f;
+/// Lower limit of the coverage around a place, relative to the coverage of the place itself. Because of this limit, a
+/// small light in a dark area is drawn as one dot instead of many tiny ones.
+inline constexpr float kMinSurroundings = 0.25f;
 
-/// Returns the area of a dot, up to a factor, that makes the pattern least visible.
-/// @param cover       in (0, 1/2]
-/// @param visibility  of the dots
+/// Returns the area of a dot, up to a common factor, for which the pattern of dots is least visible.
+/// @param cover       share that the dots cover, in [0, 1/2]
+/// @param visibility  visibility of the dots, as computed by Visibility
 float relative_area(float cover, float visibility);
 
-/// Makes the areas of dots relative to that of the largest.
+/// Divides the areas of all dots by the area of the largest dot.
 void normalize_areas(std::vector<KindOfDots>& kinds, Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -11,7 +11,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kRows = 4;  ///< lightness, chroma, hue, and the sum of shares
+constexpr std::size_t kRows = 4;  ///< lightness, chroma, hue, and the sum of the shares
 using Row = std::array<double, kRows>;
 
 double product(const Row& a, const Row& b) {
@@ -20,15 +20,15 @@ double product(const Row& a, const Row& b) {
 
 /// Minimizes |A x - b|^2 / 2 + prices x + ridge |x|^2 / 2 for x >= 0.
 ///
-/// By active sets (Lawson, Hanson 1974). Few numbers are positive: as many as A has rows, and by the ridge some more.
+/// Uses an active set (Lawson, Hanson 1974). Few entries of x are positive: about as many as A has rows.
 class SparseLeastSquares {
 public:
     SparseLeastSquares(std::span<const Row> columns, const Row& wanted, std::span<const double> prices)
         : columns_(columns), wanted_(wanted), prices_(prices), x_(columns.size(), 0) {}
 
     const std::vector<double>& minimize() {
-        constexpr int kMostSteps = 100;
-        for (int step = 0; step < kMostSteps && free_.size() < kMostFree && set_free(); ++step) {
+        constexpr int kMaxSteps = 100;
+        for (int step = 0; step < kMaxSteps && free_.size() < kMaxFree && free_variable(); ++step) {
             while (!move_to_minimum()) {
             }
         }
@@ -37,10 +37,11 @@ public:
 
 private:
     static constexpr double kRidge = 1e-2, kNothing = 1e-9;
-    static constexpr std::size_t kMostFree = 12;
+    static constexpr std::size_t kMaxFree = 12;
 
-    /// Sets the number free from 0 that gains most.
-    bool set_free() {
+    /// Frees the variable at 0 whose release decreases the objective fastest.
+    /// @returns  false if no release decreases the objective
+    bool free_variable() {
         Row off = wanted_;
         for (const std::size_t k : free_) {
             for (std::size_t r = 0; r < kRows; ++r) off[r] -= x_[k] * columns_[k][r];
@@ -59,8 +60,8 @@ private:
         return true;
     }
 
-    /// Moves the free numbers to their minimum, or as far as the first that becomes 0, which is free no longer.
-    /// @returns  whether they got there
+    /// Moves the free variables towards their minimum, until a variable becomes 0. This variable is then held at 0.
+    /// @returns  whether the minimum was reached
     bool move_to_minimum() {
         const std::vector<double> to = minimum();
         double share = 1;
@@ -80,10 +81,10 @@ private:
         return free_.empty();
     }
 
-    /// Minimum over the free numbers, whatever their signs: by Cholesky's method.
+    /// Returns the minimum over the free variables without regard to their signs, by Cholesky's method.
     std::vector<double> minimum() const {
         const std::size_t n = free_.size();
-        std::array<std::array<double, kMostFree>, kMostFree> a{};
+        std::array<std::array<double, kMaxFree>, kMaxFree> a{};
         std::vector<double> b(n);
         for (std::size_t j = 0; j < n; ++j) {
             b[j] = product(columns_[free_[j]], wanted_) - prices_[free_[j]];
@@ -117,7 +118,7 @@ private:
 }  // namespace
 
 KindMixture::KindMixture(const InkSet& inks, std::vector<unsigned> kinds)
-    : kinds_(std::move(kinds)), tables_(std::size_t{1} << inks.inks.size()) {
+    : kinds_(std::move(kinds)), tables_(std::size_t{1} << inks.inks.size()), is_made_(tables_.size()) {
     for (std::size_t there = 0; there < tables_.size(); ++there) {
         std::vector<float> cover;
         for (std::size_t ink = 0; ink < inks.inks.size(); ++ink) cover.push_back(static_cast<float>(there >> ink & 1));
@@ -126,16 +127,11 @@ KindMixture::KindMixture(const InkSet& inks, std::vector<unsigned> kinds)
 }
 
 KindMixture::Shares KindMixture::shares(unsigned ground, const Light& wanted) {
-    ColourTable<Shares>* table = nullptr;
-    {
-        const std::lock_guard lock(making_);
-        auto& own = tables_[ground];
-        if (!own)
-            own = std::make_unique<ColourTable<Shares>>(
-                [this, ground](const Light& light) { return solve(ground, light); }, Steps::Light);
-        table = own.get();
-    }
-    return (*table)(wanted);
+    std::call_once(is_made_[ground], [&] {
+        tables_[ground] = std::make_unique<ColourTable<Shares>>(
+            [this, ground](const Light& light) { return solve(ground, light); }, Steps::Light, kinds_.size());
+    });
+    return (*tables_[ground])(wanted);
 }
 
 KindMixture::Channels KindMixture::light(unsigned ground, const Shares& shares) const {
@@ -156,9 +152,10 @@ KindMixture::Channels KindMixture::change(unsigned ground, std::size_t kind) con
 }
 
 KindMixture::Shares KindMixture::solve(unsigned ground, const Light& wanted) const {
-    // Prices are of a full cover, in squared differences of colour: of any, and per difference from the ground.
+    // Penalties for full coverage, in squared colour differences: one for any dots, and one per colour difference
+    // between dots and ground.
     constexpr double kPrice = 0.05, kPriceOfContrast = 0.005, kSum = 1000, kStep = 1e-3, kExact = 1e-4;
-    constexpr int kMostSteps = 12, kMostHalvings = 6;
+    constexpr int kMaxSteps = 12, kMaxHalvings = 6;
     const std::size_t kinds = kinds_.size();
     const ColourDifference difference(lab_of(Overprint::channels_of(wanted)));
     const Lab bare = lab_of(colours_[ground]);
@@ -184,7 +181,7 @@ KindMixture::Shares KindMixture::solve(unsigned ground, const Light& wanted) con
     };
     double best = cost(shares);
     std::vector<Row> columns(kinds + 1, Row{});
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMaxSteps; ++step) {
         const Overprint::Channels light = seen(shares);
         const Lab off = difference(lab_of(light));
         std::array<Lab, 3> slopes{};
@@ -195,7 +192,7 @@ KindMixture::Shares KindMixture::solve(unsigned ground, const Light& wanted) con
             const Lab there = difference(lab_of(next));
             for (std::size_t r = 0; r < 3; ++r) slopes[c][r] = (there[r] - off[r]) / way;
         }
-        Row aim{-off[0], -off[1], -off[2], kSum * kMost};
+        Row aim{-off[0], -off[1], -off[2], kSum * kMaxCover};
         for (std::size_t k = 0; k < kinds; ++k) {
             for (std::size_t r = 0; r < 3; ++r) {
                 columns[k][r] = 0;
@@ -205,10 +202,10 @@ KindMixture::Shares KindMixture::solve(unsigned ground, const Light& wanted) con
             }
             columns[k][3] = kSum;
         }
-        columns[kinds] = {0, 0, 0, kSum};  // what is left of the sum
+        columns[kinds] = {0, 0, 0, kSum};  // slack variable of the limit on the sum
         const std::vector<double> to = SparseLeastSquares(columns, aim, prices).minimize();
         double gain = 0, share = 1;
-        for (int halving = 0; halving < kMostHalvings && !(gain > 0); ++halving, share /= 2) {
+        for (int halving = 0; halving < kMaxHalvings && !(gain > 0); ++halving, share /= 2) {
             std::vector<double> between(kinds);
             for (std::size_t k = 0; k < kinds; ++k) between[k] = std::lerp(shares[k], to[k], share);
             const double there = cost(between);

@@ -13,46 +13,48 @@
 
 namespace ccdt {
 
-/// Finds the shares of a ground that dots flip to make a colour, where the ground is solid ink or none of each ink, and
-/// a dot of a kind flips a set of inks.
+/// Finds the share that each kind of dots must cover on a given ground to reproduce a colour. A ground is a set of
+/// solid inks. The dots of a kind flip a set of inks.
 ///
-/// Dots lie side by side, so the mean colour is linear in the shares: each adds what its inks, printed over each other
-/// and the paper, differ from the ground. Of all shares whose sum is kMost at most, those are chosen whose colour
-/// differs least (ColourDifference), and of shares that look alike those that cover least and stand out least. For
-/// ideal cyan, magenta and yellow these are nested. A table per ground holds the shares for all colours. May be used
-/// from any thread.
+/// Dots lie side by side, so the mean light is linear in the shares. Each kind adds its share multiplied by the
+/// difference between the light of a dot and the light of the ground. Of all shares with a sum of at most kMaxCover,
+/// the result has the least ColourDifference. Small penalties on coverage and contrast decide between shares that look
+/// alike. For ideal cyan, magenta and yellow, the shares are nested. The results are cached in a table for each ground.
+/// Thread-safe.
 class KindMixture {
 public:
-    static constexpr std::size_t kMostKinds = (std::size_t{1} << kMostInks) - 1;
-    using Shares = std::array<float, kMostKinds>;
+    static constexpr std::size_t kMaxKinds = (std::size_t{1} << kMaxInks) - 1;
+    using Shares = std::array<float, kMaxKinds>;
     using Channels = std::array<float, 3>;
 
-    /// Sum of the shares, at most and nearly: beyond a half where the ground is that of the neighbourhood.
-    static constexpr double kMost = 0.6;
+    /// Approximate upper limit of the sum of the shares. It is above one half, because a place may have the ground of
+    /// its neighbourhood instead of its own best ground.
+    static constexpr double kMaxCover = 0.6;
 
-    /// @param kinds  inks that dots of each kind flip, as bits
+    /// @param kinds  inks that each kind flips, as bits
     KindMixture(const InkSet& inks, std::vector<unsigned> kinds);
 
     std::size_t count() const { return kinds_.size(); }
 
-    /// Returns the share of each kind [count()]; further ones are 0.
+    /// Returns the share of each kind [count()]; the remaining entries are 0.
     /// @param ground  inks of the ground, as bits
-    /// @param wanted  in [0, 1]
+    /// @param wanted  colour in [0, 1]
     Shares shares(unsigned ground, const Light& wanted);
 
-    /// Returns the light of a ground and shares of dots on it.
+    /// Returns the mean light of a ground with dots that cover the given shares.
     Channels light(unsigned ground, const Shares& shares) const;
 
-    /// Returns how much light a share of dots of a kind adds, over that share.
+    /// Returns the light that dots of a kind add to a ground, divided by the share that they cover.
     Channels change(unsigned ground, std::size_t kind) const;
 
 private:
     Shares solve(unsigned ground, const Light& wanted) const;
 
     std::vector<unsigned> kinds_;
-    std::vector<Overprint::Channels> colours_;                  ///< by the inks that lie on each other, as bits
-    std::vector<std::unique_ptr<ColourTable<Shares>>> tables_;  ///< by the ground; null until it is asked
-    std::mutex making_;
+    std::vector<Overprint::Channels> colours_;  ///< [2^inks] light of each set of inks, printed over each other
+    /// [2^inks] Table of each ground; null until first used.
+    std::vector<std::unique_ptr<ColourTable<Shares>>> tables_;
+    std::vector<std::once_flag> is_made_;  ///< [2^inks] whether the table exists
 };
 
 }  // namespace ccdt

@@ -4,14 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "core/halftone/bilinear.h"
-#include "core/halftone/blur_pyramid.h"
 #include "core/halftone/dot_print.h"
-#include "core/halftone/fit_rounds.h"
+#include "core/halftone/fitted_dots.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
@@ -45,54 +43,43 @@ Colour solved(std::array<Colour, 3> a, Colour b) {
 class LightFit {
 public:
     LightFit(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
-        : plan_(plan), executor_(executor) {
-        find_base();
-        for (std::size_t kind = 0; kind < sites.size(); ++kind) {
-            if (!sites[kind].empty()) add(plan.kinds[kind], sites[kind]);
-        }
-        areas_ = planned_;
-        parts_.resize(sites_.size());
-        gains_.resize(sites_.size());
+        : plan_(plan), executor_(executor), dots_(plan, sites, executor) {
+        find_bases();
+        parts_.resize(dots_.count());
+        gains_.resize(dots_.count());
         find_cut();
-        for_pixels(executor, sites_.size(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
+        for_pixels(executor, dots_.count(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
     }
 
-    const std::vector<float>& areas() const { return areas_; }
+    const FittedDots& dots() const { return dots_; }
 
-    /// Changes the area of each dot by the error of the local mean, as size_dots() does for nested kinds.
     void improve() {
-        constexpr float kStep = 0.85f, kSmallest = 0.25f, kLargest = 2.5f, kNoise = 0.004f;
-        const float widest = *std::ranges::max_element(ground_per_dot_);
-        std::vector<float> change(sites_.size(), 0);
-        for (std::size_t c = 0; c < 3; ++c) {
-            std::vector<float> error(base_[c]);
-            for (std::size_t dot = 0; dot < sites_.size(); ++dot) print(dot, c, error);
-            for (const auto& [one, other] : close_) print_overlap(one, other, c, error);
-            const BlurPyramid means(std::move(error), plan_.cells.columns, plan_.cells.rows, spread(widest), executor_);
-            for_pixels(executor_, sites_.size(), [&](std::size_t dot) {
-                const float ground = ground_per_dot_[dot];
-                const float mean = means.at(sites_[dot], spread(ground)) * ground;
-                const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
-                change[dot] += -kStep * gains_[dot][c] * std::copysign(excess, mean);
-            });
-        }
-        for (std::size_t dot = 0; dot < sites_.size(); ++dot)
-            areas_[dot] = std::clamp(areas_[dot] + change[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
+        const auto draw = [this](std::size_t channel, std::vector<float>& image) {
+            for (std::size_t dot = 0; dot < dots_.count(); ++dot) print(dot, channel, image);
+            for (const ClosePair& pair : close_) print_overlap(pair, channel, image);
+        };
+        dots_.improve(bases_, draw, [this](std::size_t dot, std::size_t c) { return gains_[dot][c]; });
     }
 
+    /// Divides dots by the grounds under them, and finds the pairs of dots that are close together, given the current
+    /// areas.
     void find_cut() {
-        close_ = close_pairs(plan_.cells, sites_, areas_);
-        for_pixels(executor_, sites_.size(), [&](std::size_t dot) { cut(dot); });
+        close_.clear();
+        for (const auto& [one, other] : dots_.close_pairs())
+            close_.push_back({one, other, ground_at(middle_of_overlap(one, other))});
+        for_pixels(executor_, dots_.count(), [&](std::size_t dot) { cut(dot); });
     }
 
+    /// Returns the channels whose boundary crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (const Part& part : parts_[dot]) bits |= part.ground ^ parts_[dot].front().ground;
-        return bits & flips_[dot];
+        return bits;
     }
 
+    /// Returns the channels whose ground is white at the centre of a dot, as bits.
     unsigned white_channels(std::size_t dot) const {
-        return ~ground_at(sites_[dot]) & ((1U << plan_.channels.size()) - 1);
+        return ~ground_at(dots_.site(dot)) & ((1U << plan_.channels.size()) - 1);
     }
 
 private:
@@ -100,14 +87,14 @@ private:
     struct Part {
         unsigned ground = 0;  ///< inks, as bits
         float share = 1;
-        Point centre;  ///< from the dot's centre, in radii
+        Point centre;  ///< centroid relative to the dot's centre, in radii
     };
 
-    /// Ground that a dot in the emptiest places stands for, at most, over the mean, is 1 / this.
-    static constexpr double kLeastDensity = 1e-4;
-    /// Standard deviation of the blur by which a dot is judged: the spacing there.
-    static double spread(float ground) { return std::sqrt(static_cast<double>(ground)); }
-    static double radius(float area) { return std::sqrt(static_cast<double>(area) / kPi); }
+    /// Two dots that may overlap.
+    struct ClosePair {
+        std::uint32_t one = 0, other = 0;
+        unsigned ground = 0;  ///< inks of the ground between the dots, as bits
+    };
 
     float at(const std::vector<float>& values, Point site) const {
         return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
@@ -120,11 +107,11 @@ private:
         return ground;
     }
 
-    /// Computes the light of the ground, less that of the picture.
-    void find_base() {
+    /// Computes the light of the ground minus the light of the picture.
+    void find_bases() {
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
-        for (std::size_t c = 0; c < 3; ++c) base_[c].resize(plan_.wanted[c].size());
-        for_pixels(executor_, base_[0].size(), [&](std::size_t i) {
+        for (std::size_t c = 0; c < 3; ++c) bases_[c].resize(plan_.wanted[c].size());
+        for_pixels(executor_, bases_[0].size(), [&](std::size_t i) {
             bool whole = true;
             unsigned ground = 0;
             for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
@@ -142,45 +129,35 @@ private:
                     for (std::size_t c = 0; c < 3; ++c) light[c] += there[c] / 16;
                 }
             }
-            for (std::size_t c = 0; c < 3; ++c) base_[c][i] = light[c] - plan_.wanted[c][i];
+            for (std::size_t c = 0; c < 3; ++c) bases_[c][i] = light[c] - plan_.wanted[c][i];
         });
+        for (std::vector<float>& base : bases_) base = dots_.error_image(base);
     }
 
-    void add(const KindOfDots& kind, std::span<const Point> sites) {
-        const double sum = sum_of_pixels(executor_, kind.density.size(),
-                                         [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
-        const auto least = std::max(static_cast<float>(kLeastDensity * sum / static_cast<double>(kind.density.size())),
-                                    std::numeric_limits<float>::min());
-        const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
-        for (const Point& site : sites) {
-            sites_.push_back(site);
-            flips_.push_back(static_cast<std::uint8_t>(kind.flips));
-            planned_.push_back(at(kind.area, site));
-            ground_per_dot_.push_back(unit / std::max(at(kind.density, site), least));
-        }
+    /// Returns the light that a dot adds to a ground, divided by the dot's area.
+    float change(unsigned ground, unsigned flips, std::size_t channel) const {
+        return plan_.colours[ground ^ flips][channel] - plan_.colours[ground][channel];
     }
 
-    /// Returns how much light a dot adds to a ground, over its area.
     Colour effect(unsigned ground, unsigned flips) const {
-        Colour result;
-        for (std::size_t c = 0; c < 3; ++c) result[c] = plan_.colours[ground ^ flips][c] - plan_.colours[ground][c];
-        return result;
+        return {change(ground, flips, 0), change(ground, flips, 1), change(ground, flips, 2)};
     }
 
     Colour effect_of(std::size_t dot) const {
         Colour sum{};
         for (const Part& part : parts_[dot]) {
-            const Colour own = effect(part.ground, flips_[dot]);
+            const Colour own = effect(part.ground, dots_.flips(dot));
             for (std::size_t c = 0; c < 3; ++c) sum[c] += part.share * own[c];
         }
         return sum;
     }
 
-    /// Computes how a dot's area answers to an error of light e. With effects d of kinds that cover w, the relative
-    /// change of a kind is -d (sum of w d d^T)^-1 e.
+    /// Returns the change of a dot's area per unit of error in each channel. Let d be the light that a kind adds and w
+    /// the share that it covers. Then the relative change of a kind for an error e is -d (sum of w d d^T)^-1 e.
     Colour gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.02f;  // of the trace: what few dots could change is left as it is
-        const unsigned ground = ground_at(sites_[dot]);
+        constexpr float kDamping = 0.02f;  // relative to the trace; leaves errors that only few dots could correct
+        const Point site = dots_.site(dot);
+        const unsigned ground = ground_at(site);
         const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
         std::array<Colour, 3> sum{};
         const auto add = [&](const Colour& effect, float covered) {
@@ -189,11 +166,11 @@ private:
             }
         };
         for (const KindOfDots& kind : plan_.kinds) {
-            const float covered = at(kind.density, sites_[dot]) * at(kind.area, sites_[dot]) / unit;
+            const float covered = at(kind.density, site) * at(kind.area, site) / unit;
             if (covered > 0) add(effect(ground, kind.flips), covered);
         }
         const Colour own = effect_of(dot);
-        const float share = planned_[dot] / ground_per_dot_[dot];
+        const float share = dots_.planned_share(dot);
         float trace = sum[0][0] + sum[1][1] + sum[2][2];
         trace = std::max(trace, share * (own[0] * own[0] + own[1] * own[1] + own[2] * own[2]));
         if (!(trace > 0)) return {};
@@ -203,19 +180,21 @@ private:
         return gains;
     }
 
-    /// Divides a dot of its present size into parts, each on one ground.
+    /// Divides a dot with its current area into parts, each on one ground.
     void cut(std::size_t dot) {
-        constexpr double kMargin = 1.1;  // of the radius, so that small changes keep the answer
-        const double reach = radius(areas_[dot]);
-        const unsigned middle = ground_at(sites_[dot]);
-        const bool whole = std::ranges::all_of(
-            rim_samples(), [&](const Point& way) { return ground_at(sites_[dot] + kMargin * reach * way) == middle; });
+        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
+        const double reach = dots_.radius(dot);
+        const Point site = dots_.site(dot);
+        const unsigned middle = ground_at(site);
+        const bool whole = !dots_.is_near_boundary(dot) || std::ranges::all_of(rim_samples(), [&](const Point& way) {
+            return ground_at(site + kMargin * reach * way) == middle;
+        });
         auto& parts = parts_[dot];
         parts.assign(1, {middle, 1, {}});
         if (whole) return;
         parts.clear();
         for (const Point& place : disc_samples()) {
-            const unsigned ground = ground_at(sites_[dot] + reach * place);
+            const unsigned ground = ground_at(site + reach * place);
             auto part = std::ranges::find(parts, ground, &Part::ground);
             if (part == parts.end()) part = parts.insert(part, {ground, 0, {}});
             part->share += 1;
@@ -227,43 +206,44 @@ private:
         }
     }
 
+    /// Adds the light of a dot to an image of the error.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
-        const float area = areas_[dot];
-        const double reach = radius(area);
+        const float area = dots_.area(dot);
+        const double reach = dots_.radius(dot);
+        const Point site = dots_.site(dot);
         const auto& parts = parts_[dot];
         if (parts.size() == 1)
-            return add_disc(plan_.cells, sites_[dot], reach, effect(parts[0].ground, flips_[dot])[channel] * area,
-                            image);
+            return dots_.add_disc(site, reach, change(parts[0].ground, dots_.flips(dot), channel) * area, image);
         for (const Part& part : parts)
-            add_light(plan_.cells, sites_[dot] + reach * part.centre,
-                      part.share * area * effect(part.ground, flips_[dot])[channel], image);
+            dots_.add_light(site + reach * part.centre,
+                            part.share * area * change(part.ground, dots_.flips(dot), channel), image);
     }
 
     /// Corrects the light where two dots overlap.
-    void print_overlap(std::uint32_t one, std::uint32_t other, std::size_t channel, std::vector<float>& image) const {
-        const Point way = sites_[other] - sites_[one];
-        const double distance = std::sqrt(::ccdt::dot(way, way));
-        const double first = radius(areas_[one]), second = radius(areas_[other]);
-        const double overlap = common_area(first, second, distance);
-        if (!(overlap > 0)) return;
-        const Point place = middle_of_overlap(sites_[one], first, sites_[other], second);
-        const unsigned ground = ground_at(place);
+    void print_overlap(const ClosePair& pair, std::size_t channel, std::vector<float>& image) const {
         const auto& colours = plan_.colours;
-        const unsigned a = flips_[one], b = flips_[other];
+        const unsigned ground = pair.ground, a = dots_.flips(pair.one), b = dots_.flips(pair.other);
         const float change = colours[ground ^ (a | b)][channel] - colours[ground ^ a][channel] -
                              colours[ground ^ b][channel] + colours[ground][channel];
-        if (change != 0) add_light(plan_.cells, place, change * static_cast<float>(overlap), image);
+        if (change == 0) return;
+        const Point way = dots_.site(pair.other) - dots_.site(pair.one);
+        const double overlap =
+            common_area(dots_.radius(pair.one), dots_.radius(pair.other), std::sqrt(::ccdt::dot(way, way)));
+        if (!(overlap > 0)) return;
+        dots_.add_light(middle_of_overlap(pair.one, pair.other), change * static_cast<float>(overlap), image);
+    }
+
+    Point middle_of_overlap(std::uint32_t one, std::uint32_t other) const {
+        return ::ccdt::middle_of_overlap(dots_.site(one), dots_.radius(one), dots_.site(other), dots_.radius(other));
     }
 
     const TwoSidedPlan& plan_;
     Executor& executor_;
-    LightPlanes base_;
-    std::vector<Point> sites_;
-    std::vector<std::uint8_t> flips_;
-    std::vector<float> planned_, areas_, ground_per_dot_;
-    std::vector<Colour> gains_;
-    std::vector<std::array<std::uint32_t, 2>> close_;
-    std::vector<std::vector<Part>> parts_;
+    FittedDots dots_;
+    LightPlanes bases_;          ///< light of the ground minus light of the picture
+    std::vector<Colour> gains_;  ///< [dots] result of gains_of()
+    std::vector<ClosePair> close_;
+    std::vector<std::vector<Part>> parts_;  ///< [dots]
 };
 
 }  // namespace

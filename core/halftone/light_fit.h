@@ -12,7 +12,7 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots of inks such that the local mean of the light is that of the picture.
+/// Chooses the radii of dots of inks such that the local mean of the light equals that of the picture.
 ///
 /// The light of a place depends on all inks there. So the error of red, green and blue is corrected, and not that of
 /// the share that each ink covers. The kinds of dots around a place share the correction such that the sum of squared

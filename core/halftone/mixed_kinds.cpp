@@ -23,13 +23,13 @@ namespace ccdt {
 
 namespace {
 
-/// A number for each channel.
-using Channels = std::array<float, kMostInks>;
+/// A value for each channel.
+using Channels = std::array<float, kMaxInks>;
 
-/// Plans dots of inks: shares of kinds whose mean colour is that of the picture.
+/// Computes the shares and areas of kinds whose mean colour is that of the picture.
 class MixturePlan {
 public:
-    /// @param sigma  of the blur that the dots' places are sharpened against, in cells
+    /// @param sigma  standard deviation, in cells, of the blur that sharpening compensates
     MixturePlan(TwoSidedPlan& plan, const InkSet& inks, const LightPlanes& light, double sigma, Executor& executor)
         : plan_(plan), executor_(executor) {
         for (std::size_t c = 0; c < light.size(); ++c)
@@ -40,9 +40,10 @@ public:
         choose_kinds(inks);
     }
 
-    /// Adds to the light of the surroundings what the ground of a cell keeps dots from making there.
-    /// @param radius  of the dots, in cells
-    void make_up(LightPlanes& wanted, double radius) {
+    /// Where dots on the ground of a cell cannot reproduce the picture, adds the missing light to the surroundings.
+    /// @param wanted  light of the picture; modified
+    /// @param radius  radius of the dots, in cells
+    void distribute_missing_light(LightPlanes& wanted, double radius) {
         constexpr int kRounds = 2;
         std::vector<float> scratch;
         const LightPlanes picture = wanted;
@@ -64,7 +65,8 @@ public:
         }
     }
 
-    /// Sets what each ink shall leave bare, which the shares of the kinds make of it.
+    /// Sets the light of each channel to the share that the ink leaves bare, as it follows from the shares of the
+    /// kinds.
     void set_light(const LightPlanes& wanted) {
         for_pixels(executor_, cells(), [&](std::size_t i) {
             Channels bare{};
@@ -73,7 +75,7 @@ public:
         });
     }
 
-    /// Sets the shares of the kinds, as their densities. Cells that a boundary crosses have those of the cells beside
+    /// Sets the share that each kind covers. Cells that a boundary crosses get the mean shares of the cells around
     /// them.
     void add_shares() {
         for_pixels(executor_, cells(), [&](std::size_t i) {
@@ -82,62 +84,64 @@ public:
             for (std::size_t k = 0; k < plan_.kinds.size(); ++k) plan_.kinds[k].density[i] = shares[k];
         });
         for_pixels(executor_, cells(), [&](std::size_t i) {
-            if (!is_whole(i)) take_shares_beside(i);
+            if (!is_whole(i)) average_shares_around(i);
         });
     }
 
-    /// Sets the relative areas of dots. A dot may lie on any ground near to it. Dots of a kind that is not seen on one
-    /// ground would be large, and blots on the ground beside it. So the ground counts on which the kind is seen most.
-    /// @param radius  of the dots, in cells
+    /// Sets the relative areas of dots. Dots that are hardly visible on their ground could be large, but they would be
+    /// blots if they extended to another ground. So the area follows from the nearby ground on which the kind is most
+    /// visible.
+    /// @param radius  radius of the dots, in cells
     void add_areas(double radius) {
-        constexpr float kLeastVisibility = 0.02f;  // an ink below black is not seen at all
-        constexpr double kReach = 2, kMostReach = 8;
+        constexpr float kMinVisibility = 0.02f;  // an ink below black is invisible
+        constexpr double kReach = 2, kMaxReach = 8;
         const auto reach = plan_.colours.empty()
                                ? std::size_t{0}
-                               : static_cast<std::size_t>(std::ceil(std::min(kReach * radius, kMostReach)));
+                               : static_cast<std::size_t>(std::ceil(std::min(kReach * radius, kMaxReach)));
         const std::vector<std::uint64_t> grounds_of_cells = grounds_around(reach);
         std::vector<float> scratch;
         LightPlanes around = sharp_;
         for (std::vector<float>& each : around)
             blur(each, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
-        for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
-            KindOfDots& kind = plan_.kinds[k];
+        for (KindOfDots& kind : plan_.kinds) {
             kind.area = kind.density;
             blur(kind.area, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
-            for_pixels(executor_, cells(), [&](std::size_t i) {
-                const float cover =
-                    std::clamp(std::max(kind.area[i], kLeastOfSurroundings * kind.density[i]), 0.0f, 0.5f);
-                const auto [red, green, blue] = light_at(around, i);
-                const Visibility visibility(std::array{red, green, blue});
-                float seen = kLeastVisibility;
+        }
+        for_pixels(executor_, cells(), [&](std::size_t i) {
+            const auto [red, green, blue] = light_at(around, i);
+            const Visibility visibility(std::array{red, green, blue});
+            for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
+                KindOfDots& kind = plan_.kinds[k];
+                const float cover = std::max(kind.area[i], kMinSurroundings * kind.density[i]);
+                float seen = kMinVisibility;
                 for (std::uint64_t left = grounds_of_cells[i]; left != 0; left &= left - 1) {
                     const auto ground = static_cast<unsigned>(std::countr_zero(left));
                     seen = std::max(seen, visibility.of(mixture_->change(ground, k)));
                 }
-                kind.area[i] = relative_area(cover, seen);
-            });
-        }
+                kind.area[i] = relative_area(std::clamp(cover, 0.0f, 0.5f), seen);
+            }
+        });
         normalize_areas(plan_.kinds, executor_);
     }
 
 private:
     std::size_t cells() const { return sharp_[0].size(); }
 
-    /// Tells whether no boundary crosses a cell.
+    /// Returns whether no boundary crosses a cell.
     bool is_whole(std::size_t cell) const {
         return std::ranges::all_of(plan_.channels, [cell](const TwoSidedChannel& channel) {
             return channel.white[cell] == 0 || channel.white[cell] == 1;
         });
     }
 
-    /// Chooses the kinds that cover most, as far as some thousand cells tell.
+    /// Chooses the kinds that cover the largest area, estimated from a sample of cells.
     void choose_kinds(const InkSet& inks) {
         constexpr std::size_t kSamples = 8192;
         const std::size_t all = kinds_of(inks.inks.size());
         std::vector<unsigned> flips(all);
         for (std::size_t k = 0; k < all; ++k) flips[k] = flips_of(k);
         KindMixture any(inks, flips);
-        if (all > kMostKindsOfInks) {
+        if (all > kMaxInkKinds) {
             std::vector<double> sums(all, 0);
             const std::size_t step = std::max(cells() / kSamples, std::size_t{1});
             for (std::size_t i = 0; i < cells(); i += step) {
@@ -145,14 +149,18 @@ private:
                 for (std::size_t k = 0; k < all; ++k) sums[k] += static_cast<double>(shares[k]);
             }
             std::ranges::stable_sort(flips, std::ranges::greater(), [&](unsigned kind) { return sums[kind - 1]; });
-            flips.resize(kMostKindsOfInks);
+            flips.resize(kMaxInkKinds);
             std::ranges::sort(flips);
         }
         for (const unsigned kind : flips) plan_.kinds.push_back({kind, std::vector<float>(cells()), {}, 0});
         mixture_.emplace(inks, std::move(flips));
     }
 
-    /// Adds what each ink leaves bare of a cell, from a channel on: of each ground that is there, by its share.
+    /// Adds the share of a cell that each ink leaves bare, summed over all grounds in the cell. Divides the cell
+    /// channel by channel, by recursion.
+    /// @param channel  first channel that is not yet divided
+    /// @param ground   inks of the ground among the channels before, as bits
+    /// @param weight   share of the cell that has this ground
     void add_bare(std::size_t channel, unsigned ground, float weight, std::size_t cell, const Light& wanted,
                   Channels& bare) {
         if (channel < plan_.channels.size()) {
@@ -171,9 +179,9 @@ private:
         }
     }
 
-    /// Returns the grounds within a distance of each cell, across and down. Bit g stands for the set of inks g.
+    /// Returns the grounds within a distance of each cell along both axes, as bits. Bit g stands for the set of inks g.
     std::vector<std::uint64_t> grounds_around(std::size_t reach) const {
-        static_assert(kMostInks <= 6);
+        static_assert(kMaxInks <= 6);
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
         const auto rows = static_cast<std::size_t>(plan_.cells.rows);
         std::vector<std::uint64_t> across(cells(), 0), around(cells(), 0);
@@ -191,8 +199,9 @@ private:
         return around;
     }
 
-    /// Gives a cell the mean shares of the whole cells around it, or its own if there are none.
-    void take_shares_beside(std::size_t cell) {
+    /// Sets the shares of a cell to the mean of the whole cells around it. If there are none, they follow from the
+    /// cell's own colour.
+    void average_shares_around(std::size_t cell) {
         constexpr std::size_t kReach = 2;
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
         const auto rows = static_cast<std::size_t>(plan_.cells.rows);
@@ -213,7 +222,7 @@ private:
 
     TwoSidedPlan& plan_;
     Executor& executor_;
-    LightPlanes sharp_;
+    LightPlanes sharp_;                  ///< sharpened light of the picture
     std::vector<std::uint8_t> grounds_;  ///< [cells] inks of the ground, as bits
     std::optional<KindMixture> mixture_;
 };
@@ -223,7 +232,7 @@ private:
 void add_mixed_kinds(TwoSidedPlan& plan, const InkSet& inks, LightPlanes light, double radius, double sigma,
                      const std::stop_token& stop, Executor& executor) {
     MixturePlan mixture(plan, inks, light, sigma, executor);
-    mixture.make_up(light, radius);
+    mixture.distribute_missing_light(light, radius);
     mixture.set_light(light);
     if (stop.stop_requested()) return;
     mixture.add_shares();

@@ -9,14 +9,14 @@
 
 namespace ccdt {
 
-/// Adds the kinds of dots to a plan, with the areas of dots over that of the largest and, as their densities, the
-/// shares that they cover, such that the mean colour of ground and dots is that of the picture (KindMixture). Sets the
-/// light of the channels to what the inks then leave bare.
+/// Adds the kinds of dots to a plan, such that the mean colour of ground and dots is that of the picture (KindMixture).
+/// The area of each dot is relative to the largest dot. KindOfDots::density is the share that the dots of a kind cover.
+/// Sets the light of each channel to the share that the ink then leaves bare.
 ///
-/// @param light   of the picture
-/// @param radius  of the dots, in cells
-/// @param sigma   of the blur that the dots' places are sharpened against, in cells
-/// @param stop    asked between steps; a stop ends it early, with nothing of use
+/// @param light   light of the picture
+/// @param radius  radius of the dots, in cells
+/// @param sigma   standard deviation, in cells, of the blur that sharpening compensates
+/// @param stop    polled between steps; after a stop the plan must not be used
 void add_mixed_kinds(TwoSidedPlan& plan, const InkSet& inks, LightPlanes light, double radius, double sigma,
                      const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

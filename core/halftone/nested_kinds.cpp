@@ -15,17 +15,19 @@ namespace ccdt {
 
 namespace {
 
-/// A number for each channel.
-using Channels = std::array<float, kMostInks>;
+/// A value for each channel.
+using Channels = std::array<float, kMaxInks>;
 
-/// Values of all channels in a cell.
+/// Copies the values of all channels in a cell.
+/// @param values  receives the values
+/// @returns       the part of `values` that is in use
 std::span<const float> at_cell(std::span<const std::vector<float>> planes, std::size_t cell, Channels& values) {
     for (std::size_t c = 0; c < planes.size(); ++c) values[c] = planes[c][cell];
     return {values.data(), planes.size()};
 }
 
-/// Share that dots of a kind flip, where the flipped areas of channels are nested.
-/// @param shares  of each channel
+/// Returns the share that dots of a kind cover if the flipped areas of the channels are nested.
+/// @param shares  share that is flipped in each channel
 float nested_share(std::span<const float> shares, unsigned flips) {
     float within = 1, beyond = 0;
     for (std::size_t c = 0; c < shares.size(); ++c) {
@@ -38,10 +40,10 @@ float nested_share(std::span<const float> shares, unsigned flips) {
     return std::max(within - beyond, 0.0f);
 }
 
-/// Plans the areas of dots, and how dense they are.
+/// Computes the areas and shares of nested kinds.
 class KindPlan {
 public:
-    /// @param share  [channels][cells] that is to be flipped
+    /// @param share  [channels][cells] share of each cell that dots should flip
     KindPlan(TwoSidedPlan& plan, std::span<const std::vector<float>> share, std::span<const std::vector<float>> light,
              double radius, Executor& executor)
         : plan_(plan), share_(share), executor_(executor) {
@@ -55,7 +57,7 @@ public:
         for (const auto& each : light) light_around_.push_back(surroundings(each));
     }
 
-    /// Computes the shares of each kind, as its density, and areas of dots over that of the largest.
+    /// Computes the share that each kind covers, and the areas of dots relative to the largest dot.
     void add_areas() {
         const std::size_t cells = share_.front().size();
         plan_.kinds.resize(kinds_of(share_.size()));
@@ -78,7 +80,7 @@ private:
             white |= static_cast<unsigned>(plan_.channels[c].white[cell] > 0.5f) << c;
         for (std::size_t k = 0; k < plan_.kinds.size(); ++k) {
             const float share = nested_share(own, flips_of(k));
-            const float cover = std::max(nested_share(around, flips_of(k)), kLeastOfSurroundings * share);
+            const float cover = std::max(nested_share(around, flips_of(k)), kMinSurroundings * share);
             plan_.kinds[k].density[cell] = share;
             plan_.kinds[k].area[cell] = relative_area(std::clamp(cover, 0.0f, 0.5f), visibility.of(flips_of(k), white));
         }

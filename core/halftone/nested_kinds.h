@@ -9,12 +9,12 @@
 
 namespace ccdt {
 
-/// Adds the kinds of dots to a plan, with the areas of dots over that of the largest and, as their densities, the
-/// shares that they cover, where the flipped areas of channels are nested.
+/// Adds the kinds of dots to a plan, such that the flipped areas of the channels are nested. The area of each dot is
+/// relative to the largest dot. KindOfDots::density is the share that the dots of a kind cover.
 ///
-/// @param share   [channels][cells] that is to be flipped
-/// @param light   [channels][cells] of the picture
-/// @param radius  of the dots, in cells
+/// @param share   [channels][cells] share of each cell that dots should flip
+/// @param light   [channels][cells] light of the picture
+/// @param radius  radius of the dots, in cells
 void add_nested_kinds(TwoSidedPlan& plan, std::span<const std::vector<float>> share,
                       std::span<const std::vector<float>> light, double radius, Executor& executor = inline_executor());
 

@@ -48,7 +48,7 @@ Light printed(const InkSet& inks, std::span<const float> cover) {
 }
 
 Overprint::Overprint(const InkSet& inks) : count_(inks.inks.size()) {
-    assert(count_ >= 1 && count_ <= kMostInks);
+    assert(count_ >= 1 && count_ <= kMaxInks);
     for (std::size_t combination = 0; combination < std::size_t{1} << count_; ++combination) {
         const int inks_in_it = std::popcount(combination);
         for (std::size_t c = 0; c < 3; ++c) {
@@ -69,7 +69,7 @@ Overprint::Shares Overprint::shares(const Numbers& cover) const {
     const double all = std::accumulate(dots.begin(), dots.end(), 0.0);
     for (std::size_t i = 0; i < count_; ++i)
         covered[i] = cover[i] > 0 ? cover[i] - disorder(dots[i], all - dots[i]) : 0;
-    std::array<Numbers, kMostInks> overlaps{};
+    std::array<Numbers, kMaxInks> overlaps{};
     for (std::size_t i = 0; i < count_; ++i) {
         for (std::size_t k = 0; k < i; ++k) {
             const double product = covered[i] * covered[k], least = covered[i] + covered[k] - 1;

@@ -29,11 +29,11 @@ inline Light light_at(const LightPlanes& light, std::size_t pixel) {
     return {value(0), value(1), value(2)};
 }
 
-inline constexpr std::size_t kMostInks = 6;
+inline constexpr std::size_t kMaxInks = 6;
 
 /// The inks and the paper of a print.
 struct InkSet {
-    std::vector<Light> inks;  ///< colours of full coverage, on white paper or, if additive, black; 1 to kMostInks
+    std::vector<Light> inks;  ///< colours of full coverage, on white paper or, if additive, black; 1 to kMaxInks
     Light paper{1, 1, 1};
     /// false: each ink multiplies the light from below, as in print; true: each ink adds light, as lamps do
     bool additive = false;
@@ -52,7 +52,7 @@ Light printed(const InkSet& inks, std::span<const float> cover);
 /// and covers less.
 class Overprint {
 public:
-    using Numbers = std::array<double, kMostInks>;
+    using Numbers = std::array<double, kMaxInks>;
     /// Red, green, blue.
     using Channels = std::array<double, 3>;
 
@@ -69,7 +69,7 @@ public:
 private:
     /// [2^count] For each combination of inks, the share of the area that all of its inks cover, whether or not other
     /// inks cover it too. A combination is a set of bits, one for each ink.
-    using Shares = std::array<double, std::size_t{1} << kMostInks>;
+    using Shares = std::array<double, std::size_t{1} << kMaxInks>;
 
     Shares shares(const Numbers& cover) const;
 
@@ -77,7 +77,7 @@ private:
     CoverageCurve curve_;
     /// [2^count] Light that each combination adds per share of the area. For the empty combination, the light of the
     /// paper.
-    std::array<Channels, std::size_t{1} << kMostInks> changes_{};
+    std::array<Channels, std::size_t{1} << kMaxInks> changes_{};
 };
 
 }  // namespace ccdt

@@ -29,7 +29,7 @@ constexpr std::size_t kSitesOfTask = 1024;
 /// step of steepest descent. The derivative is divided by the squared slopes and by the wanted luminance. So steps have
 /// similar lengths in light and in dark areas.
 Channels gradient(const Channels& wanted, const Channels& seen) {
-    constexpr double kLeastLight = 0.01;
+    constexpr double kMinLight = 0.01;
     const ColourDifference difference(lab_of(wanted));
     const Lab off = difference(lab_of(seen));
     Channels gradient{};
@@ -44,7 +44,7 @@ Channels gradient(const Channels& wanted, const Channels& seen) {
         squares += dot(slope, slope);
     }
     const double level = luminance_of(wanted[0], wanted[1], wanted[2]);
-    for (double& each : gradient) each /= squares * (level + kLeastLight);
+    for (double& each : gradient) each /= squares * (level + kMinLight);
     return gradient;
 }
 

@@ -17,10 +17,10 @@ namespace ccdt {
 namespace {
 
 /// A mixture of inks: the cover of each ink, followed by the excess of predicted over wanted light in each channel.
-using Node = std::array<float, kMostInks + 3>;
+using Node = std::array<float, kMaxInks + 3>;
 using Numbers = Overprint::Numbers;
 using Channels = Overprint::Channels;
-static_assert(kMostInks <= BoundedLeastSquares::kMostNumbers);
+static_assert(kMaxInks <= BoundedLeastSquares::kMaxNumbers);
 
 Light mapped(const Light& light, Tone tone) {
     const auto map = [&](float value) {
@@ -73,7 +73,7 @@ Numbers Separator::linearised_minimum(const Mixture& from, const ColourDifferenc
     constexpr double kDamping = 1;
     BoundedLeastSquares problem;
     problem.count = model_.count();
-    std::array<Lab, kMostInks> changes{};
+    std::array<Lab, kMaxInks> changes{};
     Lab wanted{-from.off[0], -from.off[1], -from.off[2]};
     for (std::size_t i = 0; i < problem.count; ++i) {
         Numbers next = from.cover;
@@ -96,13 +96,13 @@ Numbers Separator::linearised_minimum(const Mixture& from, const ColourDifferenc
 /// Takes steps that each lower the cost, until a step lowers it by `exact` or less.
 /// @param exact  squared colour difference
 Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, double exact) const {
-    constexpr double kLeastStep = 1.0 / 64;
+    constexpr double kMinStep = 1.0 / 64;
     const ColourDifference difference(wanted);
     Mixture best = mixture(cover, difference);
     for (int step = 0; step < steps; ++step) {
         const Numbers from = best.cover, to = linearised_minimum(best, difference);
         double gain = 0;
-        for (double share = 1; share >= kLeastStep && !(gain > 0); share /= 2) {
+        for (double share = 1; share >= kMinStep && !(gain > 0); share /= 2) {
             Numbers between{};
             for (std::size_t i = 0; i < between.size(); ++i) between[i] = std::lerp(from[i], to[i], share);
             const Mixture next = mixture(between, difference);
@@ -116,7 +116,7 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, d
 
 Node Separator::node_of(const Light& light) const {
     // With fewer parts, or one step in each, some colours end in a wrong mixture: Separation.MatchesColoursOfPicture.
-    constexpr int kParts = 6, kStepsPerPart = 2, kMostSteps = 20;
+    constexpr int kParts = 6, kStepsPerPart = 2, kMaxSteps = 20;
     constexpr double kExactPerPart = 1, kExact = 1e-4;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(Overprint::channels_of(light));
     Numbers cover{};
@@ -125,12 +125,12 @@ Node Separator::node_of(const Light& light) const {
         for (std::size_t k = 0; k < wanted.size(); ++k)
             wanted[k] = std::lerp(paper[k], colour[k], static_cast<double>(part) / kParts);
         cover = part < kParts ? improve(cover, wanted, kStepsPerPart, kExactPerPart)
-                              : improve(cover, wanted, kMostSteps, kExact);
+                              : improve(cover, wanted, kMaxSteps, kExact);
     }
     Node node{};
     std::ranges::transform(cover, node.begin(), [](double share) { return static_cast<float>(share); });
     const Channels seen = model_.light(cover), wanted = Overprint::channels_of(light);
-    for (std::size_t c = 0; c < 3; ++c) node[kMostInks + c] = static_cast<float>(seen[c] - wanted[c]);
+    for (std::size_t c = 0; c < 3; ++c) node[kMaxInks + c] = static_cast<float>(seen[c] - wanted[c]);
     return node;
 }
 
@@ -154,7 +154,7 @@ InkSet toned(const InkSet& inks, Tone tone) {
 
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop,
                     Executor& executor) {
-    assert(!inks.inks.empty() && inks.inks.size() <= kMostInks);
+    assert(!inks.inks.empty() && inks.inks.size() <= kMaxInks);
     const std::size_t pixels = picture.red.size();
     const Channels paper = Overprint::channels_of(mapped(inks.paper, tone));
     Separation separation{std::vector(inks.inks.size(), std::vector<float>(pixels)), {}};
@@ -167,7 +167,7 @@ Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone,
         const Node mixture = table(light);
         for (std::size_t i = 0; i < inks.inks.size(); ++i) separation.coverage[i][p] = alpha * mixture[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            const float seen = static_cast<float>(Overprint::channels_of(light)[c]) + mixture[kMostInks + c];
+            const float seen = static_cast<float>(Overprint::channels_of(light)[c]) + mixture[kMaxInks + c];
             separation.light[c][p] = std::lerp(static_cast<float>(paper[c]), to_share(seen), alpha);
         }
     };

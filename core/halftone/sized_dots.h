@@ -6,11 +6,11 @@
 
 namespace ccdt {
 
-/// Dots of a kind as they are drawn.
+/// Sizes of the dots of one kind, and the grounds on which they lie.
 struct SizedDots {
-    std::vector<float> radii;         ///< [dots], in cells
+    std::vector<float> radii;         ///< [dots] in cells
     std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the centre, as bits
-    std::vector<std::uint8_t> cut;    ///< [dots] channels, of those flipped, whose boundary is near, as bits
+    std::vector<std::uint8_t> cut;    ///< [dots] channels whose boundary crosses the dot, as bits
 };
 
 }  // namespace ccdt

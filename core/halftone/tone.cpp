@@ -16,7 +16,7 @@ namespace {
 constexpr float kLinearBelow = 216.0f / 24389.0f;
 constexpr float kSlope = 24389.0f / 2700.0f;
 
-constexpr double kLeastInkPerDot = 0.5, kMostSites = 100'000;
+constexpr double kMinInkPerDot = 0.5, kMaxSites = 100'000;
 
 double ink_of(const std::vector<float>& coverage) {
     return std::accumulate(coverage.begin(), coverage.end(), 0.0);
@@ -53,25 +53,25 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 std::size_t default_sites(double ink, double fineness, std::size_t limit) {
     constexpr double kInkPerDot = 8;
     // Dots of 8 pixels blur about as much as averaging over 2 x 2 pixels, so they lose this share of the variance.
-    constexpr double kMostLost = 0.02;
+    constexpr double kMaxLost = 0.02;
     constexpr double kFewest = 4096;
-    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMostSites), ink);
-    const double by_detail = std::min({ink / kInkPerDot * fineness / kMostLost, ink / kLeastInkPerDot, kMostSites});
+    const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMaxSites), ink);
+    const double by_detail = std::min({ink / kInkPerDot * fineness / kMaxLost, ink / kMinInkPerDot, kMaxSites});
     const double sites = std::max(by_ink, by_detail);
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 
 double radius_of_drawing(double pixels, double fineness) {
-    constexpr double kRadius = 3, kPixels = 1e6, kLeastRadius = 1;
-    constexpr double kUsualFineness = 0.06, kMostTimes = 4;
-    const double times = std::clamp(fineness / kUsualFineness, 1.0, kMostTimes);  // factor on the number of dots
-    return std::max(kRadius * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kLeastRadius);
+    constexpr double kRadius = 3, kPixels = 1e6, kMinRadius = 1;
+    constexpr double kUsualFineness = 0.06, kMaxFactor = 4;
+    const double times = std::clamp(fineness / kUsualFineness, 1.0, kMaxFactor);  // factor on the number of dots
+    return std::max(kRadius * std::pow(pixels / kPixels, 0.25) / std::sqrt(times), kMinRadius);
 }
 
 std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit) {
     const double radius = radius_of_drawing(pixels, fineness);
     const double area = std::numbers::pi * radius * radius;
-    const double sites = std::min({ink * scale * scale / area, ink / kLeastInkPerDot, kMostSites});
+    const double sites = std::min({ink * scale * scale / area, ink / kMinInkPerDot, kMaxSites});
     return std::clamp(static_cast<std::size_t>(sites), std::size_t{1}, std::max(limit, std::size_t{1}));
 }
 
@@ -84,7 +84,7 @@ double default_scale(double ink, std::size_t pixels, std::size_t sites) {
     constexpr double kRadius = 3;  // canvas pixels; a binary disc of this radius looks round
     const double radius = std::sqrt(ink / (kPi * static_cast<double>(sites)));
     const double wanted = std::max(1.0, std::ceil(kRadius / std::max(radius, 1e-6)));
-    const double most = std::sqrt(kMostCanvasPixels / static_cast<double>(pixels));
+    const double most = std::sqrt(kMaxCanvasPixels / static_cast<double>(pixels));
     return std::clamp(std::min(wanted, most), 0.1, kLargestScale);
 }
 

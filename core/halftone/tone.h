@@ -59,11 +59,11 @@ std::size_t sites_of_drawing(double ink, double fineness, double scale, double p
 
 /// Largest values of default_scale(), and of the number of canvas pixels at that scale.
 inline constexpr double kLargestScale = 16;
-inline constexpr double kMostCanvasPixels = 16e6;
+inline constexpr double kMaxCanvasPixels = 16e6;
 
 /// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest whole number at
 /// which dots with the picture's mean tone have a radius of at least 3 pixels and thus look round. The number is
-/// limited to kLargestScale and to a canvas of kMostCanvasPixels, but is at least 0.1.
+/// limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
 /// Returns the same, given the number of pixels of the picture.

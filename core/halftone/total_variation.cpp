@@ -2,6 +2,7 @@
 #include "core/halftone/total_variation.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
@@ -73,19 +74,34 @@ private:
             const float* below = row + 1 < rows_ ? here + columns_ : here;
             float *x = dual_x_.data() + first, *y = dual_y_.data() + first;
             float *next_x = ahead_x_.data() + first, *next_y = ahead_y_.data() + first;
-            const auto update = [&](std::size_t c, float right) {
-                const float across = next_x[c] + step * (right - here[c]);
-                const float down = next_y[c] + step * (below[c] - here[c]);
-                const float scale = 1 / std::max(1.0f, std::sqrt(across * across + down * down));
-                const float new_x = scale * across, new_y = scale * down;
-                next_x[c] = new_x + momentum * (new_x - x[c]);
-                next_y[c] = new_y + momentum * (new_y - y[c]);
-                x[c] = new_x;
-                y[c] = new_y;
-            };
-            for (std::size_t c = 0; c + 1 < columns_; ++c) update(c, here[c + 1]);
-            update(columns_ - 1, here[columns_ - 1]);
+            // Loops over short arrays of their own are compiled to vector instructions.
+            constexpr std::size_t kBlock = 64;
+            std::array<float, kBlock> across, down;
+            for (std::size_t begin = 0; begin < columns_; begin += kBlock) {
+                const std::size_t count = std::min(kBlock, columns_ - begin);
+                for (std::size_t i = 0; i < count; ++i) across[i] = -here[begin + i];
+                for (std::size_t i = 0; i + 1 < count; ++i) across[i] += here[begin + i + 1];
+                across[count - 1] += here[std::min(begin + count, columns_ - 1)];
+                for (std::size_t i = 0; i < count; ++i) across[i] = next_x[begin + i] + step * across[i];
+                for (std::size_t i = 0; i < count; ++i)
+                    down[i] = next_y[begin + i] + step * (below[begin + i] - here[begin + i]);
+                for (std::size_t i = 0; i < count; ++i) {
+                    const float scale = 1 / std::max(1.0f, std::sqrt(across[i] * across[i] + down[i] * down[i]));
+                    across[i] *= scale;
+                    down[i] *= scale;
+                }
+                advance(across.data(), count, momentum, x + begin, next_x + begin);
+                advance(down.data(), count, momentum, y + begin, next_y + begin);
+            }
         });
+    }
+
+    /// Sets one component of the dual field, and extrapolates it.
+    static void advance(const float* to, std::size_t count, float momentum, float* dual, float* ahead) {
+        for (std::size_t i = 0; i < count; ++i) {
+            ahead[i] = to[i] + momentum * (to[i] - dual[i]);
+            dual[i] = to[i];
+        }
     }
 
     const std::vector<float>& values_;

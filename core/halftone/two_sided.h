@@ -17,43 +17,46 @@ namespace ccdt {
 /// Options of a halftone with dots on both sides of the tonal scale.
 struct TwoSidedOptions {
     std::optional<std::size_t> sites;  ///< number of dots, >= 1
-    std::optional<double> radius;      ///< of the largest dots, in cells, > 0; one of the two at least
-    double detail = 0;                 ///< in [0, 1]; how far edges are emphasised
-    double least_radius = 0;           ///< radius in cells below which no dot is planned, as far as that is possible
-    std::optional<std::size_t> most = std::nullopt;  ///< number of dots beyond which they are larger than `radius`
+    std::optional<double> radius;      ///< radius of the largest dots, in cells, > 0; required if there is no `sites`
+    double detail = 0;                 ///< strength of the sharpening of edges, in [0, 1]
+    double min_radius = 0;             ///< smallest radius of dots, in cells, unless the largest dots are smaller
+    /// Maximum number of dots. If dots with `radius` would be more, their radius is increased.
+    std::optional<std::size_t> max_sites = std::nullopt;
 };
 
-/// Sums over all cells what dots have to flip: of each cell, the channel of which that is most.
+/// Returns the area that dots have to flip, in cells. In each cell, this is min(c, 1 - c) of the channel c for which it
+/// is largest.
 /// @param light  [channels][cells] in [0, 1]
-double minority_of(std::span<const std::vector<float>> light, Executor& executor = inline_executor());
+double minority_area(std::span<const std::vector<float>> light, Executor& executor = inline_executor());
 
 /// Divides the picture into grounds and plans the dots.
 ///
-/// Areas follow from what an eye sees. A pattern of one kind that covers the share c by dots of density rho has, after
-/// a blur, a contrast of c V exp(-k rho), where V is how far colours are apart in CIELAB per share that is flipped: of
-/// grey the slope of lightness. For a given number of dots the sum of that is least where rho is proportional to
-/// log(1 + c V / mu). So dots are smaller in shadows, where paper is conspicuous, in highlights, and of rare kinds.
+/// The areas of dots make the pattern least visible. Consider dots of one kind with the density rho that cover the
+/// share c. After a blur, their contrast is c V exp(-k rho). Here, V is the visibility: the colour difference in CIELAB
+/// per share that is flipped, or for grey the slope of lightness. For a given number of dots, the sum of the contrast
+/// is least if rho is proportional to log(1 + c V / mu). So dots are smaller in shadows, where paper dots are
+/// conspicuous, in highlights, and for rare kinds.
 ///
 /// @param light  [1 or 3][cells] in [0, 1], linear light
-/// @param stop   asked between steps; a stop ends it early, with nothing of use
-/// Same input, same bytes, on any executor. O(cells).
+/// @param stop   polled between steps; after a stop the result must not be used
+/// Deterministic for any number of threads. O(cells).
 TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGrid& cells,
                             const TwoSidedOptions& options, const std::stop_token& stop = {},
                             Executor& executor = inline_executor());
 
-/// A picture as several inks shall show it.
+/// A picture to be printed in several inks.
 struct InkPicture {
-    std::vector<std::vector<float>> coverage;  ///< [inks][cells] share that each covers, to divide into grounds
-    LightPlanes light;                         ///< what shall be seen
+    std::vector<std::vector<float>> coverage;  ///< [inks][cells] share that each ink covers; determines the grounds
+    LightPlanes light;                         ///< wanted light
 };
 
-/// Plans dots of inks, each of which is a channel: black ground is solid ink.
+/// Plans the dots of inks. Each ink is a channel, and its black ground is solid ink.
 ///
-/// Light that inks let through is that of all inks on each other, so areas that are flipped need not be nested. Each
-/// place has the mixture of its ground and of kinds whose mean colour is nearest to the picture (KindMixture). Of the
-/// kinds, the kMostKindsOfInks are used that cover most.
+/// Inks are printed over each other, so the colour depends on the set of inks at a place, and the flipped areas need
+/// not be nested. At each place, the shares of the kinds are those whose mean colour is nearest to the picture
+/// (KindMixture). Only the kMaxInkKinds kinds with the largest area are used.
 ///
-/// @param inks  1 to kMostInks, of the tone of the picture's light
+/// @param inks  1 to kMaxInks inks, converted to the same tone as the picture's light by toned()
 TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGrid& cells,
                             const TwoSidedOptions& options, const std::stop_token& stop = {},
                             Executor& executor = inline_executor());

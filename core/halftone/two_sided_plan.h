@@ -11,53 +11,55 @@
 
 namespace ccdt {
 
-/// Number of kinds that dots of so many channels may have: each set of channels but the empty one.
+/// Returns the number of possible kinds of dots: the number of non-empty sets of channels.
 constexpr std::size_t kinds_of(std::size_t channels) {
     return (std::size_t{1} << channels) - 1;
 }
 
-/// Channels that dots of a kind flip, as bits.
+/// Returns the channels that dots of a kind flip, as bits.
 constexpr unsigned flips_of(std::size_t kind) {
     return static_cast<unsigned>(kind) + 1;
 }
 
-/// Number of kinds that dots of several inks have at most.
-inline constexpr std::size_t kMostKindsOfInks = 15;
+/// Largest number of kinds that a plan for inks uses.
+inline constexpr std::size_t kMaxInkKinds = 15;
 
-/// Channel of a picture, divided into grounds.
+/// A channel of a picture, divided into grounds.
 struct TwoSidedChannel {
     Ground ground;
-    std::vector<float> light;  ///< [cells] the picture
+    std::vector<float> light;  ///< [cells] light of the picture
     std::vector<float> white;  ///< [cells] share of white ground
 };
 
 /// Dots that flip the same channels.
 struct KindOfDots {
     unsigned flips = 0;          ///< channels, as bits
-    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if there are none
-    std::vector<float> area;     ///< [cells] area of a dot there, in cells
+    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if the kind has no dots
+    std::vector<float> area;     ///< [cells] area of a dot at this position, in cells
     double share = 0;            ///< sum of the densities
 };
 
-/// Plan of a halftone that draws the minority: ink dots on white ground, paper dots on black ground.
+/// Plan of a halftone with ink dots on white ground and paper dots on black ground.
 ///
-/// A grey picture has one channel, its light Y; a picture in colour has three. The ground of each channel is white,
-/// where there is all of its light, or black, where there is none. Ink dots cover 1 - Y of white ground, paper dots
-/// cover Y of black ground. Both are at most about one half: dots hardly ever overlap, and their number times their
-/// area is the tone.
+/// A grey picture has one channel, its light Y; a picture in colour has three. White ground has all light of the
+/// channel, black ground has none. Ink dots cover the share 1 - Y of white ground, and paper dots cover the share Y of
+/// black ground. Both shares are at most about one half, so dots hardly ever overlap, and the tone is the number of
+/// dots multiplied by their area.
 ///
-/// The areas that are flipped in several channels are nested: a place has dots that flip all channels, dots that flip
-/// all but the one that needs least, and dots that flip the one that needs most. So the dots of all kinds together
-/// cover no more than the channel that needs most, and lie apart.
+/// In colour, the flipped areas of the channels are nested. A place has up to three kinds of dots. The first flips all
+/// three channels. The second flips the two channels with the larger flipped areas. The third flips the channel with
+/// the largest flipped area. So the dots of all kinds together cover only the largest of the three areas, and do not
+/// overlap.
 struct TwoSidedPlan {
     CellGrid cells;
     std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue; or one for each ink
-    std::vector<KindOfDots> kinds;          ///< by what they flip
-    double dots = 0;        ///< number of dots of these areas that give the picture its tone; 0: the ground says all
-    double radius = 0;      ///< of the largest dots, in cells
-    bool is_nested = true;  ///< the areas that channels flip are nested; else kinds lie side by side in any mixture
-    std::vector<std::array<float, 3>> colours;  ///< [2^channels] light of each set of inks, if light is fitted
-    LightPlanes wanted;                         ///< [cells] light of the picture, if it is fitted
+    std::vector<KindOfDots> kinds;          ///< sorted by `flips`
+    double dots = 0;        ///< number of dots that reproduce the tone with these areas; 0: the ground alone does
+    double radius = 0;      ///< radius of the largest dots, in cells
+    bool is_nested = true;  ///< whether the flipped areas of the channels are nested; false: kinds mix in any shares
+    /// [2^channels] Light of each set of inks; empty if fit_light() is not used.
+    std::vector<std::array<float, 3>> colours;
+    LightPlanes wanted;  ///< [cells] light of the picture; empty if fit_light() is not used
 };
 
 /// Returns the channels whose ground is black in the larger part of a cell, as bits.

@@ -43,11 +43,18 @@ Visibility::Visibility(std::span<const float> light) : channels_(light.size()) {
 }
 
 float Visibility::of(unsigned flips, unsigned white) const {
-    std::array<float, 3> change{};
-    for (std::size_t c = 0; c < channels_; ++c) {
-        if ((flips >> c & 1) != 0) change[c] = (white >> c & 1) != 0 ? -1.0f : 1.0f;
+    const auto change = [&](std::size_t c) {
+        if ((flips >> c & 1) == 0) return 0.0f;
+        return (white >> c & 1) != 0 ? -1.0f : 1.0f;
+    };
+    if (channels_ == 1) return std::abs(change(0)) * slopes_[0][0];
+    const float red = change(0), green = change(1), blue = change(2);
+    float sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const float part = red * slopes_[0][k] + green * slopes_[1][k] + blue * slopes_[2][k];
+        sum += part * part;
     }
-    return of(change);
+    return std::sqrt(sum);
 }
 
 float Visibility::of(const std::array<float, 3>& change) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace ccdt {
@@ -143,10 +144,12 @@ void number_along_sites(Triangulation& mesh) {
 
 }  // namespace
 
-void mark_inside(Triangulation& mesh, std::span<const ConstrainedDelaunay::Branch> branches) {
+Triangulation mesh_of_border(std::size_t sites, const ConstrainedDelaunay& border) {
+    Triangulation mesh(sites, border);
     mark_outside(mesh);
-    separate(mesh, branches);
+    separate(mesh, border.branches);
     mark_parts(mesh);
+    return mesh;
 }
 
 std::vector<std::array<Point, 3>> inside_triangles(const Triangulation& mesh, std::uint32_t part) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/geometry/delaunay.h"
@@ -12,10 +12,12 @@
 
 namespace ccdt {
 
-/// Marks the triangles outside the domain, gives each sector of the inside its own vertices, and numbers the connected
-/// parts. For a mesh of the border's vertices.
-/// @param branches  as triangulate() returns them
-void mark_inside(Triangulation& mesh, std::span<const ConstrainedDelaunay::Branch> branches);
+/// Returns the mesh of a domain's border, into which sites can be inserted. Marks the triangles outside the domain,
+/// gives each sector of the inside its own vertices, and numbers the connected parts.
+/// @param sites   number of sites to be inserted
+/// @param border  triangulation of the border's vertices; its segments are the border itself, with the inside on their
+///                left
+Triangulation mesh_of_border(std::size_t sites, const ConstrainedDelaunay& border);
 
 /// Returns the corners of the triangles inside the domain, or inside one part of it. Only before trim().
 std::vector<std::array<Point, 3>> inside_triangles(const Triangulation& mesh,

@@ -4,8 +4,6 @@
 #include <atomic>
 #include <utility>
 
-#include "core/mesh/inside.h"
-
 namespace ccdt {
 
 void Triangulation::fix_last(std::size_t count) {
@@ -33,7 +31,6 @@ Triangulation::Triangulation(std::size_t sites, const ConstrainedDelaunay& borde
             triangle.twins[i] = edge(first + neighbour, other[0] == end ? 0 : other[1] == end ? 1 : 2);
         }
     }
-    mark_inside(*this, border.branches);
 }
 
 Triangulation::Triangulation(std::size_t sites, Point period)

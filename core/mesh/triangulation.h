@@ -43,11 +43,9 @@ class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// @param sites   number of sites to be inserted; the sites come first in the numbering, then the points of the
-    ///                border
-    /// @param border  triangulation of the border's vertices; its segments are the border itself, with the inside on
-    ///                their left. At a place with several separate sectors of the inside, each sector has its own
-    ///                vertex.
+    /// Copies a triangulation. Use mesh_of_border() to build the mesh of a domain.
+    /// @param sites  number of sites to be inserted; the sites come first in the numbering, then the points of the
+    /// border
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Starts the triangulation of a torus.

@@ -77,7 +77,7 @@ ROWS = [
                     f"sum(rate(ccdt_http_requests_total{{{NOT_PROBES}}}[]))"}, red_from=0.05, at_most=1),
         number("Queue", "How full the fullest queue is.", "percentunit",
                {"": "max(ccdt_queue_requests / ccdt_queue_capacity_requests)"}, red_from=0.8, at_most=1),
-        number("Longest overdue", "How long a worker has continued after it was told to stop.", "s",
+        number("Longest overdue", "Longest time that a worker has continued after a request to stop.", "s",
                {"": "max(ccdt_workers_overdue_seconds)"}, red_from=10),
         number("Up since", "Time since the last start of a server.", "s",
                {"": "time() - max(process_start_time_seconds)"}),
@@ -86,8 +86,8 @@ ROWS = [
         chart("Requests by route", "Requests answered per second, of any status.", "reqps",
               {"{{route}}": "sum by (route) (rate(ccdt_http_requests_total[]))"}),
         chart("Answers other than 200",
-              "Answers per second by status. 429 is a full queue or a rate limit, 499 a client "
-              "that left.", "reqps",
+              "Answers per second by status. 429 means a full queue or a rate limit, 499 a client "
+              "that disconnected.", "reqps",
               {"{{status}}": 'sum by (status) (rate(ccdt_http_requests_total{status!~"2.."}[]))'}),
         chart("Cancelled", "Cancelled computations and waits per second, by cause.", "reqps",
               {"{{cause}}": "sum by (cause) (rate(ccdt_cancellations_total[]))"}),
@@ -116,7 +116,7 @@ ROWS = [
               "Age of the oldest request in the queue, and time until all waiting requests will be done.",
               "s", {"{{instance}}, oldest": "ccdt_queue_oldest_seconds",
                     "{{instance}}, backlog": "ccdt_queue_backlog_seconds"}, red_from=30),
-        chart("Overdue", "How long the slowest worker has continued after it was told to stop.", "s",
+        chart("Overdue", "Longest time that a worker has continued after a request to stop.", "s",
               {"{{instance}}": "ccdt_workers_overdue_seconds"}, red_from=10),
         chart("Crashes",
               "Crashes of decoders and of computations, and restarts of the processes that start them, in five "
@@ -133,14 +133,14 @@ ROWS = [
               "used at once.", "short",
               {"{{instance}}, lent": "ccdt_computation_threads_lent",
                "{{instance}}, used": "rate(ccdt_computation_threads_sum[]) / rate(ccdt_computation_threads_count[])"}),
-        chart("Cores that compute", "Mean number of cores. The time of an answer counts when it is done.", "short",
+        chart("Cores that compute", "Mean number of cores. The time of a computation is counted when it ends.", "short",
               {"{{instance}}": "rate(ccdt_computation_cpu_seconds_total[])"}),
     ]),
     ("Jobs and cached answers", 4, [
         chart("Jobs",
-              "Jobs that have not ended, of all servers that share them, or of the server with most jobs.", "short",
+              "Unfinished jobs: of all servers if they share jobs, otherwise of the server with the most.", "short",
               {"{{status}}": "max by (status) (ccdt_jobs)"}),
-        chart("Ended jobs", "Jobs per minute by how they ended.", "cpm",
+        chart("Ended jobs", "Finished jobs per minute, by final status.", "cpm",
               {"{{status}}": "60 * sum by (status) (rate(ccdt_jobs_ended_total[]))"}),
         chart("Stored bytes", "Bytes of jobs, their limit, and bytes of cached answers.", "bytes",
               {"{{instance}}, jobs": "ccdt_job_store_bytes",
@@ -151,9 +151,9 @@ ROWS = [
                                "(rate(ccdt_cache_hits_total[]) + rate(ccdt_cache_misses_total[]))"}, at_most=1),
     ]),
     ("Servers that share a Redis", 4, [
-        chart("Calls of Redis", "Calls per second by their use.", "ops",
+        chart("Calls of Redis", "Calls per second, by purpose.", "ops",
               {"{{use}}": "sum by (use) (rate(ccdt_redis_calls_total[]))"}),
-        chart("Time of a call", "Mean time of a call: long if Redis is slow or far away.", "s",
+        chart("Time of a call", "Mean time of a call. It is long if Redis is slow or far away.", "s",
               {"{{use}}": "sum by (use) (rate(ccdt_redis_seconds_total[])) / "
                           "sum by (use) (rate(ccdt_redis_calls_total[]))"}),
         chart("Failed calls",

@@ -14,14 +14,14 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kLongestKey = 256;
-constexpr std::size_t kLongestName = 64;
+constexpr std::size_t kMaxKeyLength = 256;
+constexpr std::size_t kMaxNameLength = 64;
 constexpr std::string_view kBlanks = " \t\r";
 
 /// Compares in constant time: the time reveals neither where two keys differ nor how long the real one is.
 bool is_same(std::string_view real, std::string_view shown) {
     unsigned difference = real.size() == shown.size() ? 0 : 1;
-    for (std::size_t i = 0; i < kLongestKey; ++i) {
+    for (std::size_t i = 0; i < kMaxKeyLength; ++i) {
         const char a = i < real.size() ? real[i] : '\0';
         const char b = i < shown.size() ? shown[i] : '\0';
         difference |= static_cast<unsigned>(static_cast<unsigned char>(a ^ b));
@@ -30,12 +30,13 @@ bool is_same(std::string_view real, std::string_view shown) {
 }
 
 bool is_key(std::string_view text, std::size_t shortest) {
-    return text.size() >= shortest && text.size() <= kLongestKey &&
+    return text.size() >= shortest && text.size() <= kMaxKeyLength &&
            std::ranges::all_of(text, [](char c) { return c > ' ' && c < 0x7f; });
 }
 
 std::string wanted_key(std::size_t shortest) {
-    return "a key must have " + std::to_string(shortest) + " to " + std::to_string(kLongestKey) + " visible characters";
+    return "a key must have " + std::to_string(shortest) + " to " + std::to_string(kMaxKeyLength) +
+           " visible characters";
 }
 
 tl::unexpected<Error> wrong_line(std::size_t number, const std::string& why) {
@@ -52,7 +53,7 @@ Result<KeyRing> KeyRing::parse(std::string_view text, std::size_t shortest) {
         const auto separator = std::min(line.find_first_of(": \t"), line.size());
         const auto name = line.substr(0, separator);
         const auto key = api::trim(line.substr(std::min(separator + 1, line.size())), kBlanks);
-        if (!api::is_plain_name(name, kLongestName))
+        if (!api::is_plain_name(name, kMaxNameLength))
             return wrong_line(number, "a name must have 1 to 64 letters, digits, dots or dashes");
         if (!is_key(key, shortest)) return wrong_line(number, wanted_key(shortest));
         if (ring.find(key).value_or(std::string(name)) != name)

@@ -15,19 +15,19 @@ namespace ccdt::server {
 /// The keys that clients may use.
 class KeyRing {
 public:
-    static constexpr std::size_t kShortestKey = 16;
+    static constexpr std::size_t kMinKeyLength = 16;
 
     /// Parses lines of `name:key` or `name key`. Empty lines and lines that begin with # are ignored. A name may have
     /// several keys, so that a key can be replaced while the old one is still valid.
     /// Errors (Malformed): a line of any other form, a key of fewer than `shortest` or more than 256 characters, a key
     /// with two names, no key at all. The message names the line, never the key.
-    static Result<KeyRing> parse(std::string_view text, std::size_t shortest = kShortestKey);
+    static Result<KeyRing> parse(std::string_view text, std::size_t shortest = kMinKeyLength);
 
     /// Errors: those of parse(); Unusable if the file cannot be read.
-    static Result<KeyRing> read(const std::string& file, std::size_t shortest = kShortestKey);
+    static Result<KeyRing> read(const std::string& file, std::size_t shortest = kMinKeyLength);
 
     /// Makes a ring of one key. Errors: those of parse(), without a line number.
-    static Result<KeyRing> of(std::string name, std::string key, std::size_t shortest = kShortestKey);
+    static Result<KeyRing> of(std::string name, std::string key, std::size_t shortest = kMinKeyLength);
 
     /// Finds the name of a key; none if it is unknown. The time taken depends neither on the keys nor on how much of
     /// `key` is correct.

@@ -240,8 +240,8 @@ private:
 
     /// Tells the process to stop, and sets a time limit for that.
     void pass_on_stop(const Call& call) {
-        eventfd_t read_away = 0;
-        eventfd_read(stopped_.get(), &read_away);
+        eventfd_t discarded = 0;
+        eventfd_read(stopped_.get(), &discarded);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
         if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
         const auto& [limits, to_stop, to_leave] = box_.options_;
@@ -253,15 +253,13 @@ private:
     /// the end of the process.
     void take_event() {
         Order order;
-        std::array<UniqueFd, 3> files;
+        Order::Files files;
         const std::size_t size = receive_message(process_.events.get(), writable_bytes_of(order.text), files);
         if (size == sizeof(ChildEnd)) {
             std::memcpy(static_cast<void*>(&death_.emplace()), &order.text, sizeof(ChildEnd));
         }
         if (size != sizeof(order.text)) return;
-        order.file = std::move(files[0]);
-        order.reply = std::move(files[1]);
-        order.outcome = std::move(files[2]);
+        order.take(std::move(files));
         box_.relay_(order, control_.stop);
     }
 

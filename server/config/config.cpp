@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "api/text/text.h"
-#include "server/config/memory_plan.h"
+#include "server/config/memory_shares.h"
 #include "server/http/hosts.h"
 #include "server/processes/process.h"
 
@@ -24,7 +24,7 @@ constexpr std::size_t kQueuePerWorker = 16;
 constexpr std::size_t kSpareConnections = 512;
 
 /// Additional connections for health checks and metrics when all others are taken.
-constexpr std::size_t kLeastReserve = 16;
+constexpr std::size_t kMinReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
 /// Bytes that jobs may take on disk or in Redis.
@@ -417,7 +417,7 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     draft.config.queue = draft.queue.value_or(kQueuePerWorker * draft.config.workers);
     auto& capacity = draft.config.capacity;
     capacity.connections = draft.connections.value_or(kSpareConnections + draft.config.workers + draft.config.queue);
-    capacity.reserve = std::max(kLeastReserve, capacity.connections / kConnectionsPerReserved);
+    capacity.reserve = std::max(kMinReserve, capacity.connections / kConnectionsPerReserved);
     draft.config.memory = draft.memory ? *draft.memory : available_memory() / 2;
     const MemoryShares shares = share_memory(draft.config.memory, draft.config.max_body);
     capacity.bytes = shares.transfers;

@@ -12,7 +12,7 @@
 
 #include "api/run/options.h"
 #include "core/result.h"
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 #include "server/access/rate_limiter.h"
 #include "server/http/capacity.h"
 #include "server/http/connection.h"
@@ -50,7 +50,7 @@ struct Config {
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     std::string api_key_file;                                   ///< empty: no key is needed
     std::string pictures;                                       ///< folder of pictures requested by name; empty: none
-    Gate::SigningKeys signing;                                  ///< empty: pictures by name need no signature
+    AccessControl::SigningKeys signing;                         ///< empty: pictures by name need no signature
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
     LogFormat log_format = LogFormat::Text;
 };

@@ -9,21 +9,22 @@ namespace {
 
 /// Descriptors of the server itself: its programs, the log, the listening socket, the database of jobs. An idle server
 /// has 12 to 14; each computation takes three more.
-constexpr std::size_t kOwn = 32;
-constexpr std::size_t kPerComputation = 4;
+constexpr std::size_t kServerDescriptors = 32;
+constexpr std::size_t kDescriptorsPerComputation = 4;
 
 /// Maximum of connections to one Redis, including one for notifications.
-constexpr std::size_t kPerRedis = 17;
+constexpr std::size_t kDescriptorsPerRedis = 17;
 
 /// Minimum number of connections of a useful server, unless its flags set lower limits.
-constexpr std::size_t kLeastConnections = 16;
-constexpr std::size_t kLeastReserve = 8;
-constexpr std::size_t kLeastStreams = 4;
-constexpr std::size_t kLeastRefused = 4;
+constexpr std::size_t kMinConnections = 16;
+constexpr std::size_t kMinReserve = 8;
+constexpr std::size_t kMinStreams = 4;
+constexpr std::size_t kMinRefused = 4;
 
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
-    return kOwn + kPerComputation * (config.workers + 1) + kPerRedis * redis;  // one more for short requests
+    return kServerDescriptors + kDescriptorsPerComputation * (config.workers + 1) +
+           kDescriptorsPerRedis * redis;  // one more for short requests
 }
 
 std::size_t connections_of(const Capacity::Limits& limits) {
@@ -31,10 +32,10 @@ std::size_t connections_of(const Capacity::Limits& limits) {
 }
 
 Capacity::Limits least(Capacity::Limits limits) {
-    limits.connections = std::min(limits.connections, kLeastConnections);
-    limits.reserve = std::min(limits.reserve, kLeastReserve);
-    limits.streams = std::min(limits.streams, kLeastStreams);
-    limits.refused = std::min(limits.refused, kLeastRefused);
+    limits.connections = std::min(limits.connections, kMinConnections);
+    limits.reserve = std::min(limits.reserve, kMinReserve);
+    limits.streams = std::min(limits.streams, kMinStreams);
+    limits.refused = std::min(limits.refused, kMinRefused);
     return limits;
 }
 

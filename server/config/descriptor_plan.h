@@ -11,7 +11,7 @@ namespace ccdt::server {
 /// Shares of the file descriptors that the server may open (`ulimit -n`).
 struct DescriptorPlan {
     std::size_t allowed = 0;    ///< limit of the process
-    std::size_t wanted = 0;     ///< needed for all connections that the flags allow
+    std::size_t wanted = 0;     ///< number needed for all connections that the flags allow
     Capacity::Limits capacity;  ///< the limits of the flags or, if they do not fit, proportionally lower ones
 
     bool fits() const { return wanted <= allowed; }

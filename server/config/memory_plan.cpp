@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/config/memory_plan.h"
 
-#include <algorithm>
 #include <string>
 
 namespace ccdt::server {
@@ -9,18 +8,9 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Minimum memory for bodies and answers in transfer. With less, a single large answer would shrink all time-outs.
-constexpr std::size_t kTransfers = 256 * kMebibyte;
-constexpr std::size_t kBodiesAtOnce = 4;
-constexpr std::size_t kMemoryPerTransferred = 4;
-
-constexpr std::size_t kCache = 64 * kMebibyte;
-constexpr std::size_t kJobs = 256 * kMebibyte;
-constexpr std::size_t kMemoryPerKept = 16;  ///< the cache and the jobs each get the memory divided by this
-
 constexpr std::size_t kOthers = 160 * kMebibyte;  ///< idle decoder processes (70 MiB) and threads created later
 constexpr std::size_t kProcess = 4 * kMebibyte;   ///< an idle computation process
-constexpr std::size_t kLeast = 192 * kMebibyte;
+constexpr std::size_t kMinForComputations = 192 * kMebibyte;
 
 std::string mebibytes(std::size_t bytes) {
     return std::to_string(bytes / kMebibyte) + " MiB";
@@ -28,19 +18,14 @@ std::string mebibytes(std::size_t bytes) {
 
 }  // namespace
 
-MemoryShares share_memory(std::size_t memory, std::size_t max_body) {
-    return {std::min(std::max(kTransfers, kBodiesAtOnce * max_body), memory / kMemoryPerTransferred),
-            std::min(kCache, memory / kMemoryPerKept), std::min(kJobs, memory / kMemoryPerKept)};
-}
-
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident) {
     const std::size_t kept = config.data_dir.empty() && !config.redis ? config.jobs.bytes : 0;
     const std::size_t processes = (config.workers + 2) * kProcess;  // one more for short requests, and the fork server
     const std::size_t taken = resident + kOthers + processes + config.capacity.bytes + config.cache + kept;
-    if (config.memory < taken + kLeast)
+    if (config.memory < taken + kMinForComputations)
         return failure(ErrorCode::Malformed, "a memory of " + mebibytes(config.memory) +
                                                  " leaves too little to compute with: at least " +
-                                                 mebibytes(taken + kLeast) + " are needed (--memory)");
+                                                 mebibytes(taken + kMinForComputations) + " are needed (--memory)");
     const std::size_t total = config.memory - taken;
     return ComputeMemory{total, total / 4 * 3, total / 4};
 }

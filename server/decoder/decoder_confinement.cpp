@@ -44,10 +44,10 @@ int error_of(bool done) {
 /// Changes the user and the group from root to nobody.
 void leave_root(Confinement& confinement) {
     if (geteuid() != 0) return;
-    const bool left = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
-                      setresuid(kNobody, kNobody, kNobody) == 0;
-    confinement.error(Layer::User) = error_of(left);
-    if (left) confinement.user = kNobody;
+    const bool dropped = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
+                         setresuid(kNobody, kNobody, kNobody) == 0;
+    confinement.error(Layer::User) = error_of(dropped);
+    if (dropped) confinement.user = kNobody;
 }
 
 /// Empties the capability bounding set, which limits what a process can gain by executing a program. Failures are

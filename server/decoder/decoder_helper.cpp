@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/decoder/decoder_helper.h"
 
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstddef>
@@ -13,20 +11,17 @@
 #include <string_view>
 #include <system_error>
 #include <utility>
-#include <vector>
 
 #include <fcntl.h>
-#include <poll.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "server/decoder/decoder_confinement.h"
 #include "server/decoder/decoder_protocol.h"
-#include "server/processes/child_program.h"
+#include "server/processes/forked_children.h"
 #include "server/processes/messages.h"
 #include "server/processes/signals.h"
 
@@ -35,8 +30,6 @@ namespace {
 
 constexpr int kServerGone = 0;
 constexpr int kFailed = 1;
-
-constexpr int kQuiet = 5;  ///< in milliseconds; if nothing happens for so long, probably nobody waits for a child
 
 /// Makes the calling process end when its parent ends, or now if the parent has ended already.
 void follow(pid_t parent) {
@@ -65,103 +58,65 @@ bool leave_files_of_server(int orders) {
     return null >= 0 && dup2(proc, kProc) == kProc && leave_files(kOrders);
 }
 
+void report(const UniqueFd& outcome, const Outcome& reported) {
+    send(outcome.get(), &reported, sizeof(reported), MSG_NOSIGNAL | MSG_DONTWAIT);
+}
+
+void report_end(const UniqueFd& outcome, int status) {
+    const bool too_slow = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+    report(outcome, {.ended = 1, .too_slow = too_slow ? 1 : 0});
+}
+
 class Helper {
 public:
     Helper(const Decoder& decoder, const Sandbox& sandbox)
-        : decoder_(decoder), sandbox_(sandbox), deaths_(watch_children()) {}
+        : decoder_(decoder), sandbox_(sandbox), children_(UniqueFd(kOrders), report_end) {}
 
     /// Carries out orders until the server has ended.
     void run() {
         while (true) {
-            const bool quiet = !wait();
-            reap();
-            if (spare_.process == 0 && (quiet || children_.empty())) fork_spare();
-            for (Child& child : children_) end_if_unwanted(child);
-            if (!is_ready(kOrders)) continue;
-            auto order = receive_order(kOrders);
-            if (!order) return;
-            start(*std::move(order));  // also closes the descriptors of the order, which another child must not inherit
+            Order order;  // closed before the next one, because another child must not inherit its files
+            auto files = children_.wait_for_order(writable_bytes_of(order.text), [this] { fork_spare(); });
+            if (!files) return;
+            order.take(*std::move(files));
+            if (order.outcome) start(std::move(order));
         }
     }
 
 private:
-    struct Child {
-        pid_t process = 0;
-        UniqueFd socket;  ///< to the process that waits for the result; for a spare: to send it an order
+    /// A child that waits for an order.
+    struct Spare {
+        pid_t process = 0;  ///< 0: none
+        UniqueFd socket;    ///< sends it an order
     };
 
-    /// Waits for an order, for the end of a child, or until nobody waits for the result of a child any more.
-    /// @returns  false if none of this happened for kQuiet milliseconds; if there is a spare, the wait has no limit
-    bool wait() {
-        polled_.assign({{kOrders, POLLIN, 0}, {deaths_.get(), POLLIN, 0}});
-        for (const Child& child : children_) polled_.push_back({child.socket.get(), POLLIN, 0});
-        return poll(polled_.data(), polled_.size(), spare_.process == 0 ? kQuiet : -1) != 0;
-    }
-
-    bool is_ready(int fd) const {
-        const auto found = std::ranges::find(polled_, fd, &pollfd::fd);
-        return found != polled_.end() && found->revents != 0;
-    }
-
-    void reap() {
-        signalfd_siginfo read_away;
-        while (read(deaths_.get(), &read_away, sizeof(read_away)) > 0) {
-        }
-        int status = 0;
-        for (pid_t process = 0; (process = waitpid(-1, &status, WNOHANG)) > 0;) {
-            const auto child = std::ranges::find(children_, process, &Child::process);
-            if (process == spare_.process) spare_ = {};
-            if (child == children_.end()) continue;
-            const bool too_slow = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
-            report(child->socket, {.ended = 1, .too_slow = too_slow ? 1 : 0});
-            children_.erase(child);
-        }
-    }
-
-    /// Kills a child whose result nobody waits for any more. The child has not been reaped yet, so no other process can
-    /// have its id.
-    void end_if_unwanted(Child& child) const {
-        if (!child.socket || !is_ready(child.socket.get())) return;
-        kill(child.process, SIGKILL);
-        child.socket.reset();
-    }
-
-    static void report(const UniqueFd& outcome, Outcome told) {
-        if (outcome) send(outcome.get(), &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
-    }
-
-    /// Forks a spare: the child for the next order. This is done before the order arrives and while nobody waits,
-    /// because forking a program with so many libraries takes longer than everything else in this class.
+    /// Forks a spare, unless there is one: the child for the next order. This is done before the order arrives and
+    /// while nobody waits, because forking a program with so many libraries takes longer than everything else in this
+    /// class.
     void fork_spare() {
-        std::array<int, 2> ends{};
-        if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) return;
-        UniqueFd ours(ends[0]);
-        const UniqueFd theirs(ends[1]);
+        if (spare_.process != 0) return;
+        auto sockets = make_sockets(SOCK_SEQPACKET);
+        if (!sockets) return;
         const pid_t self = getpid();
-        const pid_t process = fork();
+        const pid_t process = children_.fork();
         if (process == 0) {
             follow(self);
-            do_order(theirs.get());
+            do_order(sockets->theirs.get());
         }
-        if (process > 0) spare_ = {process, std::move(ours)};
+        if (process > 0) spare_ = {process, std::move(sockets->ours)};
     }
 
     void start(Order order) {
-        if (order.probe) return answer_probe(order.probe);
-        if (!order.outcome) return;
-        if (spare_.process == 0) fork_spare();
+        fork_spare();
         if (spare_.process == 0) return report(order.outcome, {.fork_error = errno, .ended = 1});
         // If the spare was killed, the order cannot be sent. It is then lost, and DecoderClient repeats it.
-        if (send_order(spare_.socket.get(), order)) children_.push_back({spare_.process, std::move(order.outcome)});
+        if (send_order(spare_.socket.get(), order)) children_.add(spare_.process, std::move(order.outcome));
         spare_ = {};
     }
 
     /// Waits for an order and carries it out. Called in the child.
     [[noreturn]] void do_order(int orders) const {
         prctl(PR_SET_NAME, "decoder");
-        sigset_t none;
-        sigemptyset(&none);
-        sigprocmask(SIG_SETMASK, &none, nullptr);
         if (!leave_files(orders)) _exit(kFailed);
         auto order = receive_order(kOrders);
         if (!order || !order->outcome) _exit(kFailed);
@@ -180,9 +135,8 @@ private:
 
     /// Reports why nothing can be decoded, as errno, and ends the process. The picture is not the cause. Called in the
     /// child.
-    [[noreturn]] static void fail(int outcome) {
-        const Outcome told{.fork_error = errno, .ended = 1};
-        send(outcome, &told, sizeof(told), MSG_NOSIGNAL | MSG_DONTWAIT);
+    [[noreturn]] static void fail(const UniqueFd& outcome) {
+        report(outcome, {.fork_error = errno, .ended = 1});
         _exit(kFailed);
     }
 
@@ -216,11 +170,11 @@ private:
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
         const auto size = static_cast<std::size_t>(order.text.bytes);
         void* const file = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, order.file.get(), 0);
-        if (!reply || (size > 0 && file == MAP_FAILED)) fail(order.outcome.get());
+        if (!reply || (size > 0 && file == MAP_FAILED)) fail(order.outcome);
         const bool moved = dup2(order.outcome.get(), STDOUT_FILENO) == STDOUT_FILENO;
         if (!moved || close_range(STDERR_FILENO + 1, ~0U, 0) != 0) _exit(kFailed);
         const std::size_t mapped = size + Reply::size(static_cast<std::size_t>(order.text.max_size));
-        if (!sandbox_.enter(order.text.limits, mapped)) fail(STDOUT_FILENO);
+        if (!sandbox_.enter(order.text.limits, mapped)) fail(UniqueFd(STDOUT_FILENO));
         const std::string_view bytes(size > 0 ? static_cast<const char*>(file) : "", size);
         const Outcome done;
         if (!decode_bytes(bytes, order.text) || write(STDOUT_FILENO, &done, sizeof(done)) < 0) _exit(kFailed);
@@ -229,10 +183,8 @@ private:
 
     const Decoder& decoder_;
     const Sandbox& sandbox_;
-    const UniqueFd deaths_;
-    std::vector<Child> children_;
-    Child spare_;  ///< a child that waits for an order; process 0: there is none
-    std::vector<pollfd> polled_;
+    ForkedChildren children_;
+    Spare spare_;
 };
 
 /// Waits for all children, and ends with the exit status of the helper. The helper is the first child to end except the

@@ -99,18 +99,17 @@ bool send_order(int socket, const Order& order) {
     return send_message(socket, bytes_of(order.text), files);
 }
 
+void Order::take(Files files) {
+    file = std::move(files[0]);
+    reply = std::move(files[1]);
+    outcome = std::move(files[2]);
+}
+
 std::optional<Order> receive_order(int socket) {
     Order order;
-    std::array<UniqueFd, 3> files;
-    const std::size_t size = receive_message(socket, writable_bytes_of(order.text), files);
-    if (size == 0) return std::nullopt;
-    if (size == kProbeSize) {
-        order.probe = std::move(files[0]);
-        return order;
-    }
-    order.file = std::move(files[0]);
-    order.reply = std::move(files[1]);
-    order.outcome = std::move(files[2]);
+    Order::Files files;
+    if (receive_message(socket, writable_bytes_of(order.text), files) == 0) return std::nullopt;
+    order.take(std::move(files));
     return order;
 }
 

@@ -45,9 +45,13 @@ struct Order {
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;       ///< memory made by ReplyMemory or ReplyText
-    UniqueFd outcome;     ///< socket for Outcomes; once its other end is closed, nobody waits for the child
-    UniqueFd probe = {};  ///< socket for the reply to a probe; set only if the message was a probe, not an order
+    UniqueFd reply;    ///< memory made by ReplyMemory or ReplyText
+    UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed, nobody waits for the child
+
+    using Files = std::array<UniqueFd, 3>;
+
+    /// Takes the files of a message in the order in which send_order() sends them.
+    void take(Files files);
 };
 
 /// Reports about an order. The child reports that it has begun, and then that its reply is written. The helper reports

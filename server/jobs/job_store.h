@@ -151,7 +151,7 @@ public:
     /// @param result  bytes received so far
     static tl::unexpected<Error> no_space_for(std::size_t result) {
         return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
-                                                     " bytes, for which there is no room (job-bytes)");
+                                                     " bytes, for which there is no space (job-bytes)");
     }
 
     /// Bytes of a request.

@@ -2,62 +2,32 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <map>
-#include <memory>
-#include <mutex>
 #include <optional>
-#include <stop_token>
 #include <string>
 #include <string_view>
-#include <thread>
-#include <utility>
-#include <vector>
 
-#include "core/ccdt/ccdt.h"
-#include "core/result.h"
-#include "server/http/http.h"
 #include "server/http/problem.h"
+#include "server/jobs/followed_jobs.h"
 #include "server/jobs/job.h"
 #include "server/jobs/job_limits.h"
+#include "server/jobs/job_runner.h"
 #include "server/jobs/job_store.h"
 #include "server/work/computation.h"
 #include "server/work/worker_pool.h"
 
 namespace ccdt::server {
 
-/// A finished job, for the log and the metrics.
-struct JobEnd {
-    Job job;
-    Stages stages;
-    std::optional<Computed> computed;
-    std::string cause;  ///< cause of an internal failure
-};
-
-/// Runs jobs: requests whose clients do not wait.
+/// Jobs: requests whose clients do not wait.
 ///
-/// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. A job waits in the
-/// queue of the store, which is fair between clients. When the job is next and the pool can accept it, the job is
-/// claimed and passed to the pool. In the pool, jobs compete with requests whose clients wait. With several workers,
-/// fewer jobs than workers are in the pool at a time, so that jobs cannot occupy all workers. If servers share a store,
-/// each runs the jobs that it has claimed, and answers requests about all jobs.
-///
-/// A job may run for `timeout`, and is deleted `ttl` after its end. Thread-safe.
+/// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. If servers share a
+/// store, each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run
+/// for `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
-    struct Followed;
-
 public:
     using Clock = std::chrono::steady_clock;
-    using Logger = std::function<void(const JobEnd&)>;
-
-    /// Events of this server's runs.
-    struct Counts {
-        std::uint64_t lost = 0;      ///< runs given up because another server had claimed the job
-        std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
-    };
+    using Logger = JobRunner::Logger;
+    using Counts = JobRuns::Counts;
 
     /// @param survives  whether the store outlives the process; if so, unfinished jobs are left to the next process
     /// The references must outlive this object. The store must have no other listener.
@@ -70,7 +40,7 @@ public:
     Jobs& operator=(const Jobs&) = delete;
 
     /// Starts to run jobs, including those already in the store.
-    void start();
+    void start() { runner_.start(); }
 
     /// Whether a job submitted by this client would be refused now.
     bool is_full(std::string_view client) const;
@@ -99,139 +69,36 @@ public:
     /// Cancels a job that has not ended, or deletes one that has.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
 
+    using Watch = JobWatch;
+
     /// Follows a job's progress.
-    class Watch {
-    public:
-        /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last
-        /// one the end. If another server runs the job, some iterations may be skipped.
-        /// @returns  none if there is no new state by `until`
-        std::optional<Job> next(Clock::time_point until);
-
-        /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
-        void look_again();
-
-        /// Whether there will be no further states: the job has ended or no longer exists.
-        bool is_over() const { return over_; }
-
-    private:
-        friend class Jobs;
-        Watch(const Jobs& jobs, std::shared_ptr<Followed> job) : jobs_(jobs), job_(std::move(job)) {}
-
-        const Jobs& jobs_;
-        const std::shared_ptr<Followed> job_;
-        std::optional<std::size_t> seen_;  ///< number of iterations
-        bool over_ = false;
-    };
-    HttpResult<Watch> watch(const std::string& id, const std::string& owner) const;
+    HttpResult<Watch> watch(const std::string& id, const std::string& owner);
 
     /// Stops all runs, and returns at once. If the store survives, unfinished jobs are left to the next process or to
     /// other servers. Otherwise unfinished jobs fail, and no more jobs are accepted.
-    void drain();
-    bool is_draining() const;
+    void drain() { runner_.drain(); }
+    bool is_draining() const { return runner_.is_draining(); }
 
     /// Counts the jobs of all servers that share the store; none if the store cannot be reached.
     std::optional<JobStore::Load> load() const;
-    Counts counts() const;
+    Counts counts() const { return runner_.counts(); }
 
 private:
-    /// Why a run is stopped.
-    enum class Stop { None, Deadline, Shutdown, Gone };
-
-    /// The end of a job, to be stored.
-    struct End {
-        std::string result;
-        JobEnd summary;
-        JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
-    };
-    class ResultWriter;
-
-    /// A job that this server has claimed.
-    struct Run {
-        Job job;
-        std::optional<WorkerPool::JobId> pool_id;  ///< id of the job in the pool; none: not in the pool
-        std::optional<Clock::time_point> deadline;
-        Stop stop = Stop::None;
-        std::stop_source unneeded;    ///< stopped once nobody needs the result
-        Clock::time_point renewed;    ///< time of the latest attempt to renew the lease
-        bool progress_stored = true;  ///< the store has the latest progress
-        bool settling = false;        ///< set by the thread that stores the job's end; no other thread does so
-        std::optional<End> unstored;  ///< an end that could not be stored yet
-    };
-    using RunPointer = std::shared_ptr<Run>;
-
-    /// A job that is being followed.
-    struct Followed {
-        Job job;
-        std::vector<JobProgress> steps;
-        bool stale = false;  ///< the store may have a newer state
-        bool gone = false;
-        std::condition_variable changed;
-    };
-    using FollowedPointer = std::shared_ptr<Followed>;
-
     void work() override;
     void changed(const std::string& id) override;
     void stop(const std::string& id) override;
     void missed() override;
 
     HttpResult<void> add(Job& job, const ComputeRequest& request);
-    void hand_out(const std::stop_token& closing);
-    bool claim_next();
-    void submit(Job job);
-    void run(const RunPointer& run, const std::stop_token& stop);
-    bool begin(const RunPointer& run);
-    std::optional<End> compute(const RunPointer& run, const std::stop_token& stop);
-    End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
-    void note(const RunPointer& run, const Progress& progress);
-    void requeue(const RunPointer& run);
-    void settle(const RunPointer& run, End end);
-    Result<std::optional<Time>> store_end(End& end);
-    void fail_all();
-
-    bool stop_locked(Run& run, Stop why);
-    bool check_owned_locked(const RunPointer& run, JobStore::Owned owned);
-    void drop_locked(const RunPointer& run);
-    void erase_locked(const RunPointer& run);
-    void release_locked();
-    std::size_t count_unstored_locked() const;
-
-    void add_latest(Job& job) const;
-    FollowedPointer find_followed_locked(const std::string& id) const;
-    static void advance_locked(Followed& followed, const Job& job);
-    void changed_locked(const std::string& id);
-    void publish_locked(const Job& job);
-    void look_again(const std::string& id, Followed& followed) const;
-
-    void keep_time(const std::stop_token& closing);
-    Clock::time_point stop_overdue_locked();
-    Clock::time_point next_renewal_locked(const Run& run) const;
-    Clock::time_point next_renewal_locked() const;
-    void renew_leases();
-    void store_remaining_ends();
+    void look_again(const std::string& id, FollowedJob& followed) const;
 
     const JobLimits limits_;
     JobStore& store_;
     const bool survives_;
     WorkerPool& pool_;
-    const Compute compute_;
     const Logger logger_;
-    const std::size_t at_once_;  ///< limit of jobs in the pool at a time
-
-    mutable std::mutex mutex_;  ///< guards the members up to `draining_`; released while the store is used
-    std::condition_variable idle_;
-    std::condition_variable_any wake_claimer_;
-    std::condition_variable_any wake_timekeeper_;
-    bool has_work_ = false;      ///< the claimer should look for a job in the store
-    bool runs_changed_ = false;  ///< runs have changed since the timekeeper last looked at them
-    std::map<std::string, RunPointer> runs_;
-    mutable std::map<std::string, std::weak_ptr<Followed>> followed_;
-    std::size_t in_pool_ = 0;  ///< number of jobs in the pool
-    Counts counts_;
-    bool started_ = false;
-    bool draining_ = false;
-
-    std::jthread claimer_;     ///< claims jobs; the two threads come last, because they use all other members
-    std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
+    FollowedJobs followed_;
+    JobRunner runner_;
 };
 
 }  // namespace ccdt::server

@@ -144,8 +144,8 @@ std::vector<std::string> fields_of_end(const Job& job) {
 }
 
 /// Returns the value of a line `name:value` in the output of INFO.
-std::string line_of(const std::string& told, std::string_view name) {
-    std::string_view rest = told;
+std::string line_of(const std::string& info, std::string_view name) {
+    std::string_view rest = info;
     while (!rest.empty()) {
         auto line = api::take_until(rest, "\r\n");
         if (api::take_until(line, ":") == name) return std::string(line);

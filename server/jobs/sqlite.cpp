@@ -19,10 +19,10 @@ Database::Database(const std::string& path) {
 /// Throws if a call failed. An exceeded quota or file size limit counts as SQLITE_FULL, like ENOSPC.
 void Database::check(int code) const {
     if (code == SQLITE_OK) return;
-    int told = code & 0xff;
-    const int reason = handle_ && told == SQLITE_IOERR ? sqlite3_system_errno(handle_.get()) : 0;
-    if (reason == EDQUOT || reason == EFBIG) told = SQLITE_FULL;
-    throw SqliteError(told, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
+    int reported = code & 0xff;
+    const int reason = handle_ && reported == SQLITE_IOERR ? sqlite3_system_errno(handle_.get()) : 0;
+    if (reason == EDQUOT || reason == EFBIG) reported = SQLITE_FULL;
+    throw SqliteError(reported, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
 }
 
 /// Allocates in large chunks, to avoid a system call for each page.

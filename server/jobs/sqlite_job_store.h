@@ -2,22 +2,19 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "server/jobs/job_limits.h"
 #include "server/jobs/job_notifier.h"
+#include "server/jobs/job_queue.h"
 #include "server/jobs/job_store.h"
-#include "server/jobs/sqlite.h"
-#include "server/work/fair_queue.h"
+#include "server/jobs/sqlite_job_tables.h"
 
 namespace ccdt::server {
 
@@ -25,10 +22,9 @@ namespace ccdt::server {
 ///
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
 /// machine. Only one server at a time uses the file, and this server keeps the claims in memory. When a file is opened,
-/// unfinished jobs are queued in their original order. All stored data has digests, which are checked when the data is
-/// read: corruption by the disk is reported as an error, never returned as data. Some disk space is reserved in
-/// advance, so that jobs can be removed when the disk is full. Free pages of the file are returned to the disk. One
-/// thread at a time uses the database; other threads wait while a large request, or a piece of a result, is written.
+/// unfinished jobs are queued in their original order. Data that the disk has damaged is reported as an error, never
+/// returned as data: see SqliteJobTables. Jobs can be removed even when the disk is full. One thread at a time uses the
+/// database; other threads wait while a large request, or a piece of a result, is written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  folder of the database's files, created if it is missing; empty: in memory
@@ -53,87 +49,30 @@ public:
     Result<bool> remove_expired() override;
     Result<Load> load() override;
     void listen(JobListener* listener) override { notifier_.listen(listener); }
-    std::uint64_t damages() const override { return damages_; }
+    std::uint64_t damages() const override { return damages_ + tables_.damages(); }
 
 private:
-    using Clock = std::chrono::steady_clock;
-
-    /// A job that waits to be claimed.
-    struct Waiting {
-        std::string id;
-        std::size_t memory = 0;
-    };
-    using Queue = FairQueue<Waiting>;
-
-    /// A claimed job and its current state.
-    struct Claimed {
-        Queue::Entry entry;
-        Job job;
-        Clock::time_point until;
-    };
-
-    struct StoredJob;
-    template <class T>
-    struct Sealed;
-
     SqliteJobStore(const std::string& path, const JobLimits& limits);
 
-    /// Runs a function with exclusive access to the database.
+    /// Runs a function with exclusive access to the tables and the queue.
     template <class Do>
     auto attempt(Do act) -> Result<decltype(act())>;
 
     template <class Do>
     auto run_freeing(Do act) -> Result<decltype(act())>;
 
-    void cut_log();
-    void allocate_space(std::size_t bytes);
-    void return_free_pages();
-
-    void check_file();
-    void create_tables();
-    void fail_damaged();
-    void fail_damaged(std::int64_t row);
-    void seal(std::int64_t row);
-
-    template <class Value>
-    std::optional<StoredJob> look_up(const char* which, const Value& value);
-    std::optional<StoredJob> look_up(const std::string& id);
-    std::optional<Sealed<ComputeRequest>> request_of(const StoredJob& stored);
-    std::optional<Sealed<std::string>> piece_of(const StoredJob& stored, std::size_t number);
-
-    void queue_unfinished();
-    bool accepts_job_of(std::string_view client) const;
     bool free_space(std::size_t bytes);
-    bool drop_oldest_result();
-    std::size_t remove_finished(Time by, std::size_t max_jobs);
-    void insert(const Job& job, const ComputeRequest& request, std::size_t bytes);
-    void take_back_lost();
-    std::optional<Job> begin(Queue::Entry entry);
-    Claimed* find_claimed(const Job& job);
-    void withdraw(const std::string& id);
-    void exchange(const Job& job, const StoredJob& stored, std::string_view result, const StoredPart& before);
-    void insert_piece(const StoredJob& stored, std::size_t number, std::string_view piece);
-    std::optional<StoredJob> find_stored(const std::string& id);
-
-    void update(const Job& job, std::int64_t row, std::size_t bytes);
-    void remove_question(std::int64_t row);
-    std::size_t remove_pieces(std::int64_t row);
-    void remove_bodies(std::int64_t row);
-    std::size_t remove_row(std::int64_t row);
-    void release(std::size_t bytes);
+    std::optional<Job> begin(JobQueue::Entry entry);
+    std::optional<SqliteJobTables::StoredJob> find_stored(const std::string& id);
 
     const JobLimits limits_;
     JobNotifier notifier_;
+    std::atomic<std::uint64_t> damages_ = 0;
     std::mutex space_mutex_;  ///< held while space is freed and used; locked before `mutex_`
 
-    std::mutex mutex_;  ///< guards the members from here to `last_claim_`
-    Database database_;
-    Queue queue_;
-    std::map<std::string, Claimed> claimed_;
-    std::uint64_t last_claim_ = 0;
-
-    std::atomic<std::size_t> bytes_ = 0;  ///< written while `mutex_` is held
-    std::atomic<std::uint64_t> damages_ = 0;
+    std::mutex mutex_;  ///< guards the members below
+    SqliteJobTables tables_;
+    JobQueue queue_;
 };
 
 }  // namespace ccdt::server

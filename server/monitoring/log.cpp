@@ -7,7 +7,7 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
 #include "server/http/trace.h"
@@ -16,7 +16,7 @@ namespace ccdt::server {
 namespace {
 
 /// Maximum length of a logged request target, in bytes; the beginning identifies it.
-constexpr std::size_t kLongestTarget = 512;
+constexpr std::size_t kMaxTargetLength = 512;
 
 /// Text that replaces values that clients sent and that must not be logged.
 constexpr std::string_view kHidden = "***";
@@ -84,7 +84,7 @@ std::string exchange_line(const Exchange& exchange, LogFormat format) {
         R"("bytes_out":{},"total_ms":{:.1f},"queue_ms":{:.1f},"decode_ms":{:.1f},"optimise_ms":{:.1f},)"
         R"("encode_ms":{:.1f})";
     const auto shown = [](std::string_view text) {
-        return text.empty() ? "-" : escape(text.substr(0, kLongestTarget));
+        return text.empty() ? "-" : escape(text.substr(0, kMaxTargetLength));
     };
     const bool text = format == LogFormat::Text;
     std::string line = fmt::format(fmt::runtime(text ? kText : kJson), shown(record.request_id), shown(client),

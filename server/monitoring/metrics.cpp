@@ -107,7 +107,7 @@ struct Metrics::Families {
     Counter& processor =
         make_counter(registry, "ccdt_computation_cpu_seconds_total", "Processor time of computations.");
     Gauge& overdue = make_gauge(registry, "ccdt_workers_overdue_seconds",
-                                "Longest time that a worker has continued after it was told to stop.");
+                                "Longest time that a worker has continued after a request to stop.");
     Gauge& budget = make_gauge(registry, "ccdt_memory_budget_bytes", "Memory for requests and their computations.");
     Gauge& reserved = make_gauge(registry, "ccdt_memory_reserved_bytes", "Estimated memory that is reserved now.");
     Counter& deaths = make_counter(registry, "ccdt_decoder_deaths_total",
@@ -136,7 +136,7 @@ struct Metrics::Families {
     Counter& job_damages = make_counter(registry, "ccdt_job_store_damages_total",
                                         "Jobs, requests and results found damaged in the store.");
     Counter& leases_lost = make_counter(registry, "ccdt_job_leases_lost_total",
-                                        "Runs given up because another server had claimed the job.");
+                                        "Runs abandoned because another server had claimed the job.");
     Counter& runs_repeated =
         make_counter(registry, "ccdt_job_runs_repeated_total", "Runs of jobs that an earlier run had not finished.");
     Family<Counter>& redis_calls = make_counters(registry, "ccdt_redis_calls_total", "Calls to Redis.");

@@ -6,7 +6,6 @@
 
 #include "api/text/text.h"
 #include "server/http/entity_tag.h"
-#include "server/page/page_files.h"
 
 namespace ccdt::server {
 namespace {

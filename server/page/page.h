@@ -4,16 +4,9 @@
 #include <string_view>
 
 #include "server/http/http.h"
+#include "server/page/page_files.h"
 
 namespace ccdt::server {
-
-/// A file of the page, which the build has embedded in the program.
-struct PageFile {
-    std::string_view path;  ///< path of the URL
-    std::string_view media_type;
-    std::string_view digest;  ///< digest of the content, used as its entity tag
-    std::string_view content;
-};
 
 /// Finds the file that is served at a path.
 /// @returns  null if there is none

@@ -2,10 +2,17 @@
 #pragma once
 
 #include <span>
-
-#include "server/page/page.h"
+#include <string_view>
 
 namespace ccdt::server {
+
+/// A file of the page, which the build has embedded in the program.
+struct PageFile {
+    std::string_view path;  ///< path of the URL
+    std::string_view media_type;
+    std::string_view digest;  ///< digest of the content, used as its entity tag
+    std::string_view content;
+};
 
 /// Returns all files of the page. The build generates the source file: see embed.cmake.
 std::span<const PageFile> page_files();

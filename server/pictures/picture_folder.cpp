@@ -13,7 +13,7 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kLongestName = 255;  // Linux' limit
+constexpr std::size_t kMaxNameLength = 255;  // Linux' limit
 
 /// Time after which a client may retry.
 constexpr std::chrono::seconds kRetryAfter{1};
@@ -54,7 +54,7 @@ tl::unexpected<Problem> not_opened(int error) {
 
 bool is_picture_name(std::string_view name) {
     const auto is_control = [](char c) { return (c >= 0 && c < ' ') || c == 0x7f; };
-    return !name.empty() && name.size() <= kLongestName && !name.starts_with('.') &&
+    return !name.empty() && name.size() <= kMaxNameLength && !name.starts_with('.') &&
            name.find('/') == std::string_view::npos && std::ranges::none_of(name, is_control);
 }
 

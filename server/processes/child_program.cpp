@@ -12,7 +12,6 @@
 
 #include <fcntl.h>
 #include <spawn.h>
-#include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -86,14 +85,6 @@ std::string describe_end(int status) {
     if (WIFEXITED(status)) return "exited with " + std::to_string(WEXITSTATUS(status));
     const int number = WTERMSIG(status);
     return "was killed by signal " + std::to_string(number) + " (" + sigdescr_np(number) + ")";
-}
-
-UniqueFd watch_children() {
-    sigset_t signals;
-    sigemptyset(&signals);
-    sigaddset(&signals, SIGCHLD);
-    sigprocmask(SIG_BLOCK, &signals, nullptr);
-    return UniqueFd(signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK));
 }
 
 ChildProgram::ChildProgram(pid_t process) : process_(process), pidfd_(open_pidfd(process)) {}

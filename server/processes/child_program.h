@@ -45,11 +45,6 @@ private:
 /// (Killed)".
 std::string describe_end(int status);
 
-/// Blocks SIGCHLD and returns a descriptor that reports the end of children instead, for single-threaded processes that
-/// fork.
-/// @returns  nonblocking, readable once a child has ended; none if the system has no more descriptors
-UniqueFd watch_children();
-
 /// Starts a program from this program's folder, in a process group of its own, so that terminal signals reach this
 /// program only.
 ///

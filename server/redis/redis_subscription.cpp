@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kMaxPause{1'000};
 /// Interval at which the thread checks whether it should end.
 constexpr std::chrono::milliseconds kPollInterval{100};
 
-/// Time without a message after which Redis is asked whether it is alive.
+/// Time without a message after which a PING is sent to Redis.
 constexpr std::chrono::milliseconds kSilence{1'000};
 
 }  // namespace
@@ -62,20 +62,20 @@ Error RedisSubscription::listen_once(const std::stop_token& closing) {
 /// Delivers messages until the connection is lost.
 Error RedisSubscription::deliver(RedisConnection& connection, const Callbacks& callbacks,
                                  const std::stop_token& closing) {
-    auto heard = Clock::now();
-    bool asked = false;
+    auto last_message = Clock::now();
+    bool pinged = false;
     while (!closing.stop_requested()) {
         const auto reply = connection.receive(Clock::now() + kPollInterval);
         if (!reply) return reply.error();
         if (*reply) {
-            heard = Clock::now();
-            asked = false;
+            last_message = Clock::now();
+            pinged = false;
             const auto& items = (*reply)->items;
             if (items.size() == 3 && items[0].text == "message") callbacks.message(items[2].text);
-        } else if (asked && Clock::now() - heard > kSilence + kDeadline) {
+        } else if (pinged && Clock::now() - last_message > kSilence + kDeadline) {
             return {ErrorCode::Stopped, "Redis does not reply", {}};
-        } else if (!asked && Clock::now() - heard > kSilence) {
-            asked = true;
+        } else if (!pinged && Clock::now() - last_message > kSilence) {
+            pinged = true;
             if (const auto sent = connection.send({"PING"}, Clock::now() + kDeadline); !sent) return sent.error();
         }
     }

@@ -211,19 +211,19 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     auto body = read_body(incoming, deferred);
     if (!body) return tl::unexpected(std::move(body.error()));
     to_compute.body = *std::move(body);
-    auto lease = take_memory(to_compute.body.size());
+    auto lease = reserve_memory(to_compute.body.size());
     if (!lease) return tl::unexpected(lease.error());
-    const auto asked = prepare(operation, std::move(to_compute), *std::move(lease));
-    if (!asked) return tl::unexpected(asked.error());
-    if (!deferred) return respond(*asked, incoming);
-    if (const auto tag = known_tag(incoming, (*asked)->name)) return not_modified(*tag);
-    return defer(*asked, incoming);
+    const auto accepted = prepare(operation, std::move(to_compute), *std::move(lease));
+    if (!accepted) return tl::unexpected(accepted.error());
+    if (!deferred) return respond(*accepted, incoming);
+    if (const auto tag = known_tag(incoming, (*accepted)->name)) return not_modified(*tag);
+    return defer(*accepted, incoming);
 }
 
 HttpResult<Response> Computing::answer(const Operation& operation, PictureFile picture, std::string options,
                                        const Incoming& incoming) {
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
-    auto lease = take_memory(picture.size());
+    auto lease = reserve_memory(picture.size());
     if (!lease) return tl::unexpected(lease.error());
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
@@ -232,35 +232,35 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
                            has_format ? "" : std::string(incoming.request.header("Accept")), *std::move(bytes)};
-    const auto asked = prepare(operation, std::move(request), *std::move(lease));
-    if (!asked) return tl::unexpected(asked.error());
-    return respond(*asked, incoming);
+    const auto accepted = prepare(operation, std::move(request), *std::move(lease));
+    if (!accepted) return tl::unexpected(accepted.error());
+    return respond(*accepted, incoming);
 }
 
 /// Answers with a 304 if the client has the answer already, otherwise with a cached answer or with one that is computed
 /// while the client waits.
-HttpResult<Response> Computing::respond(const AcceptedPointer& asked, const Incoming& incoming) {
-    if (const auto tag = known_tag(incoming, asked->name)) return not_modified(*tag);
+HttpResult<Response> Computing::respond(const AcceptedPointer& accepted, const Incoming& incoming) {
+    if (const auto tag = known_tag(incoming, accepted->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
-    if (auto response = find_cached(asked->name, compressed, incoming)) return *std::move(response);
-    return compute(asked, compressed, incoming);
+    if (auto response = find_cached(accepted->name, compressed, incoming)) return *std::move(response);
+    return compute(accepted, compressed, incoming);
 }
 
 HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compressed, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
-    const auto read = with_map_read(given, incoming, deadline);
-    if (!read) return tl::unexpected(read.error());
-    const AcceptedPointer& asked = *read;
-    const auto forecast = this->forecast(asked, incoming, deadline);
+    const auto converted = convert_shapefile(given, incoming, deadline);
+    if (!converted) return tl::unexpected(converted.error());
+    const AcceptedPointer& accepted = *converted;
+    const auto forecast = this->forecast(accepted, incoming, deadline);
     if (!forecast) return tl::unexpected(forecast.error());
     const TimeLimit limit{deadline, forecast->accepts_partial ? kGrace : Clock::duration()};
-    auto product = run(asked, forecast->cost, compressed, incoming, limit);
+    auto product = run(accepted, forecast->cost, compressed, incoming, limit);
     if (!product) return tl::unexpected(std::move(product.error()));
     api::Answer& answer = product->answer;
     if (!product->pipe && !answer.partial)
-        cache_.store(cache_key(asked->name, compressed, cache_owner(incoming.connection)), answer);
+        cache_.store(cache_key(accepted->name, compressed, cache_owner(incoming.connection)), answer);
     incoming.record.computed = Computed{answer.sites, answer.pixels};
-    Response response = response_of(std::move(answer), asked->name, incoming.record);
+    Response response = response_of(std::move(answer), accepted->name, incoming.record);
     if (product->pipe) response.stream = stream_of(*product, incoming, deadline + kGrace + BodyPipe::kPatience);
     response.lease = std::make_shared<MemoryBudget::Lease>(std::move(product->lease));
     return response;
@@ -332,7 +332,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
 }
 
 /// Reserves memory for a request until the request is done.
-HttpResult<MemoryBudget::Lease> Computing::take_memory(std::size_t size) {
+HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.reserve(size);
     if (!lease) return busy(429, "too many large requests are waiting");
@@ -354,10 +354,10 @@ HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& opera
 /// Makes a job of a request, which is parsed now and computed later.
 HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
-    const auto read = with_map_read(given, incoming, deadline);
-    if (!read) return tl::unexpected(read.error());
-    const AcceptedPointer& asked = *read;
-    const auto forecast = this->forecast(asked, incoming, deadline);
+    const auto converted = convert_shapefile(given, incoming, deadline);
+    if (!converted) return tl::unexpected(converted.error());
+    const AcceptedPointer& accepted = *converted;
+    const auto forecast = this->forecast(accepted, incoming, deadline);
     if (!forecast) return tl::unexpected(forecast.error());
     incoming.record.stages = {};  // the job has stages of its own
     Job job;
@@ -365,40 +365,42 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
     job.client = incoming.connection.client_name();
     job.traceparent = whole_traceparent(incoming.request.header("traceparent"));
     job.cost = forecast->cost;
-    job.cost.memory += asked->request.body.size();  // the run loads the body from the store
+    job.cost.memory += accepted->request.body.size();  // the run loads the body from the store
     if (job.cost.memory > pool_.memory().total()) return too_large(job.cost.memory);
-    return jobs_.accept(std::move(job), asked->request).map(accepted);
+    return jobs_.accept(std::move(job), accepted->request).map(accepted_response);
 }
 
 /// Converts a zipped shapefile to GeoJSON, in a task that is admitted like a computation. Other requests stay as they
 /// are.
-HttpResult<Computing::AcceptedPointer> Computing::with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
-                                                                Clock::time_point deadline) {
-    if (!holds_shapefile(asked->operation, asked->request)) return asked;
+HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const AcceptedPointer& accepted,
+                                                                    const Incoming& incoming,
+                                                                    Clock::time_point deadline) {
+    if (!holds_shapefile(accepted->operation, accepted->request)) return accepted;
     const std::size_t max_bytes = max_shapefile_bytes(config_.max_body, pool_.memory().total());
-    Task<ComputeRequest> task = [this, asked, max_bytes](const Control& control, api::Timings&, auto&) {
-        return with_geojson(asked->request, max_bytes, read_shapefile_, control.stop);
+    Task<ComputeRequest> task = [this, accepted, max_bytes](const Control& control, api::Timings&, auto&) {
+        return with_geojson(accepted->request, max_bytes, read_shapefile_, control.stop);
     };
     auto request =
-        run_in_worker(std::move(task), cost_of_shapefile(asked->request.body, max_bytes), incoming, {deadline});
+        run_in_worker(std::move(task), cost_of_shapefile(accepted->request.body, max_bytes), incoming, {deadline});
     if (!request) return tl::unexpected(std::move(request.error()));
-    auto lease = take_memory(request->body.size());
+    auto lease = reserve_memory(request->body.size());
     if (!lease) return tl::unexpected(std::move(lease.error()));
     return std::make_shared<const AcceptedRequest>(
-        AcceptedRequest{asked->operation, *std::move(request), asked->name, *std::move(lease)});
+        AcceptedRequest{accepted->operation, *std::move(request), accepted->name, *std::move(lease)});
 }
 
 /// Parses a request, in a worker unless that is quick, and estimates its cost.
-HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& asked, const Incoming& incoming,
+HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accepted, const Incoming& incoming,
                                                     Clock::time_point deadline) {
-    const auto find = [asked, &limits = config_.limits] {
-        return asked->operation.parse(asked->request, limits).map([&](const ParsedPointer& parsed) {
-            return Forecast{cost_of_answering(asked->operation, asked->request, *parsed), parsed->accepts_partial()};
+    const auto find = [accepted, &limits = config_.limits] {
+        return accepted->operation.parse(accepted->request, limits).map([&](const ParsedPointer& parsed) {
+            return Forecast{cost_of_answering(accepted->operation, accepted->request, *parsed),
+                            parsed->accepts_partial()};
         });
     };
-    if (!is_quickly_parsed(asked->operation, asked->request))
+    if (!is_quickly_parsed(accepted->operation, accepted->request))
         return run_in_worker<Forecast>([find](const Control&, api::Timings&, auto&) { return find(); },
-                                       cost_of_parsing(asked->operation, asked->request), incoming, {deadline});
+                                       cost_of_parsing(accepted->operation, accepted->request), incoming, {deadline});
     auto found = find();
     if (!found) return problem(std::move(found.error()));
     return *found;
@@ -459,19 +461,20 @@ HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobI
     return {};
 }
 
-HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& asked, const api::Cost& cost,
+HttpResult<Computing::ComputedAnswer> Computing::run(const AcceptedPointer& accepted, const api::Cost& cost,
                                                      bool compressed, const Incoming& incoming,
                                                      const TimeLimit& limit) {
-    const std::string key = cache_key(asked->name, compressed, cache_owner(incoming.connection));
+    const std::string key = cache_key(accepted->name, compressed, cache_owner(incoming.connection));
     const bool in_pieces = incoming.request.method != "HEAD";
-    Task<ComputedAnswer> task = [this, asked, compressed, key, in_pieces](const Control& control, api::Timings& timings,
-                                                                          PendingResult<ComputedAnswer>& pending) {
+    Task<ComputedAnswer> task = [this, accepted, compressed, key, in_pieces](const Control& control,
+                                                                             api::Timings& timings,
+                                                                             PendingResult<ComputedAnswer>& pending) {
         TeeWriter tee(pending, timings, cache_.largest(), pool_.memory());
         const std::stop_callback pass_on(control.stop, [&tee] { tee.stop().request_stop(); });
         Control own = control;
         own.stop = tee.stop().get_token();
         auto answer =
-            compute_(asked->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
+            compute_(accepted->request, {compressed, in_pieces ? &tee : nullptr, pending.unwanted()}, own, timings);
         if (answer && answer->streamed && tee.copy() != nullptr && !answer->partial) cache_.store(key, *tee.copy());
         tee.close(answer.map([](const api::Answer&) {}));
         return std::move(answer).map([this](api::Answer&& whole) {

@@ -50,7 +50,7 @@ public:
     /// From now on, tells all clients that wait for a result that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
-    /// Makes a refusal of a request that may succeed once the backlog is done.
+    /// Makes the refusal of a request that may succeed after the waiting requests have been computed.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
@@ -70,7 +70,7 @@ private:
 
     /// Limits on the wait for a result.
     struct TimeLimit {
-        Clock::time_point deadline;  ///< when the computation is told to stop
+        Clock::time_point deadline;  ///< time at which the computation is requested to stop
         Clock::duration grace =
             Clock::duration();  ///< extra time in which a stopped computation may return a valid result
     };
@@ -83,13 +83,14 @@ private:
     tl::unexpected<Problem> too_large(std::size_t bytes) const;
     HttpResult<void> check_drain(const Incoming& incoming) const;
     HttpResult<std::string> read_body(const Incoming& incoming, bool deferred) const;
-    HttpResult<MemoryBudget::Lease> take_memory(std::size_t size);
+    HttpResult<MemoryBudget::Lease> reserve_memory(std::size_t size);
     HttpResult<AcceptedPointer> prepare(const Operation& operation, ComputeRequest request, MemoryBudget::Lease lease);
-    HttpResult<Response> respond(const AcceptedPointer& asked, const Incoming& incoming);
-    HttpResult<Response> defer(const AcceptedPointer& asked, const Incoming& incoming);
-    HttpResult<AcceptedPointer> with_map_read(const AcceptedPointer& asked, const Incoming& incoming,
-                                              Clock::time_point deadline);
-    HttpResult<Forecast> forecast(const AcceptedPointer& asked, const Incoming& incoming, Clock::time_point deadline);
+    HttpResult<Response> respond(const AcceptedPointer& accepted, const Incoming& incoming);
+    HttpResult<Response> defer(const AcceptedPointer& accepted, const Incoming& incoming);
+    HttpResult<AcceptedPointer> convert_shapefile(const AcceptedPointer& accepted, const Incoming& incoming,
+                                                  Clock::time_point deadline);
+    HttpResult<Forecast> forecast(const AcceptedPointer& accepted, const Incoming& incoming,
+                                  Clock::time_point deadline);
     template <class T>
     HttpResult<T> run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming, const TimeLimit& limit);
     template <class T>
@@ -98,8 +99,8 @@ private:
     std::string cache_owner(const Connection& connection) const;
     Stream stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const;
     std::optional<Response> find_cached(const std::string& name, bool compressed, const Incoming& incoming);
-    HttpResult<Response> compute(const AcceptedPointer& asked, bool compressed, const Incoming& incoming);
-    HttpResult<ComputedAnswer> run(const AcceptedPointer& asked, const api::Cost& cost, bool compressed,
+    HttpResult<Response> compute(const AcceptedPointer& accepted, bool compressed, const Incoming& incoming);
+    HttpResult<ComputedAnswer> run(const AcceptedPointer& accepted, const api::Cost& cost, bool compressed,
                                    const Incoming& incoming, const TimeLimit& limit);
 
     const Config config_;

@@ -19,10 +19,10 @@ constexpr std::chrono::milliseconds kPollInterval{200};
 constexpr std::chrono::seconds kRetryAfter{1};
 
 /// Maximum size of a result that is sent whole, in bytes; larger ones are sent in pieces.
-constexpr std::size_t kWhole = api::Body::kWhole;
+constexpr std::size_t kMaxInMemory = api::Body::kMaxInMemory;
 
 /// Makes an answer that must not be stored, such as the status of a job.
-Response for_now(std::string media_type, std::string body) {
+Response uncached_response(std::string media_type, std::string body) {
     Response response;
     response.media_type = std::move(media_type);
     response.body = std::move(body);
@@ -31,7 +31,7 @@ Response for_now(std::string media_type, std::string body) {
 }
 
 Response document(const Job& job) {
-    return for_now("application/json", status_json(job) + '\n');
+    return uncached_response("application/json", status_json(job) + '\n');
 }
 
 /// Makes the problem that says why there is no result.
@@ -52,7 +52,7 @@ std::string event(const Job& job) {
 
 }  // namespace
 
-Response accepted(const Job& job) {
+Response accepted_response(const Job& job) {
     Response response = document(job);
     response.status = 202;
     response.headers.push_back({"Location", "/jobs/" + job.id});
@@ -73,7 +73,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     if (!job) return tl::unexpected(job.error());
     if (job->status != JobStatus::Succeeded) return no_result(*job);
     if (const auto tag = find_tag(if_none_match, id)) return not_modified(*tag);
-    const bool in_pieces = job->result_bytes > kWhole;
+    const bool in_pieces = job->result_bytes > kMaxInMemory;
     auto lease = memory_.reserve(in_pieces ? 2 * JobStore::kPiece : job->result_bytes);
     if (!lease) return busy(503, "there is too little memory left to send a result of this size", kRetryAfter);
     auto first = in_pieces ? jobs_.piece(id, 0) : jobs_.result(id);
@@ -121,7 +121,7 @@ HttpResult<Response> JobRoutes::remove(const std::string& id, const Connection& 
 HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& connection) const {
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
-    Response response = for_now("text/event-stream", {});
+    Response response = uncached_response("text/event-stream", {});
     response.headers.push_back({"X-Accel-Buffering", "no"});  // disables nginx' buffering
     response.stream = [this, &connection, watch = *std::move(watch)](const Send& send, Record&) {
         send_events(watch, connection, send);

@@ -36,6 +36,6 @@ private:
 };
 
 /// Makes the answer that says that a job was accepted.
-Response accepted(const Job& job);
+Response accepted_response(const Job& job);
 
 }  // namespace ccdt::server

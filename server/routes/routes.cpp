@@ -27,20 +27,20 @@ namespace {
 
 constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
-constexpr std::size_t kLongestId = 64;
+constexpr std::size_t kMaxIdLength = 64;
 
 /// Maximum length of a logged origin, in bytes: its host has at most 253.
-constexpr std::size_t kLongestOrigin = 300;
-constexpr std::size_t kLongestHost = 260;
+constexpr std::size_t kMaxOriginLength = 300;
+constexpr std::size_t kMaxHostLength = 260;
 
 /// Maximum size of a text, in bytes, that is compressed here; longer ones are compressed by workers.
-constexpr std::size_t kQuickToCompress = 262'144;
+constexpr std::size_t kMaxQuicklyCompressed = 262'144;
 
 /// All methods that some path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
 /// Seconds after which a worker that continues although its job was cancelled counts as stuck.
-constexpr double kLongestOverdue = 10;
+constexpr double kMaxOverdueSeconds = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
     char text[17];
@@ -80,7 +80,7 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
 
 /// Whether a route for the method `of_route` accepts a request with `method`. The methods are equal, or the
 /// request is HEAD and the route is for GET.
-bool is_taken(std::string_view method, std::string_view of_route) {
+bool accepts_method(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
 
@@ -154,10 +154,10 @@ constexpr std::array<Routes::Route, Routes::Table::kFixed.size() + kOperations.s
 
 Routes::Routes(const Config& config, Parts parts)
     : config_(config),
-      gate_(parts.gate),
+      access_control_(parts.access_control),
       pool_(parts.pool),
       metrics_(parts.metrics),
-      missing_(std::move(parts.missing)),
+      obstacle_(std::move(parts.obstacle)),
       warn_(std::move(parts.warn)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), std::move(parts.read_shapefile),
                  parts.jobs, parts.answers),
@@ -181,7 +181,7 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
             return dispatch(found.route, {request, connection, record, found.target});
         });
         response = outcome ? std::move(*outcome) : describe(std::move(outcome.error()), record);
-        if (found.target.operation != nullptr && is_taken(request.method, found.route->method))
+        if (found.target.operation != nullptr && accepts_method(request.method, found.route->method))
             response.headers.push_back({"Vary", "Accept"});
         negotiate_coding(request, response);
         add_entity_tag(response);
@@ -213,36 +213,38 @@ Routes::Found Routes::find(const Request& request) {
 
 /// Returns the credential that a request needs. Unknown paths below /health/ need none, so that they are answered with
 /// 404.
-Gate::Credential Routes::needed(const Found& found, const Request& request) {
-    const auto key_unless = [](bool free) { return free ? Gate::Credential::None : Gate::Credential::Key; };
+AccessControl::Credential Routes::required_credential(const Found& found, const Request& request) {
+    const auto key_unless = [](bool free) {
+        return free ? AccessControl::Credential::None : AccessControl::Credential::Key;
+    };
     if (found.route == nullptr) return key_unless(request.path.starts_with("/health/"));
     switch (found.route->access) {
         case Access::ApiKey:
-            return Gate::Credential::Key;
+            return AccessControl::Credential::Key;
         case Access::Signature:
-            return Gate::Credential::Signature;
+            return AccessControl::Credential::Signature;
         case Access::Read:
-            return key_unless(is_taken(request.method, "GET"));
+            return key_unless(accepts_method(request.method, "GET"));
         case Access::Anyone:
             break;
     }
-    return Gate::Credential::None;
+    return AccessControl::Credential::None;
 }
 
 /// Refuses requests for hosts that are not allowed. Health checks are answered for any host.
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
     const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
-    const std::string asked = request.authority.substr(0, kLongestHost);
+    const std::string host = request.authority.substr(0, kMaxHostLength);
     if (!warned_of_hosts_.exchange(true))
-        warn_("a request for the host " + asked + " was refused; --allowed-host with this name would allow it. " +
+        warn_("a request for the host " + host + " was refused; --allowed-host with this name would allow it. " +
               "Further refusals of hosts are not logged");
-    return problem(421, "this server does not answer for the host " + asked + " (allowed-host)");
+    return problem(421, "this server does not answer for the host " + host + " (allowed-host)");
 }
 
 /// Checks a request's credentials and rate, and stores the client's identity in the connection and the record.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
-    auto verdict = gate_.check(request, connection.client().address, needed(found, request));
+    auto verdict = access_control_.check(request, connection.client().address, required_credential(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
     record.signer = std::move(verdict.signer);
     return std::move(verdict.admission);
@@ -266,7 +268,7 @@ HttpResult<Response> Routes::dispatch(const Route* route, const Incoming& incomi
     if (request.method == "OPTIONS" && request.target == "*") return preflight(kAllMethods, request);
     if (route == nullptr) return problem(404, "there is nothing at this path");
     if (request.method == "OPTIONS") return preflight(allowed_methods(*route), request);
-    if (!is_taken(request.method, route->method)) {
+    if (!accepts_method(request.method, route->method)) {
         const std::string allowed = allowed_methods(*route);
         auto refused = problem(405, "this path accepts " + allowed);
         refused.value().headers.push_back({"Allow", allowed});
@@ -305,10 +307,10 @@ HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {
 
 HttpResult<Response> Routes::ready(const Incoming& /*incoming*/) {
     if (draining_) return computing_.busy(503, "the server is shutting down");
-    if (auto missing = missing_(); !missing.empty()) return computing_.busy(503, std::move(missing));
+    if (auto obstacle = obstacle_(); !obstacle.empty()) return computing_.busy(503, std::move(obstacle));
     const WorkerPool::Load load = pool_.load();
-    if (load.overdue_seconds > kLongestOverdue)
-        return computing_.busy(503, "a worker does not stop when it is told to");
+    if (load.overdue_seconds > kMaxOverdueSeconds)
+        return computing_.busy(503, "a worker has not stopped after a request to stop");
     if (load.backlog_seconds > std::chrono::duration<double>(config_.timeout).count())
         return computing_.busy(503, "waiting requests take longer than the timeout");
     return json_response(R"({"status":"ready"})");
@@ -350,7 +352,7 @@ Response Routes::preflight(std::string_view allow, const Request& request) const
 
 std::string Routes::request_id(const Request& request) {
     const auto given = request.header("X-Request-ID");
-    if (api::is_plain_name(given, kLongestId)) return std::string(given);
+    if (api::is_plain_name(given, kMaxIdLength)) return std::string(given);
     return id_prefix_ + hexadecimal(++requests_, 8);
 }
 
@@ -368,12 +370,12 @@ Response Routes::describe(Problem problem, Record& record) {
 /// Compresses a text if the client accepts gzip, unless a worker has already compressed it.
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
-    const bool told = response.status == 304;  // has the headers that the full answer would have had
+    const bool is_not_modified = response.status == 304;  // has the headers that the full answer would have had
     const bool streamed =
         response.stream && !response.length && is_compressible(response.media_type);  // compressed by a worker
-    if (!done && !told && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
+    if (!done && !is_not_modified && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
-    if (!done && !told && !streamed && response.body.size() <= kQuickToCompress &&
+    if (!done && !is_not_modified && !streamed && response.body.size() <= kMaxQuicklyCompressed &&
         accepts_gzip(request.header("Accept-Encoding"))) {
         response.body = *gzip(response.body);
         response.coding = "gzip";
@@ -384,7 +386,7 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
 /// Logs a warning when a page of another origin is refused for the first time. The warning names the flag that would
 /// allow the origin, because browsers do not show the reason to users.
 void Routes::warn_of_refused_origin(const Request& request) {
-    const auto origin = request.header("Origin").substr(0, kLongestOrigin);
+    const auto origin = request.header("Origin").substr(0, kMaxOriginLength);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;
     if (warned_of_origins_.exchange(true)) return;
     warn_("a page of " + std::string(origin) + " may not call this server; --cors-origin " + std::string(origin) +

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 #include "server/config/config.h"
 #include "server/http/connection.h"
 #include "server/http/message.h"
@@ -27,18 +27,18 @@ namespace ccdt::server {
 /// Maps paths and methods to handlers. Thread-safe.
 class Routes {
 public:
-    /// Returns a message that says what prevents computations now; empty if nothing does.
-    using Missing = std::function<std::string()>;
+    /// Returns the reason why the server cannot compute now; empty if it can.
+    using Obstacle = std::function<std::string()>;
 
     /// Parts that answer requests. All of them must outlive the routes.
     struct Parts {
-        Gate& gate;
+        AccessControl& access_control;
         WorkerPool& pool;
         MemoryBudget& waiting_memory;  ///< budget for requests, in addition to the memory of the pool's jobs
         Compute compute;
         Jobs& jobs;
         const Metrics& metrics;
-        Missing missing;
+        Obstacle obstacle;
         std::function<void(const std::string&)> warn;  ///< reports to the operator
         RedisClient* answers = nullptr;                ///< Redis in which servers share answers; null: none
         ReadShapefile read_shapefile = {};
@@ -89,7 +89,7 @@ private:
     };
     static Found find(const Request& request);
     static std::string allowed_methods(const Route& route);
-    static Gate::Credential needed(const Found& found, const Request& request);
+    static AccessControl::Credential required_credential(const Found& found, const Request& request);
 
     HttpResult<void> admit(const Found& found, const Request& request, Connection& connection, Record& record);
     HttpResult<Response> dispatch(const Route* route, const Incoming& incoming);
@@ -115,10 +115,10 @@ private:
     void add_common_headers(const Request& request, Response& response) const;
 
     const Config config_;
-    Gate& gate_;
+    AccessControl& access_control_;
     WorkerPool& pool_;
     const Metrics& metrics_;
-    const Missing missing_;
+    const Obstacle obstacle_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
     const std::optional<PictureFolder> pictures_;  ///< none: pictures by name are disabled

@@ -12,7 +12,7 @@
 
 #include <unistd.h>
 
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 #include "server/access/key_ring.h"
 #include "server/cache/redis_cache.h"
 #include "server/compute/compute_box.h"

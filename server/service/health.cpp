@@ -14,20 +14,20 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::string_view kQuestion = "GET /health/live HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
-constexpr std::string_view kWell = "HTTP/1.1 200 ";
+constexpr std::string_view kRequest = "GET /health/live HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+constexpr std::string_view kHealthy = "HTTP/1.1 200 ";
 
 }  // namespace
 
-Result<void> ask_health(const Config& config) {
-    const auto unwell = [](const std::string& why) { return failure(ErrorCode::Unusable, "unhealthy: " + why); };
+Result<void> check_health(const Config& config) {
+    const auto unhealthy = [](const std::string& why) { return failure(ErrorCode::Unusable, "unhealthy: " + why); };
     const auto socket = connect_to(config.bind, config.port, std::chrono::seconds(3));
     if (!socket) return tl::unexpected(socket.error());
-    if (send(socket->get(), kQuestion.data(), kQuestion.size(), MSG_NOSIGNAL) < 0) return unwell(std::strerror(errno));
-    std::string answer(kWell.size(), '\0');
+    if (send(socket->get(), kRequest.data(), kRequest.size(), MSG_NOSIGNAL) < 0) return unhealthy(std::strerror(errno));
+    std::string answer(kHealthy.size(), '\0');
     const ssize_t received = recv(socket->get(), answer.data(), answer.size(), MSG_WAITALL);
-    if (received < 0) return unwell(std::strerror(errno));
-    if (answer != kWell) return unwell("the answer begins with '" + answer.substr(0, answer.find('\r')) + "'");
+    if (received < 0) return unhealthy(std::strerror(errno));
+    if (answer != kHealthy) return unhealthy("the answer begins with '" + answer.substr(0, answer.find('\r')) + "'");
     return {};
 }
 

@@ -9,6 +9,6 @@ namespace ccdt::server {
 /// Asks the server on the configured address whether it is alive. A container that has no other program for this
 /// purpose uses it as its health check. Waits for at most 3 s for each of connecting, sending and receiving.
 /// Errors (Unusable): there is no answer, or its status is not 200.
-Result<void> ask_health(const Config& config);
+Result<void> check_health(const Config& config);
 
 }  // namespace ccdt::server

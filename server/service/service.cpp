@@ -39,9 +39,9 @@ std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& addres
     return std::make_unique<RedisClient>(*address, deadline, [&log](const std::string& damage) { log.error(damage); });
 }
 
-Result<std::unique_ptr<Gate>> start_gate(const Config& config, RedisClient* rates) {
-    auto gate = std::make_unique<Gate>(config.api_key_file, config.rate, rates, config.signing);
-    return gate->read_keys().map([&] { return std::move(gate); });
+Result<std::unique_ptr<AccessControl>> start_access_control(const Config& config, RedisClient* rates) {
+    auto access_control = std::make_unique<AccessControl>(config.api_key_file, config.rate, rates, config.signing);
+    return access_control->read_keys().map([&] { return std::move(access_control); });
 }
 
 /// Checks the folder of pictures, if one is configured.
@@ -102,8 +102,8 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     RedisClients redis{client_of(config.redis, RedisClient::kDeadline, log),
                        client_of(config.cache_redis, kOptionalDeadline, log),
                        client_of(config.rate_redis, kOptionalDeadline, log)};
-    auto gate = start_gate(config, redis.rates.get());
-    if (!gate) return tl::unexpected(std::move(gate.error()));
+    auto access_control = start_access_control(config, redis.rates.get());
+    if (!access_control) return tl::unexpected(std::move(access_control.error()));
     if (auto checked = check_pictures(config); !checked) return tl::unexpected(std::move(checked.error()));
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
@@ -111,7 +111,7 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
     if (!store) return tl::unexpected(std::move(store.error()));
     auto listener = ListeningSocket::open(config.bind, config.port);
     if (!listener) return tl::unexpected(std::move(listener.error()));
-    return Parts{std::move(redis),  *std::move(decoder),   *std::move(gate),    *memory,
+    return Parts{std::move(redis),  *std::move(decoder),   *std::move(access_control), *memory,
                  *std::move(store), *std::move(computing), *std::move(listener)};
 }
 
@@ -142,13 +142,13 @@ Service::Service(const Config& config, Parts parts, const Log& log)
                 log_.job(end);
             }),
       decoding_([this](const Order& order, const std::stop_token& stop) { return parts_.decoder->relay(order, stop); }),
-      routes_(config, {.gate = *parts_.gate,
+      routes_(config, {.access_control = *parts_.access_control,
                        .pool = pool_,
                        .waiting_memory = waiting_memory_,
                        .compute = compute_in(*parts_.computing),
                        .jobs = jobs_,
                        .metrics = metrics_,
-                       .missing = [this] { return missing(); },
+                       .obstacle = [this] { return obstacle(); },
                        .warn = [this](const std::string& what) { log_.warning(what); },
                        .answers = parts_.redis.answers.get(),
                        .read_shapefile =
@@ -192,15 +192,15 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// Returns a message that says what prevents computations now; empty if nothing does.
-std::string Service::missing() const {
+/// Returns the reason why the server cannot compute now; empty if it can.
+std::string Service::obstacle() const {
     if (!parts_.decoder->is_ready()) return "the picture decoder is being restarted";
     if (!parts_.decoder->is_responsive()) return "the picture decoder does not answer";
     if (!parts_.computing->is_ready()) return "the fork server of computations is being restarted";
     return parts_.computing->is_responsive() ? "" : "the fork server of computations does not answer";
 }
 
-/// Collects the metrics that other parts count.
+/// Collects the metrics that other classes count.
 Metrics::Watched Service::figures() const {
     auto computing = parts_.computing->counts();
     computing.decoder_deaths += decoding_.deaths();

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/result.h"
-#include "server/access/gate.h"
+#include "server/access/access_control.h"
 #include "server/compute/compute_box.h"
 #include "server/config/config.h"
 #include "server/config/memory_plan.h"
@@ -48,7 +48,7 @@ public:
     std::string address() const;
 
     /// Reloads the key files. After an error, the keys stay as they were.
-    Result<void> read_keys() { return parts_.gate->read_keys(); }
+    Result<void> read_keys() { return parts_.access_control->read_keys(); }
 
     /// Serves until `drain` is called. Returns once all accepted requests are answered.
     /// @returns  false if it ended because accepting connections failed
@@ -75,7 +75,7 @@ private:
     struct Parts {
         RedisClients redis;
         std::unique_ptr<DecoderBox> decoder;
-        std::unique_ptr<Gate> gate;
+        std::unique_ptr<AccessControl> access_control;
         ComputeMemory memory;
         std::unique_ptr<JobStore> store;
         std::unique_ptr<ComputeBox> computing;
@@ -85,7 +85,7 @@ private:
     static Result<Parts> start_parts(const Config& config, const Log& log);
     Service(const Config& config, Parts parts, const Log& log);
 
-    std::string missing() const;
+    std::string obstacle() const;
     Metrics::Watched figures() const;
 
     const Config config_;

@@ -9,12 +9,12 @@ namespace ccdt::server {
 Result<void> BodyPipe::push(std::string_view piece) {
     std::unique_lock lock(mutex_);
     const auto start = Clock::now();
-    went_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMaxHeld; });
+    drained_.wait_until(lock, start + patience_, [this] { return abandoned_ || held_ < kMaxHeld; });
     patience_ -= std::min(patience_, Clock::now() - start);
     if (abandoned_) return failure(ErrorCode::Stopped, "the client no longer receives the answer");
     pieces_.emplace_back(piece);
     held_ += piece.size();
-    came_.notify_one();
+    filled_.notify_one();
     return {};
 }
 
@@ -25,17 +25,17 @@ void BodyPipe::close(Result<void> outcome, const api::Timings& timings, MemoryBu
     timings_ = timings;
     lease_ = memory.reserve_unconditionally(held_);
     closed_ = true;
-    came_.notify_one();
+    filled_.notify_one();
 }
 
 std::optional<std::string> BodyPipe::pop(Clock::time_point until) {
     std::unique_lock lock(mutex_);
-    if (!came_.wait_until(lock, until, [this] { return closed_ || !pieces_.empty(); }) || pieces_.empty())
+    if (!filled_.wait_until(lock, until, [this] { return closed_ || !pieces_.empty(); }) || pieces_.empty())
         return std::nullopt;
     std::string piece = std::move(pieces_.front());
     pieces_.pop_front();
     held_ -= piece.size();
-    went_.notify_one();
+    drained_.notify_one();
     return piece;
 }
 
@@ -60,7 +60,7 @@ void BodyPipe::abandon() {
     abandoned_ = true;
     pieces_.clear();
     held_ = 0;
-    went_.notify_one();
+    drained_.notify_one();
 }
 
 }  // namespace ccdt::server

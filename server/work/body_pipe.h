@@ -60,8 +60,8 @@ public:
 
 private:
     mutable std::mutex mutex_;  ///< guards the members below
-    std::condition_variable came_;
-    std::condition_variable went_;
+    std::condition_variable filled_;
+    std::condition_variable drained_;
     std::deque<std::string> pieces_;
     std::size_t held_ = 0;      ///< in bytes
     Clock::duration patience_;  ///< remaining waiting time

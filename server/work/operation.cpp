@@ -5,11 +5,13 @@
 #include <string>
 #include <utility>
 
-#include "api/analyze.h"
-#include "api/cost.h"
-#include "api/halftone.h"
+#include "api/analyze/analyze.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
 #include "api/map/shapefile_reader.h"
-#include "api/sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "api/halftone.h"
-#include "api/sample.h"
+#include "api/halftone/halftone.h"
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

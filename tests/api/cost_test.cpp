@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/cost.h"
+#include "api/sample/sample_cost.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "api/analyze/analyze.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
 #include "api/image/png_writer.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 

@@ -289,7 +289,7 @@ void ProgressivePattern(benchmark::State& state) {
             }
         }
     }
-    state.counters["least_distance"] = least;
+    state.counters["min_distance"] = least;
     state.counters["mean_distance"] = mean;
     state.counters["mean_distance_over_k"] = mean_sum / count;
     state.counters["low_power"] = power;

@@ -22,7 +22,7 @@ Stages time_stages(const Domain& domain, const Density& density, const Options& 
     const Border border = make_border(domain, capacity, options.sites);
     const StartSites start(domain, density, options);
     stages.start = clock.lap();
-    Triangulation mesh(options.sites, *triangulate(border));
+    Triangulation mesh = mesh_of_border(options.sites, *triangulate(border));
     place_sites(mesh, {}, start, {}, options.seed, 0, {});
     trim(mesh);
     stages.triangulate = clock.lap();

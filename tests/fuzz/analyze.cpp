@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/analyze.h"
+#include "api/analyze/analyze.h"
 
 #include <algorithm>
 #include <cmath>

@@ -13,7 +13,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kLongestWhole = 64;  ///< length of an error's field above which it may be truncated
+constexpr std::size_t kMaxFieldLength = 64;  ///< length of an error's field above which it may be truncated
 
 std::string unescape(std::string_view token) {
     std::string name;
@@ -73,13 +73,13 @@ void check_error(const Error& error) {
 
 void check_error(const Error& error, std::string_view body) {
     check_error(error);
-    CCDT_CHECK(error.field.size() > kLongestWhole || leads_somewhere(body, error.field));
+    CCDT_CHECK(error.field.size() > kMaxFieldLength || leads_somewhere(body, error.field));
 }
 
 void check_error(const Error& error, std::span<const api::TextOption> options) {
     check_error(error);
     const auto is_field = [&](const api::TextOption& option) { return option.name == error.field; };
-    CCDT_CHECK(error.field.empty() || error.field.size() > kLongestWhole || std::ranges::any_of(options, is_field));
+    CCDT_CHECK(error.field.empty() || error.field.size() > kMaxFieldLength || std::ranges::any_of(options, is_field));
 }
 
 void check_problem(const server::Problem& problem) {

@@ -17,7 +17,7 @@ namespace {
 
 using server::Connection;
 
-constexpr std::size_t kLargestBody = 4'096;
+constexpr std::size_t kMaxBody = 4'096;
 constexpr std::size_t kMaxPieces = 8;  ///< fewer than the system buffers before the reader starts
 constexpr int kUntilItCloses = 0;      ///< status of a connection that ended between two requests
 
@@ -117,12 +117,12 @@ Outcome read_request(Connection& connection) {
         return {head.error().status, {}, {}};
     }
     if (!head->is_framed()) return {200, head->target, {}};
-    const auto body = connection.read_body(*head, kLargestBody);
+    const auto body = connection.read_body(*head, kMaxBody);
     if (!body) {
         check_problem(body.error());
         return {body.error().status, head->target, {}};
     }
-    CCDT_CHECK(body->size() <= kLargestBody);
+    CCDT_CHECK(body->size() <= kMaxBody);
     CCDT_CHECK(head->chunked || body->size() == head->content_length);
     return {200, head->target, *body};
 }

@@ -9,7 +9,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+constexpr float kMin = std::numeric_limits<float>::denorm_min();
 constexpr float kNotOne = 1 - std::numeric_limits<float>::epsilon() / 2;
 constexpr std::array<float, 16> kLight = {0,
                                           1,
@@ -20,7 +20,7 @@ constexpr std::array<float, 16> kLight = {0,
                                           0.003F,
                                           1e-7F,
                                           1e-38F,
-                                          kLeast,
+                                          kMin,
                                           0.999F,
                                           0.2F,
                                           -1,

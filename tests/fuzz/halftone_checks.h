@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
 #include "api/image/image_codec.h"
 #include "core/halftone/separation.h"
 #include "tests/fuzz/checks.h"
@@ -19,7 +19,7 @@ inline void check_request(const api::HalftoneRequest& request) {
     CCDT_CHECK(!request.scale || (*request.scale >= 0.1 && *request.scale <= 16));
     CCDT_CHECK(!request.dot || (request.dot->length > 0 && request.dot->length <= 65536));
     const api::Palette& palette = request.palette;
-    CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMostInks);
+    CCDT_CHECK(!palette.inks.empty() && palette.inks.size() <= kMaxInks);
     CCDT_CHECK(palette.mixing != api::Mixing::Cover || palette.inks.size() == 1);
     CCDT_CHECK(palette.mixing == api::Mixing::Cover || request.dots != api::Dots::Paper);
     CCDT_CHECK(request.dots != api::Dots::Both || request.tone != Tone::Density);

@@ -49,10 +49,10 @@ void check_ring(const server::KeyRing& ring, const std::vector<Entry>& entries) 
 
 /// Checks that an error, which is logged, names a line but contains no key.
 void check_secrecy(const Error& error, const std::vector<Entry>& entries) {
-    constexpr std::size_t kShortestKey = 16;
+    constexpr std::size_t kMinKeyLength = 16;
     CCDT_CHECK(error.message.starts_with("line ") || entries.empty());
     for (const Entry& entry : entries) {
-        const bool may_be_words = entry.key.size() < kShortestKey || entry.key.find(' ') != std::string_view::npos;
+        const bool may_be_words = entry.key.size() < kMinKeyLength || entry.key.find(' ') != std::string_view::npos;
         CCDT_CHECK(may_be_words || error.message.find(entry.key) == std::string::npos);
     }
 }

@@ -11,7 +11,7 @@
 
 namespace ccdt::fuzz {
 
-/// Bytes of an input that do not stand for a corner.
+/// Input bytes with a special meaning; all other bytes encode corners.
 enum class PartTag : std::uint8_t { NextPart = 255, NextHole = 254, Nudge = 253, Anywhere = 252 };
 
 /// Takes polygons from an input, corner by corner. A nudge moves the previous corner to a neighbouring double.

@@ -27,8 +27,8 @@ Point nudged(Point p, int x, int y) {
     return {nudge(p.x, x), nudge(p.y, y)};
 }
 
-/// Reads a vertex. On the small grid, vertices coincide and edges overlap; a few doubles away from an earlier vertex,
-/// they almost do.
+/// Reads a vertex. Vertices on the small grid coincide, and their edges overlap. A vertex that is a few doubles away
+/// from an earlier one nearly coincides with it.
 Point read_vertex(Vertex kind, Bytes& input, Point before) {
     switch (kind) {
         case Vertex::Grid: {

@@ -15,7 +15,7 @@ using Parts = std::vector<PolygonPart>;
 constexpr std::size_t kMaxVertices = 48;  ///< the number of crossings grows with its square
 
 /// Reads polygons with vertices on a grid of 16 x 16 points, where edges touch and overlap in many ways. Some vertices
-/// are a rounding error beside the grid, and some are anywhere.
+/// are off the grid by a rounding error, and some are anywhere.
 Parts read_parts(Bytes& input) {
     const double spacing = input.take<std::uint8_t>() % 2U == 0 ? 1 : 0.1;  // multiples of 0.1 are rounded
     constexpr double kFar = 100;

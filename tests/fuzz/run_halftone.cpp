@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 
-#include "api/cost.h"
-#include "api/halftone.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"
@@ -45,9 +45,9 @@ std::string take_text(Bytes& input) {
     return written(take_number(input));
 }
 
-template <unsigned kMax, unsigned kLeast>
+template <unsigned kMax, unsigned kMin>
 std::string take_count(Bytes& input) {
-    return std::to_string(input.take<std::uint8_t>() % (kMax - kLeast + 1) + kLeast);
+    return std::to_string(input.take<std::uint8_t>() % (kMax - kMin + 1) + kMin);
 }
 
 std::string take_true(Bytes&) {

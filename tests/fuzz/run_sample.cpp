@@ -4,8 +4,9 @@
 #include <cmath>
 #include <optional>
 
-#include "api/cost.h"
-#include "api/sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"
@@ -110,8 +111,8 @@ Ring take_ring_on_globe(Bytes& input) {
 
 /// Takes a distance in metres, from ten micrometres to a million metres.
 double take_metres(Bytes& input) {
-    constexpr double kLeast = -5, kMax = 6, kSteps = 255;
-    return std::pow(10, kLeast + (kMax - kLeast) * input.take<std::uint8_t>() / kSteps);
+    constexpr double kMin = -5, kMax = 6, kSteps = 255;
+    return std::pow(10, kMin + (kMax - kMin) * input.take<std::uint8_t>() / kSteps);
 }
 
 void take_region(Bytes& input, Members& members) {
@@ -194,9 +195,9 @@ struct Made {
 };
 
 Made make(const api::SampleRequest& request) {
-    if (const auto* rectangle = std::get_if<api::Rectangle>(&request.domain))
+    if (const auto* rectangle = std::get_if<api::Rectangle>(&request.region.domain))
         return {api::make_domain(*rectangle).value(), {}};
-    const auto& parts = std::get<api::PolygonInput>(request.domain).parts;
+    const auto& parts = std::get<api::PolygonInput>(request.region.domain).parts;
     auto repaired = Domain::repair(parts).value();
     return {std::move(repaired.domain), repaired.repairs.empty() ? parts : std::vector<PolygonPart>()};
 }
@@ -204,12 +205,12 @@ Made make(const api::SampleRequest& request) {
 /// Checks that no point lies in excluded areas or in the buffer along the border. Repaired polygons are skipped,
 /// because their crossings are rounded.
 void check_exclusions(const api::SampleRequest& request, const Made& made, const std::vector<Point>& points) {
-    const auto& avoid = request.avoid.parts;
+    const auto& avoid = request.region.avoid.parts;
     const double rounding =
         made.domain.resolution() * std::max(made.domain.bounds().width(), made.domain.bounds().height());
     for (const Point& p : points) {
-        if (made.parts.empty() || request.buffer == 0) break;
-        CCDT_CHECK(test::distance_to_border(made.parts, p) >= request.buffer - rounding);
+        if (made.parts.empty() || request.region.buffer == 0) break;
+        CCDT_CHECK(test::distance_to_border(made.parts, p) >= request.region.buffer - rounding);
     }
     if (avoid.empty() || !Domain::repair_area(avoid)->repairs.empty()) return;
     CCDT_CHECK(test::count_outside(avoid, points) == points.size());
@@ -219,12 +220,13 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     CCDT_CHECK(answer.sites == request.run.sites && !answer.partial && !answer.media_type.empty() &&
                !answer.body.empty());
     const auto check = [&](const std::vector<Point>& points) {
-        if (request.coordinates == api::Coordinates::LonLat) return check_points_on_globe(points, request.run.sites);
+        if (request.region.coordinates == api::Coordinates::LonLat)
+            return check_points_on_globe(points, request.run.sites);
         const auto made = make(request);
         check_points(points, request.run.sites, made.domain, made.parts);
         check_exclusions(request, made, points);
     };
-    const std::string_view format = request.format->file.name;
+    const std::string_view format = request.output.format->file.name;
     if (format == "svg") return check_svg(answer.body);
     if (format == "png") return check_signature(answer.body, "\x89PNG\r\n");
     if (format == "json") return check(points_of_json(answer.body));
@@ -232,7 +234,7 @@ void check_answer(const api::SampleRequest& request, const api::Answer& answer) 
     if (format == "ndjson" || format == "geojsonseq") return check(points_of_lines(answer.body));
     if (format == "csv") return check(points_of_csv(answer.body));
     if (format == "npy")
-        return check(points_of_npy(answer.body, request.order == api::PointOrder::Progressive ? 3 : 2));
+        return check(points_of_npy(answer.body, request.output.order == api::PointOrder::Progressive ? 3 : 2));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/sample.h"
+#include "api/sample/sample_parser.h"
 
 #include <algorithm>
 #include <utility>
@@ -29,13 +29,13 @@ Result<Density> density_of(const api::SampleRequest& request) {
 
 Result<RepairedDomain> domain_of(const api::SampleRequest& request, std::string_view body) {
     const auto valid = [](Domain&& domain) { return RepairedDomain{std::move(domain), {}}; };
-    if (const auto* rectangle = std::get_if<api::Rectangle>(&request.domain)) {
+    if (const auto* rectangle = std::get_if<api::Rectangle>(&request.region.domain)) {
         CCDT_CHECK(rectangle->width > 0 && rectangle->height > 0);
         return api::make_domain(*rectangle).map(valid);
     }
-    const auto& polygon = std::get<api::PolygonInput>(request.domain);
-    auto domain = request.on_invalid == api::OnInvalid::Repair ? Domain::repair(polygon.parts)
-                                                               : Domain::create(polygon.parts).map(valid);
+    const auto& polygon = std::get<api::PolygonInput>(request.region.domain);
+    auto domain = request.region.on_invalid == api::OnInvalid::Repair ? Domain::repair(polygon.parts)
+                                                                      : Domain::create(polygon.parts).map(valid);
     if (!domain) {
         check_location(domain.error(), polygon.parts);
         domain.error().field = polygon.locate(domain.error().field);
@@ -60,7 +60,7 @@ void run(const api::SampleRequest& request, const RepairedDomain& made, const De
     options.sites = std::min(options.sites, kMaxSites);
     options.iterations = std::min(options.iterations, 1);
     options.passes = std::min(options.passes, 2);
-    const auto* polygon = std::get_if<api::PolygonInput>(&request.domain);
+    const auto* polygon = std::get_if<api::PolygonInput>(&request.region.domain);
     if (polygon != nullptr && polygon->corner_count() > kMaxCorners) return;
     const auto parts = polygon == nullptr || !repairs.empty() ? std::vector<PolygonPart>() : polygon->parts;
     if (request.method == &api::methods().front()) return check_distribution(domain, parts, density, options);

@@ -11,7 +11,7 @@ import tempfile
 import threading
 import time
 
-from harness import PATIENCE, wait_until
+from harness import PATIENCE, join, wait_until
 
 # Debian's redis-server is a link to this program, which behaves according to the name in its first argument. Installing
 # the package redis-server would start a daemon; the package with this program does not.
@@ -62,9 +62,9 @@ class Redis:
             return False
 
     def cli(self, *arguments):
-        told = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
+        result = subprocess.run(["redis-cli", "-p", str(self.port), *arguments], capture_output=True, text=True,
                               timeout=PATIENCE, check=True)
-        return told.stdout.strip()
+        return result.stdout.strip()
 
     def kill(self):
         self.process.kill()
@@ -114,5 +114,5 @@ class SlowWay:
 
     def __exit__(self, *_):
         self.listener.shutdown(socket.SHUT_RDWR)
-        self.thread.join()
+        join(self.thread, "the end of a proxy")
         self.listener.close()

@@ -11,6 +11,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import signal
 import subprocess
 import tempfile
@@ -46,6 +47,25 @@ def wait_until(condition, what=None):
             what = what or inspect.getsource(condition).strip()
             raise AssertionError(f"waited {PATIENCE} s for: {what}\nlast value: {found!r}")
     return found
+
+
+def execute(command, timeout=PATIENCE, **options):
+    """Runs a program to its end. The options are those of subprocess.run, but there is always a time limit."""
+    return subprocess.run(command, timeout=timeout, **options)  # pylint: disable=subprocess-run-check
+
+
+def join(thread, what, limit=PATIENCE):
+    """Waits for the end of a thread. `what` describes it in the message of a failure."""
+    thread.join(limit)
+    if thread.is_alive():
+        raise AssertionError(f"waited {limit} s for {what}")
+
+
+def read_line(process, what):
+    """Waits for the first line that a process prints, and returns it. `what` describes it in the message of a failure."""
+    if not select.select([process.stdout], [], [], PATIENCE)[0]:
+        raise AssertionError(f"waited {PATIENCE} s for {what}")
+    return process.stdout.readline()
 
 
 class Server:
@@ -113,7 +133,7 @@ class Server:
     def wait(self):
         """Waits for the end of the server, and returns its exit code."""
         code = self.process.wait(PATIENCE)
-        self.reader.join()
+        join(self.reader, "the end of the log")
         self.process.stderr.close()
         return code
 
@@ -208,8 +228,8 @@ def post_json(server, path, body, *arguments):
 def figures_at_rest(server):
     """Returns /metrics once all answers are counted, which happens after they are sent."""
     def find():
-        told = ask(server, "/metrics").body.decode()
-        return told if "\nccdt_connections_open 1\n" in told else None
+        metrics = ask(server, "/metrics").body.decode()
+        return metrics if "\nccdt_connections_open 1\n" in metrics else None
 
     return wait_until(find, "the end of all other connections")
 

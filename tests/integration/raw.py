@@ -18,7 +18,7 @@ AT_ONCE = 1.0
 SANITIZED = re.search(rb"__(a|t)san_init", pathlib.Path(os.environ["CCDT_SERVER"]).read_bytes()) is not None
 
 # Limit of the memory that clients may cost in addition to accepted work, in MiB. Sanitizers keep freed memory.
-MOST_MEMORY = 1024 if SANITIZED else 64
+MAX_MEMORY_RISE = 1024 if SANITIZED else 64
 
 
 class Raw:

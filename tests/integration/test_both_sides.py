@@ -4,19 +4,21 @@
 import csv
 import io
 import pathlib
-import subprocess
 import tempfile
 import unittest
+from xml.etree import ElementTree
 
 import numpy
 import shapely.geometry
 from PIL import Image, ImageDraw
 
-from harness import PICTURES, ServerCase, file_of, flat, inside, linear, pixels
+from harness import PICTURES, ServerCase, execute, file_of, flat, inside, linear, pixels
 from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
 CAMERA = (PICTURES / "camera.png").read_bytes()
+SVG = "{http://www.w3.org/2000/svg}"
+LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def light(file):
@@ -34,6 +36,16 @@ def black_and_white():
     levels = numpy.where(numpy.asarray(picture) < 128, 0, 255)
     levels[90:, :] = 255 * numpy.random.default_rng(3).integers(0, 2, (30, 160))
     return levels
+
+
+def drawn_by_librsvg(svg, shape):
+    """Draws an SVG as PNG with the rows and columns of `shape`."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
+        source.write_bytes(svg)
+        execute(["rsvg-convert", "--width", str(shape[1]), "--height", str(shape[0]), "--output", str(target),
+                 str(source)], check=True)
+        return target.read_bytes()
 
 
 def rings(answer):
@@ -146,12 +158,7 @@ class Drawings(ServerCase):
                             (file_of(flat(0, 64, 64)), "?scale=4")):
             with self.subTest(query=query):
                 ours = light(self.halftone(data, query + "&antialias=true").body)
-                with tempfile.TemporaryDirectory() as folder:
-                    source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
-                    source.write_bytes(self.halftone(data, query + "&format=svg").body)
-                    subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]),
-                                    "--output", str(target), str(source)], check=True)
-                    theirs = pixels(target.read_bytes(), "L") / 255
+                theirs = pixels(drawn_by_librsvg(self.halftone(data, query + "&format=svg").body, ours.shape), "L") / 255
                 self.assertLess(abs(ours.mean() - theirs.mean()), 0.01)
                 self.assertLess(numpy.abs(ours - theirs).mean(), 0.02)
 
@@ -244,14 +251,23 @@ class Palettes(ServerCase):
     def test_svg_looks_like_png(self):
         query = "?sites=3000&scale=4&antialias=true" + self.query(3)
         ours = LIGHT[pixels(self.halftone(ASTRONAUT, query).body, "RGB")]
-        with tempfile.TemporaryDirectory() as folder:
-            source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
-            source.write_bytes(self.halftone(ASTRONAUT, query + "&format=svg").body)
-            subprocess.run(["rsvg-convert", "--width", str(ours.shape[1]), "--height", str(ours.shape[0]), "--output",
-                            str(target), str(source)], check=True)
-            theirs = LIGHT[pixels(target.read_bytes(), "RGB")]
+        theirs = LIGHT[pixels(drawn_by_librsvg(self.halftone(ASTRONAUT, query + "&format=svg").body, ours.shape), "RGB")]
         self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
         self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
+
+    def test_svg_has_a_layer_for_each_kind_if_requested(self):
+        for colours in ("&color=cmyk", "&color=rgb", self.query(3)):
+            with self.subTest(colours=colours):
+                query = "?sites=3000&scale=4" + colours
+                ours = LIGHT[pixels(self.halftone(ASTRONAUT, query + "&antialias=true").body, "RGB")]
+                svg = self.halftone(ASTRONAUT, query + "&format=svg&layers=kind").body
+                kinds = self.halftone(ASTRONAUT, query + "&dots=both&format=json").json()["kinds"]
+                layers = [layer.get(LABEL) for layer in ElementTree.fromstring(svg).findall(SVG + "g")]
+                self.assertEqual(layers[0], "ground")
+                self.assertEqual(len(layers), 1 + len(kinds))
+                theirs = LIGHT[pixels(drawn_by_librsvg(svg, ours.shape), "RGB")]
+                self.assertLess(abs(ours.mean((0, 1)) - theirs.mean((0, 1))).max(), 0.02)
+                self.assertLess(numpy.abs(ours - theirs).mean(), 0.05)
 
     def test_tiff_has_a_plate_for_each_ink(self):
         plates = self.halftone(ASTRONAUT, "?sites=900&scale=2&format=tiff&dots=both" + self.query(4))

@@ -14,7 +14,7 @@ import threading
 import time
 import unittest
 
-from harness import NODE, PATIENCE, ROOT, Server, ask, data_uri, figures_at_rest, file_of, flat, wait_until
+from harness import NODE, PATIENCE, ROOT, Server, ask, data_uri, figures_at_rest, file_of, flat, join, wait_until
 from raw import Raw
 
 GREY = file_of(flat(128))
@@ -264,7 +264,7 @@ class Files(PicturesCase):
             return over.is_set()
 
         wait_until(is_over, "the changes of the file")
-        thread.join()
+        join(thread, "the changes of the file")
         self.assertLessEqual(seen, allowed)
         self.assertEqual(self.ask("/health/ready").json(), {"status": "ready"})
 

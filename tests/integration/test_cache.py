@@ -147,9 +147,9 @@ class Cache(CacheCase):
         origin = ("--header", "Origin: https://a.example")
         answer = self.pose("/sample", SAMPLE, *origin)
         self.assertIn("ETag", answer.headers["access-control-expose-headers"])
-        asked = self.ask("/sample", "--request", "OPTIONS", *origin, "--header",
-                         "Access-Control-Request-Method: POST")
-        self.assertIn("If-None-Match", asked.headers["access-control-allow-headers"])
+        preflight = self.ask("/sample", "--request", "OPTIONS", *origin, "--header",
+                             "Access-Control-Request-Method: POST")
+        self.assertIn("If-None-Match", preflight.headers["access-control-allow-headers"])
 
 
 class Others(unittest.TestCase):

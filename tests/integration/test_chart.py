@@ -6,13 +6,12 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import tempfile
 import unittest
 
 import yaml
 
-from harness import NODE, ROOT, TOOLS
+from harness import NODE, ROOT, TOOLS, execute
 
 CHART = ROOT / "docker" / "chart"
 DEPLOY = TOOLS / "deploy"
@@ -73,8 +72,8 @@ def helm(command, values):
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
         json.dump(values, file)
         file.flush()
-        return subprocess.run([HELM, *command, CHART, "--values", file.name], capture_output=True, text=True,
-                              check=False)
+        return execute([HELM, *command, CHART, "--values", file.name], capture_output=True, text=True,
+                       check=False)
 
 
 def render(values):
@@ -104,8 +103,8 @@ def compile_types(documents):
         (pathlib.Path(folder) / "documents.ts").write_text(typescript(documents))
         options = {"noEmit": True, "strict": True, "module": "node16", "moduleResolution": "node16", "types": []}
         (pathlib.Path(folder) / "tsconfig.json").write_text(json.dumps({"compilerOptions": options}))
-        return subprocess.run([NODE, MODULES / "typescript" / "bin" / "tsc", "--project", folder],
-                              capture_output=True, text=True, check=False).stdout
+        return execute([NODE, MODULES / "typescript" / "bin" / "tsc", "--project", folder],
+                       capture_output=True, text=True, check=False).stdout
 
 
 def pod_of(documents):
@@ -163,16 +162,16 @@ class Chart(unittest.TestCase):
                                pause + int(variables_of(documents)["CCDT_DRAIN_TIMEOUT"]))
 
     def test_sets_only_variables_of_the_server(self):
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-        known = set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
+        output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+        known = set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
         for documents in self.releases.values():
             self.assertEqual(set(variables_of(documents)) - known, set())
         set_ = {name: value for name, value in variables_of(self.releases["whole"]).items() if value is not None}
         self.assertEqual(set_["CCDT_MAX_PIXELS"], "16000000")
         self.assertEqual(set_["CCDT_TRUSTED_PROXY"], "10.0.0.0/8,fd00::/8")
         environment = {name: value for name, value in os.environ.items() if name not in known}
-        checked = subprocess.run([os.environ["CCDT_SERVER"], "--check", "--port=0", "--api-key-file="],
-                                 env={**environment, **set_}, capture_output=True, text=True, check=False)
+        checked = execute([os.environ["CCDT_SERVER"], "--check", "--port=0", "--api-key-file="],
+                          env={**environment, **set_}, capture_output=True, text=True, check=False)
         self.assertIn("--api-key-file", checked.stderr, "of all only the flag that is wrong")
 
     def test_secrets_appear_only_in_secrets(self):
@@ -210,8 +209,8 @@ class Chart(unittest.TestCase):
         self.assertEqual(endpoint["relabelings"], [{"targetLabel": "job", "replacement": "ccdt"}])
 
     def test_has_the_servers_version(self):
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
-        self.assertEqual(yaml.safe_load((CHART / "Chart.yaml").read_text())["appVersion"], told.stdout.split()[1])
+        result = execute([os.environ["CCDT_SERVER"], "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(yaml.safe_load((CHART / "Chart.yaml").read_text())["appVersion"], result.stdout.split()[1])
 
 
 if __name__ == "__main__":

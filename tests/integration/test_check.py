@@ -12,7 +12,7 @@ import threading
 import unittest
 
 from engine import Redis
-from harness import PATIENCE, Server, ask
+from harness import PATIENCE, Server, ask, execute, join
 
 PARTS = ["decoder", "worker", "keys", "signing", "pictures", "memory", "files", "jobs", "answers", "rates", "address"]
 MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates")]
@@ -51,8 +51,8 @@ class Check(unittest.TestCase):
         self.assertEqual(values["--port"], ("0", "PORT"))
         self.assertEqual(values["--memory"], ("4GiB", "CCDT_MEMORY"))
         self.assertEqual(values["--queue"], ("48", "default"))
-        told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual(list(values), re.findall(r"^  (--[a-z-]+) [A-Z]", told, re.MULTILINE))
+        output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(list(values), re.findall(r"^  (--[a-z-]+) [A-Z]", output, re.MULTILINE))
         self.assertIn("in force: ", parts["decoder"][1])
         self.assertEqual(parts["worker"][0], "good")
         self.assertRegex(parts["memory"][1], r"^\d+ MiB of 4096 ")
@@ -168,6 +168,8 @@ class Health(unittest.TestCase):
 
     def test_detects_other_programs_on_the_port(self):
         with socket.create_server(("127.0.0.1", 0)) as listener:
+            listener.settimeout(PATIENCE)
+
             def answer():
                 for words in (b"SSH-2.0-OpenSSH_9.2\r\n", b"HTTP/1.1 503 Service Unavailable\r\n\r\n", b""):
                     client = listener.accept()[0]
@@ -181,7 +183,7 @@ class Health(unittest.TestCase):
             self.assertIn("SSH", self.health(port))
             self.assertIn("HTTP/1.1 503", self.health(port))
             self.assertIn("unhealthy", self.health(port))
-            thread.join()
+            join(thread, "the last of three health checks")
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@
 import csv
 import io
 import pathlib
-import subprocess
 import tempfile
 import unittest
 from xml.etree import ElementTree
@@ -13,7 +12,7 @@ import numpy
 import tifffile
 from PIL import Image
 
-from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, file_of, flat, pixels, post_json
+from harness import PICTURES, Call, Server, ServerCase, ask, data_uri, execute, file_of, flat, pixels, post_json
 from seen import LIGHT, ciede2000, lab, seen_light
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
@@ -42,7 +41,7 @@ def rendered(svg, width):
     with tempfile.TemporaryDirectory() as folder:
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
-        subprocess.run(["rsvg-convert", "--width", str(width), "--output", str(target), str(source)], check=True)
+        execute(["rsvg-convert", "--width", str(width), "--output", str(target), str(source)], check=True)
         return target.read_bytes()
 
 
@@ -149,7 +148,7 @@ class Formats(ServerCase):
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(binary.body)
             file.flush()
-            subprocess.run(["pngcheck", "-q", file.name], check=True)
+            execute(["pngcheck", "-q", file.name], check=True)
 
     def test_webp_looks_like_png(self):
         for query in ("", "&antialias=true", "&background=transparent", "&background=transparent&antialias=true"):
@@ -305,8 +304,8 @@ class Runs(unittest.TestCase):
             self.assertEqual(accepted.status, 202, accepted)
             job = accepted.headers["location"]
             stream = ask(server, job + "/events", "--no-buffer").body.decode()
-            told = [line for line in stream.splitlines() if line.startswith("data:")]
-            progress = [float(line.split('"progress":')[1].split(",")[0].rstrip("}")) for line in told]
+            lines = [line for line in stream.splitlines() if line.startswith("data:")]
+            progress = [float(line.split('"progress":')[1].split(",")[0].rstrip("}")) for line in lines]
             self.assertEqual(progress, sorted(progress))
             self.assertEqual(progress[-1], 1)
             now = ask(server, "/halftone?sites=9000&color=cmyk", data=ASTRONAUT)

@@ -37,9 +37,9 @@ def children(process):
     """Returns ids and states of the children of a process."""
     found = {}
     for folder in pathlib.Path("/proc").iterdir():
-        told = parent_and_state(folder.name) if folder.name.isdigit() else None
-        if told and told[0] == process:
-            found[int(folder.name)] = told[1]
+        found_state = parent_and_state(folder.name) if folder.name.isdigit() else None
+        if found_state and found_state[0] == process:
+            found[int(folder.name)] = found_state[1]
     return found
 
 
@@ -51,8 +51,8 @@ def fork_server(server):
 
 
 def figure(server, name):
-    told = ask(server, "/metrics").body.decode()
-    return float(re.search(rf"^{name} (\S+)$", told, re.MULTILINE).group(1))
+    metrics = ask(server, "/metrics").body.decode()
+    return float(re.search(rf"^{name} (\S+)$", metrics, re.MULTILINE).group(1))
 
 
 def resume(process):

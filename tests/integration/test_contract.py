@@ -10,7 +10,7 @@ import unittest
 
 from jsonschema import Draft202012Validator, RefResolver
 
-from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, file_of, pixels, post_json
+from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, execute, file_of, pixels, post_json, read_line
 
 FILE = (ROOT / "api" / "openapi.json").read_bytes()
 DOCUMENT = json.loads(FILE)
@@ -130,8 +130,8 @@ class Document(ContractCase):
         self.assertEqual(self.ask("/openapi.json", "--head").headers["etag"], answer.headers["etag"])
 
     def test_has_the_version_of_the_server(self):
-        told = subprocess.run([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
-        self.assertEqual(told.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
+        result = execute([self.server.process.args[0], "--version"], capture_output=True, text=True, check=True)
+        self.assertEqual(result.stdout.split(), ["ccdt-server", DOCUMENT["info"]["version"]])
 
     def test_has_valid_schemas(self):
         for name, described in DOCUMENT["components"]["schemas"].items():
@@ -233,6 +233,7 @@ class Options(ContractCase):
              ("/halftone", "background"): {"format": "png"}, ("/halftone", "width"): {"format": "png", "height": 1},
              ("/halftone", "height"): {"format": "png", "width": 1},
              ("/halftone", "fit"): {"format": "png", "width": 30, "height": 10},
+             ("/halftone", "layers"): {"format": "svg", "color": "cmyk"},
              ("/sample", "style"): {"format": "svg"}, ("/sample", "multipoint"): {"format": "geojson"},
              **{(path, option): {"format": "gcode", "style": "spiral", "width_mm": 100}
                 for path in ("/halftone", "/sample") for option in ("speed", "dwell", "pen_down", "pen_up")},
@@ -321,8 +322,8 @@ class Options(ContractCase):
                     self.take(path, option, word)
             if words:
                 detail = self.refuse(path, option, "nonsense").split("nonsense")[1]
-                told = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
-                self.assertEqual(sorted(told), sorted(words), option)
+                named = detail.split(" are ")[1].split(", ") if " are " in detail else re.findall(r"'(\w+)'", detail)
+                self.assertEqual(sorted(named), sorted(words), option)
                 tried += 1
         self.assertGreater(tried, 10)
 
@@ -334,7 +335,7 @@ class Options(ContractCase):
                     self.refuse(path, option, wrong[described["type"]])
 
     def test_have_the_documented_defaults(self):
-        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover",
+        others = {"seed": 1, "per": 2, "iterations": 6, "passes": 6, "quality": "best", "dot": 0.5, "detail": 1, "levels": [0.2, 1], "fit": "cover", "layers": "kind",
                   "tone": "perceptual", "foreground": "#123456", "background": "#123456",
                   "color": "cmyk", "style": "stroke", "pen": 1, "speed": 50, "dwell": 1, "pen_down": "M3", "pen_up": "M4", "method": "odt", "mesh": True, "coordinates": "lonlat",
                   "max_frequency": 5, "spectrum": True, "multipoint": False, "buffer": 0.1, "format": "svg", "domain": {"type": "rectangle", "width": 2, "height": 1}}
@@ -489,11 +490,11 @@ class Statuses(ContractCase):
                 self.see_locked(server, 401)
         self.see_streams()
         self.see_pictures()
-        told = {(path, status) for path, _, operation in operations() for status in operation["responses"]
-                if not status.endswith("XX")}
+        documented = {(path, status) for path, _, operation in operations() for status in operation["responses"]
+                      if not status.endswith("XX")}
         # What is common to all that compute is provoked at one of them.
         alike = {(path, status) for path in (*COMPUTING, "/halftone/{name}") for status in ("503", "504")}
-        self.assertEqual(told - self.seen - set(self.ELSEWHERE) - alike, set())
+        self.assertEqual(documented - self.seen - set(self.ELSEWHERE) - alike, set())
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())
 
     def see_pictures(self):
@@ -522,7 +523,7 @@ class Statuses(ContractCase):
             with subprocess.Popen(["curl", "--silent", "--no-buffer", "--max-time", str(PATIENCE),
                                    server.url(job + "/events")],
                                   stdout=subprocess.PIPE) as stream:
-                stream.stdout.readline()
+                read_line(stream, "the first event of the job")
                 self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 503)
                 ask(server, job, "--request", "DELETE")
 
@@ -531,12 +532,12 @@ class Statuses(ContractCase):
         errors = set(re.findall(r"(?:\b(?:problem|busy)\(|\bProblem\{|\? )([45]\d\d)\b", source))
         errors |= set(re.findall(r"return ([45]\d\d);", (SERVER / "http" / "problem.cpp").read_text()))
         self.assertGreater(len(errors), 15)
-        told = {status for _, _, operation in operations() for status in operation["responses"]}
+        documented = {status for _, _, operation in operations() for status in operation["responses"]}
         for status in ("4XX", "5XX"):
             described = resolve(next(operation["responses"][status] for _, _, operation in operations()))
-            told |= set(re.findall(r"\b[45]\d\d\b", described["description"]))
-        self.assertEqual(errors - told, set())
-        self.assertEqual({status for status in told if re.fullmatch(r"[45]\d\d", status)} - errors, set())
+            documented |= set(re.findall(r"\b[45]\d\d\b", described["description"]))
+        self.assertEqual(errors - documented, set())
+        self.assertEqual({status for status in documented if re.fullmatch(r"[45]\d\d", status)} - errors, set())
 
     def test_in_the_readme_are_documented(self):
         rows = re.findall(r"^\| (\d{3}(?:, \d{3})*) \| ", (ROOT / "api" / "README.md").read_text(), re.MULTILINE)

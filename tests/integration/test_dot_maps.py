@@ -124,9 +124,9 @@ class Formats(ServerCase):
         return answer
 
     def test_have_the_same_content(self):
-        told = self.draw().json()
+        answer = self.draw().json()
         rows = [[*point, feature, number]
-                for point, feature, number in zip(told["points"], told["feature"], told["class"], strict=True)]
+                for point, feature, number in zip(answer["points"], answer["feature"], answer["class"], strict=True)]
         self.assertEqual([row[2:] for row in rows], 30 * [[0, 0]] + 20 * [[1, 0]] + 10 * [[0, 1]])
         self.assertEqual(numpy.load(io.BytesIO(self.draw(format="npy").body)).tolist(), rows)
         lines = self.draw(format="csv").body.decode().split("\r\n")
@@ -137,7 +137,7 @@ class Formats(ServerCase):
         self.assertEqual([(each.get("id"), each["properties"]["feature"], each["properties"]["class"])
                           for each in drawn["features"]], [("west", 0, "a"), (None, 1, "a"), ("west", 0, "b")])
         self.assertEqual([point for each in drawn["features"] for point in each["geometry"]["coordinates"]],
-                         told["points"])
+                         answer["points"])
         self.assertIn("X-Warnings".lower(), self.draw(format="svg").headers)
 
     def test_use_the_colours_of_classes(self):
@@ -161,12 +161,12 @@ class Exclusions(ServerCase):
         wells = numpy.random.default_rng(2).uniform(0, 2, (50, 2))
         for coordinates, buffer in (("plane", 0.1), ("lonlat", 10_000)):
             with self.subTest(coordinates=coordinates):
-                told = post_json(self.server, "/sample", {
+                answer = post_json(self.server, "/sample", {
                     "geometry": collection(given), "sites": "n", "coordinates": coordinates, "buffer": buffer,
                     "avoid": shapely.geometry.mapping(lake), "fixed": wells.tolist(),
                     "mask": {"image": base64.b64encode(image.getvalue()).decode()}}).json()
-                self.assertEqual([each["sites"] for each in told["features"]], [400, 700, 1000, 1300])
-                points = numpy.array(told["points"])
+                self.assertEqual([each["sites"] for each in answer["features"]], [400, 700, 1000, 1300])
+                points = numpy.array(answer["points"])
                 degrees = 0.1 if coordinates == "plane" else buffer / 111_500
                 left = shapely.geometry.box(0, 0, 2, 2).difference(lake).difference(dark).buffer(-0.99 * degrees)
                 self.assertTrue(shapely.vectorized.contains(left, *points.T).all())
@@ -215,7 +215,7 @@ class Undivided(ServerCase):
         self.assertEqual(sum(map(sum, counts)), self.SITES)
         pitch = math.sqrt(whole.area / self.SITES)
         for quality in ("standard", "best"):
-            sets = [[self.points(**asked, quality=quality, seed=seed) for seed in range(3)] for asked in (
+            sets = [[self.points(**request, quality=quality, seed=seed) for seed in range(3)] for request in (
                 {"geometry": collection(given), "sites": "points"},
                 {"geometry": shapely.geometry.mapping(whole), "sites": self.SITES})]
             for pitches in (1, 2, 4):

@@ -80,16 +80,16 @@ class Examples(unittest.TestCase):
     def test_run_in_javascript(self):
         for page, block in self.examples("js", 1):
             with self.subTest(page=page):
-                code, told, errors = self.run_it(NODE, "--input-type=module", "--eval", code=block)
-                self.assertEqual((code, told), (0, b"1000 points\n"), errors)
+                code, output, errors = self.run_it(NODE, "--input-type=module", "--eval", code=block)
+                self.assertEqual((code, output), (0, b"1000 points\n"), errors)
 
     def test_run_in_the_shell(self):
         for page, block in self.examples("sh", 10):
             with self.subTest(page=page, block=block):
-                code, told, errors = self.run_it("bash", "-euo", "pipefail", "-c", code=block)
-                self.assertEqual(code, 22 if CROSSING in block else 0, (told[:500], errors))
+                code, output, errors = self.run_it("bash", "-euo", "pipefail", "-c", code=block)
+                self.assertEqual(code, 22 if CROSSING in block else 0, (output[:500], errors))
                 if "%{http_code}" in block:
-                    self.assertEqual(told, b"304\n")
+                    self.assertEqual(output, b"304\n")
 
 
 if __name__ == "__main__":

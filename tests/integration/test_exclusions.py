@@ -144,7 +144,7 @@ class Avoided(ServerCase):
         wide = {"type": "Polygon", "coordinates": [[[-20, 50], [40, 50], [40, 72], [-20, 72]]]}
         for geometry, metres in ((ITALY, 500), (ITALY, 20_000), (wide, 100), (wide, 200_000)):
             answer = self.sample(sites=2000, geometry=geometry, buffer=metres, coordinates="lonlat")
-            least = self.least_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
+            least = self.min_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
             self.assertGreaterEqual(least, 0.999 * metres)
             # Rows of sites along a border are half a row, sqrt(3) / 4 pitches, from it.
             self.assertLess(least, 1.04 * metres + 0.44 * answer["pitch_m"])
@@ -154,7 +154,7 @@ class Avoided(ServerCase):
         island = [[110, -35], [150, -35], [150, -15], [110, -15]]
         answer = self.sample(sites=2000, polygon=globe, avoid=[island], buffer=300_000, coordinates="lonlat", mesh=True)
         points = numpy.array(answer["points"])
-        least = self.least_metres(points, shapely.geometry.Polygon(island), 300_000)
+        least = self.min_metres(points, shapely.geometry.Polygon(island), 300_000)
         self.assertGreaterEqual(least, 0.999 * 300_000)
         # There is no strip without points where the globe is cut.
         spaces = in_space(points)
@@ -162,7 +162,7 @@ class Avoided(ServerCase):
         self.assertLess(numpy.median(nearest), 1.4 * answer["pitch_m"])
         self.assertLess(max(nearest), 2.2 * answer["pitch_m"])
 
-    def least_metres(self, points, shape, metres):
+    def min_metres(self, points, shape, metres):
         """Returns the minimum geodesic distance of points to the border, computed only for the 50 nearest points and
         the four pieces of the border that are nearest to each in space."""
         pieces = cut(numpy.concatenate([edges_of(ring) for part in getattr(shape, "geoms", [shape])

@@ -5,7 +5,6 @@ import csv
 import io
 import pathlib
 import re
-import subprocess
 import tempfile
 import unittest
 from xml.etree import ElementTree
@@ -14,7 +13,7 @@ import numpy
 import shapely.geometry
 from PIL import Image
 
-from harness import PICTURES, ServerCase, file_of, flat, linear, pixels, polygon, post_json, rings_of
+from harness import PICTURES, ServerCase, execute, file_of, flat, linear, pixels, polygon, post_json, rings_of
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 SVG = "{http://www.w3.org/2000/svg}"
@@ -111,8 +110,8 @@ def rendered(svg, shape):
         source, target = pathlib.Path(folder) / "dots.svg", pathlib.Path(folder) / "dots.png"
         source.write_bytes(svg)
         height, width = shape
-        subprocess.run(["rsvg-convert", "--width", str(width), "--height", str(height), "--background-color", "white",
-                        "--output", str(target), str(source)], check=True)
+        execute(["rsvg-convert", "--width", str(width), "--height", str(height), "--background-color", "white",
+                 "--output", str(target), str(source)], check=True)
         return 1 - pixels(target.read_bytes(), "L") / 255
 
 
@@ -125,7 +124,7 @@ def check_png(file):
     with tempfile.NamedTemporaryFile(suffix=".png") as stored:
         stored.write(file)
         stored.flush()
-        subprocess.run(["pngcheck", "-q", stored.name], check=True)
+        execute(["pngcheck", "-q", stored.name], check=True)
 
 
 def centres(svg):
@@ -174,9 +173,9 @@ class Drawings(FormatCase):
         svg = self.made("svg", sites=4000, domain=domain, width_mm=200).body
         path = length(centres(svg))
         self.assertLess(path, 0.65 * 100 * length(points))
-        told = re.search(rb"<desc>4000 dots along a path of (\S+) mm; in their original order it is (\S+) mm; ", svg)
-        self.assertAlmostEqual(float(told[1]), path, delta=0.1)
-        self.assertAlmostEqual(float(told[2]), 100 * length(points), delta=0.1)
+        described = re.search(rb"<desc>4000 dots along a path of (\S+) mm; in their original order it is (\S+) mm; ", svg)
+        self.assertAlmostEqual(float(described[1]), path, delta=0.1)
+        self.assertAlmostEqual(float(described[2]), 100 * length(points), delta=0.1)
 
     def test_svg_has_its_size_in_millimetres(self):
         svg = self.made("svg", sites=50, width_mm=150, style="stroke", dot=0.01,
@@ -234,13 +233,13 @@ class Drawings(FormatCase):
             self.assert_problem(post_json(self.server, "/sample", {**square, **options}), status, word)
 
 
-def told_by_tiffinfo(file):
+def tiffinfo(file):
     """Returns what tiffinfo prints, and its warnings while it reads the file to the end."""
     with tempfile.NamedTemporaryFile(suffix=".tiff") as stored:
         stored.write(file)
         stored.flush()
-        told = subprocess.run(["tiffinfo", "-d", stored.name], capture_output=True, text=True, check=True)
-        return told.stdout.split("Strip 0")[0], told.stderr
+        result = execute(["tiffinfo", "-d", stored.name], capture_output=True, text=True, check=True)
+        return result.stdout.split("Strip 0")[0], result.stderr
 
 
 class Pictures(FormatCase):
@@ -270,22 +269,22 @@ class Pictures(FormatCase):
         self.assertLess(len(webp), len(self.dots("?sites=5000&scale=3").body))
 
     def test_tiff_of_black_and_white_has_one_bit_per_pixel(self):
-        told, complaints = told_by_tiffinfo(self.dots("?sites=5000&scale=2&format=tiff&width_mm=65.024").body)
+        output, complaints = tiffinfo(self.dots("?sites=5000&scale=2&format=tiff&width_mm=65.024").body)
         self.assertEqual(complaints, "")
         for line in ("Image Width: 1024 Image Length: 1024", "Resolution: 400, 400 pixels/inch", "Bits/Sample: 1",
                      "Compression Scheme: CCITT Group 4", "Photometric Interpretation: min-is-white"):
-            self.assertIn(line, told)
+            self.assertIn(line, output)
 
     def test_tiff_of_greys_and_colours_declares_its_samples(self):
         for query, lines in (("&antialias=true", ("min-is-black", "Bits/Sample: 8")),
                              ("&foreground=%23306", ("RGB color", "Samples/Pixel: 3")),
                              ("&background=transparent", ("RGB color", "Samples/Pixel: 4", "unassoc-alpha"))):
             with self.subTest(query=query):
-                told, complaints = told_by_tiffinfo(self.dots("?sites=50&scale=1&format=tiff" + query).body)
+                output, complaints = tiffinfo(self.dots("?sites=50&scale=1&format=tiff" + query).body)
                 self.assertEqual(complaints, "")
                 for line in (*lines, "Compression Scheme: AdobeDeflate"):
-                    self.assertIn(line, told)
-                self.assertNotIn("pixels/inch", told)
+                    self.assertIn(line, output)
+                self.assertNotIn("pixels/inch", output)
 
     def test_webp_limits_sides_of_drawings(self):
         strip = file_of(flat(40, 2048, 8))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""POST /sample with coordinates=lonlat: as many points per square kilometre everywhere, in round neighbourhoods.
+"""POST /sample with coordinates=lonlat: equally many points per square kilometre everywhere, in round neighbourhoods.
 
 PROJ computes areas and distances on the ground, by pyproj.
 """

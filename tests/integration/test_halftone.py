@@ -4,13 +4,12 @@
 import base64
 import json
 import shutil
-import subprocess
 import tempfile
 import unittest
 
 import numpy
 
-from harness import PICTURES, ServerCase, ask, data_uri, file_of, flat, linear, pixels, post_json
+from harness import PICTURES, ServerCase, ask, data_uri, execute, file_of, flat, linear, pixels, post_json
 
 CAMERA = (PICTURES / "camera.png").read_bytes()
 CHELSEA = (PICTURES / "chelsea.png").read_bytes()
@@ -97,11 +96,11 @@ class Formats(ServerCase):
         with tempfile.NamedTemporaryFile(suffix=".png") as file:
             file.write(answer.body)
             file.flush()
-            told = subprocess.run(["file", file.name], capture_output=True, text=True, check=True).stdout
-            self.assertIn("1024 x 1024, 1-bit", told)
+            output = execute(["file", file.name], capture_output=True, text=True, check=True).stdout
+            self.assertIn("1024 x 1024, 1-bit", output)
             checker = shutil.which("pngcheck")
             self.assertIsNotNone(checker)
-            subprocess.run([checker, "-q", file.name], check=True)
+            execute([checker, "-q", file.name], check=True)
 
     def test_json_holds_the_points(self):
         for choice in (("?sites=700&format=json",), ("?sites=700", "--header", "Accept: application/json")):

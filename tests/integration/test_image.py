@@ -8,12 +8,11 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import tarfile
 import tempfile
 import unittest
 
-from harness import DATA, PICTURES, ROOT, Server, ask, post_json
+from harness import DATA, PATIENCE, PICTURES, ROOT, Server, ask, execute, post_json
 from raw import SANITIZED
 
 PROGRAMS = ("ccdt-decoder", "ccdt-server", "ccdt-worker")
@@ -24,7 +23,7 @@ UNIT = {"type": "rectangle", "width": 1, "height": 1}
 
 BASE = "debian:12-slim"
 IMAGE = "ccdt-server:test"
-LARGEST = 400_000_000
+MAX_BYTES = 400_000_000
 EPOCH = "1767225600"
 
 # Uses the network of the machine, since podman may lack what it needs for a network of its own.
@@ -34,7 +33,7 @@ RUN = ("--rm", "--network=host", "--no-healthcheck", "--ulimit=nofile=4096:4096"
 
 def podman(*arguments, check=True):
     runtime = ("--runtime=runc",) if shutil.which("runc") else ()
-    done = subprocess.run(["podman", *runtime, *arguments], capture_output=True, check=False)
+    done = execute(["podman", *runtime, *arguments], 2 * PATIENCE, capture_output=True, check=False)
     if check and done.returncode != 0:
         raise AssertionError(f"podman {arguments[0]} failed:\n{done.stderr.decode()[-3000:]}")
     return done
@@ -59,7 +58,7 @@ def build():
         programs = pathlib.Path(folder) / "programs"
         programs.mkdir()
         for name in PROGRAMS:
-            subprocess.run(["strip", "-o", programs / name, FOLDER / name], check=True)
+            execute(["strip", "-o", programs / name, FOLDER / name], check=True)
         podman("build", "--network=host", "--format=docker", "--file", ROOT / "docker" / "Dockerfile", "--tag", IMAGE,
                "--build-context", f"build={folder}", "--build-arg", f"SOURCE_DATE_EPOCH={EPOCH}",
                "--build-arg", "VERSION=1.2.3", "--build-arg", "REVISION=abc", ROOT)
@@ -90,7 +89,7 @@ class Image(unittest.TestCase):
         return self.files.extractfile(path).read()
 
     def test_is_no_larger_than_documented(self):
-        self.assertLess(self.settings["Size"], LARGEST)
+        self.assertLess(self.settings["Size"], MAX_BYTES)
 
     def test_has_its_settings(self):
         config = self.settings["Config"]
@@ -123,9 +122,10 @@ class Image(unittest.TestCase):
             self.assertRegex(component["purl"],
                              r"^pkg:deb/debian/[a-z0-9.%B-]+@[^ @:+]+\?arch=[a-z0-9]+&distro=debian-12$")
         folder = "var/lib/dpkg/status.d/"
-        told = {entry.name.removeprefix(folder): re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
-                for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
-        self.assertEqual(told, listed)
+        installed = {entry.name.removeprefix(folder):
+                     re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
+                     for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
+        self.assertEqual(installed, listed)
         for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core", "ca-certificates"):
             self.assertIn(name, listed)
             self.assertTrue(self.read(f"usr/share/doc/{name}/copyright"))
@@ -146,9 +146,9 @@ class Image(unittest.TestCase):
             for here, there in zip(answers(outside), answers(inside)):
                 self.assertEqual((here.status, there.status), (200, 200))
                 self.assertEqual(here.body, there.body)
-            asked = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
+            result = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
                            check=False)
-            self.assertEqual(asked.returncode, 0, asked.stderr)
+            self.assertEqual(result.returncode, 0, result.stderr)
             self.assertIn("by user 10001; in force: no root, no capabilities",
                           inside.wait_for_log("are decoded by user"))
             self.assertIn("system call filter", inside.log())
@@ -177,16 +177,16 @@ class Collected(unittest.TestCase):
     def collect(self, name, *programs):
         root = self.folder / name
         root.mkdir()
-        return root, subprocess.run([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
-                                    check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
+        return root, execute([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
+                             check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
 
     def test_is_reproducible(self):
         archives = []
         for name in ("once", "again"):
             root, done = self.collect(name, FOLDER / "ccdt-decoder")
             self.assertEqual(done.returncode, 0, done.stderr)
-            archives.append(subprocess.run(["tar", "--create", "--sort=name", "--directory", root, "."],
-                                           capture_output=True, check=True).stdout)
+            archives.append(execute(["tar", "--create", "--sort=name", "--directory", root, "."],
+                                    capture_output=True, check=True).stdout)
         self.assertEqual(archives[0], archives[1])
         self.assertGreater(len(archives[0]), 1_000_000)
 
@@ -194,9 +194,9 @@ class Collected(unittest.TestCase):
         program = self.folder / "program"
         library = self.folder / "libnowhere.so"
         compiler = ["cc", "-shared", "-x", "c", "/dev/null", "-o", library]
-        subprocess.run(compiler, check=True)
+        execute(compiler, check=True)
         (self.folder / "main.c").write_text("int main(void) { return 0; }\n")
-        subprocess.run(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
+        execute(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
         library.unlink()
         done = self.collect("root", program)[1]
         self.assertEqual(done.returncode, 1)

@@ -218,23 +218,23 @@ class Jobs(ServerCase):
         answer = stream.answer()
         self.assertEqual((answer.status, answer.type), (200, "text/event-stream"))
         self.assertEqual((answer.headers["cache-control"], answer.headers["x-accel-buffering"]), ("no-store", "no"))
-        told = events(answer.body)
-        self.assertEqual([name for name, _ in told[:-1]], ["progress"] * (len(told) - 1))
-        self.assertEqual(told[-1][0], "succeeded")
-        self.assertEqual(told[-1][1], status(self.server, job))
-        iterations = [document["iteration"] for _, document in told]
+        received = events(answer.body)
+        self.assertEqual([name for name, _ in received[:-1]], ["progress"] * (len(received) - 1))
+        self.assertEqual(received[-1][0], "succeeded")
+        self.assertEqual(received[-1][1], status(self.server, job))
+        iterations = [document["iteration"] for _, document in received]
         self.assertEqual(iterations, sorted(iterations))
         self.assertEqual(set(iterations), set(range(10)))
-        fractions = [document["progress"] for _, document in told]
+        fractions = [document["progress"] for _, document in received]
         self.assertEqual(fractions, sorted(fractions))
         self.assertEqual(fractions[-1], 1)
         self.assertLess(0.9, fractions[-2])
         self.assertLess(fractions[-2], 1)
 
         late = ask(self.server, job + "/events", "--header", "Last-Event-ID: 7")
-        self.assertEqual(events(late.body), told[-1:])
+        self.assertEqual(events(late.body), received[-1:])
         old = ask(self.server, job + "/events", "--http1.0")
-        self.assertEqual(events(old.body), told[-1:])
+        self.assertEqual(events(old.body), received[-1:])
         self.assertNotIn("transfer-encoding", old.headers)
         head = ask(self.server, job + "/events", "--head")
         self.assertEqual((head.status, head.type), (200, "text/event-stream"))
@@ -434,9 +434,9 @@ class Lasting(unittest.TestCase):
     def test_foreign_files_are_refused(self):
         self.folder.mkdir()
         (self.folder / "jobs.sqlite").write_bytes(b"x" * 5000)
-        told = self.run_program()
-        self.assertEqual(told.returncode, 1)
-        self.assertIn("jobs.sqlite", told.stderr)
+        result = self.run_program()
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("jobs.sqlite", result.stderr)
         self.assertEqual((self.folder / "jobs.sqlite").read_bytes(), b"x" * 5000)
 
     def run_program(self):

@@ -58,8 +58,8 @@ def wait_for_status(server, status):
 def wait_until_accepted(server, count):
     """Waits until `count` requests are computed or queued."""
     def accepted():
-        told = ask(server, "/metrics").body.decode()
-        return sum(map(float, re.findall(r"^ccdt_(?:workers_busy|queue_requests) (\S+)$", told, re.MULTILINE)))
+        metrics = ask(server, "/metrics").body.decode()
+        return sum(map(float, re.findall(r"^ccdt_(?:workers_busy|queue_requests) (\S+)$", metrics, re.MULTILINE)))
 
     wait_until(lambda: accepted() == count, f"{count} accepted requests")
 
@@ -255,16 +255,16 @@ class Stopping(unittest.TestCase):
     def test_slow_clients_do_not_delay_it(self):
         large = json.dumps({"sites": 1_000_000, "iterations": 0, "domain": RECTANGLE}).encode()
         post = b"POST /sample HTTP/1.1\r\nHost: localhost\r\n"
-        asked = post + b"Content-Length: %d\r\n\r\n" % len(large)
+        head = post + b"Content-Length: %d\r\n\r\n" % len(large)
         beginnings = (b"", b"GET /health HT", post + b"X: ", post + b"Content-Length: 1000\r\n\r\n{",
-                      post + b"Transfer-Encoding: chunked\r\n\r\n5\r\n{", asked + large[:-1])
+                      post + b"Transfer-Encoding: chunked\r\n\r\n5\r\n{", head + large[:-1])
         with Server("--workers=2", "--queue=8", "--timeout=300") as server, contextlib.ExitStack() as stack:
             slow = [stack.enter_context(Raw(server)) for _ in range(4 * len(beginnings))]
             for i, client in enumerate(slow):
                 client.send(beginnings[i % len(beginnings)])
             for _ in range(2):  # clients that read no more than the beginning of their answers
                 client = stack.enter_context(Raw(server))
-                client.send(asked + large)
+                client.send(head + large)
                 self.assertEqual(client.socket.recv(12), b"HTTP/1.1 200")
             wait_until_accepted(server, 0)
             calls = start(server, SHORT, 4)
@@ -384,9 +384,9 @@ class Starting(unittest.TestCase):
         self.assertEqual(self.run_program(environment={"PORT": "x"}).returncode, 2)
 
     def test_help_and_version_are_printed(self):
-        told = self.run_program("--help")
-        self.assertEqual((told.returncode, told.stderr), (0, ""))
-        self.assertIn("--max-body", told.stdout)
+        result = self.run_program("--help")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIn("--max-body", result.stdout)
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
 
     def test_limit_of_open_files_is_reported_if_too_low(self):

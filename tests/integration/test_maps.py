@@ -6,7 +6,6 @@ Geometries are quantized TopoJSON: many of their rings touch themselves or a nei
 
 import json
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
@@ -16,7 +15,7 @@ import shapely.ops
 import shapely.validation
 import shapely.vectorized
 
-from harness import NODE, NODE_MODULES, ServerCase, post_json
+from harness import NODE, NODE_MODULES, ServerCase, execute, post_json
 
 FILES = {"world-atlas/countries-10m.json": ("countries", 255), "world-atlas/countries-50m.json": ("countries", 241),
          "us-atlas/counties-10m.json": ("counties", 3231)}
@@ -36,7 +35,7 @@ process.stdout.write(JSON.stringify(
 
 
 def features(file, name):
-    done = subprocess.run([NODE, "--eval", FEATURES, NODE_MODULES, file, name], capture_output=True, check=True)
+    done = execute([NODE, "--eval", FEATURES, NODE_MODULES, file, name], capture_output=True, check=True)
     return json.loads(done.stdout)
 
 
@@ -74,8 +73,8 @@ class Maps(ServerCase):
                 path.write_text(json.dumps(body))
                 calls.append(f'silent\nshow-error\nurl = "{self.server.url("/sample")}"\ndata-binary = "@{path}"\n'
                              f'output = "{path}.json"\nwrite-out = "%{{http_code}}\\n"\n')
-            done = subprocess.run(["curl", "--config", "-"], input="next\n".join(calls), capture_output=True, text=True,
-                                  check=True)
+            done = execute(["curl", "--config", "-"], input="next\n".join(calls), capture_output=True, text=True,
+                           check=True)
             answers = [json.loads(pathlib.Path(folder, f"{number}.json").read_text()) for number in range(len(bodies))]
             return list(zip(map(int, done.stdout.split()), answers, strict=True))
 
@@ -107,10 +106,10 @@ class Maps(ServerCase):
     def test_repairable_polygons_may_be_rejected(self):
         given = [each["geometry"] for each in features("world-atlas/countries-50m.json", "countries")]
         wrong = next(geometry for geometry in given if not is_valid(geometry))
-        told = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong}).json()["repaired"][0]
+        repair = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong}).json()["repaired"][0]
         answer = post_json(self.server, "/sample", {"sites": 10, "geometry": wrong, "invalid": "reject"})
         self.assertEqual(answer.status, 422)
-        self.assertEqual(answer.json()["errors"][0], told)
+        self.assertEqual(answer.json()["errors"][0], repair)
 
 
 if __name__ == "__main__":

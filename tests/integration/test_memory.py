@@ -14,7 +14,7 @@ import unittest
 import numpy
 from PIL import Image
 
-from harness import PATIENCE, Call, Server, ask, file_of, post_json, wait_until
+from harness import PATIENCE, Call, Server, ask, file_of, join, post_json, wait_until
 from raw import SANITIZED
 
 MEBIBYTE = 1 << 20
@@ -42,10 +42,10 @@ def resident(process):
     total = 0
     for member in family(process):
         try:
-            told = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text()
+            status = pathlib.Path(f"/proc/{member}/smaps_rollup").read_text()
         except OSError:
             continue
-        total += sum(int(size) for size in re.findall(r"^Pss:\s+(\d+) kB", told, re.MULTILINE)) << 10
+        total += sum(int(size) for size in re.findall(r"^Pss:\s+(\d+) kB", status, re.MULTILINE)) << 10
     return total
 
 
@@ -68,7 +68,7 @@ class Watch:
 
     def __exit__(self, *_):
         self.over.set()
-        self.thread.join()
+        join(self.thread, "the end of the watch")
 
 
 def noise(side, form="png", **options):

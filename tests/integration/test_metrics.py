@@ -13,10 +13,10 @@ from harness import PATIENCE, Call, Server, ServerCase, ask, figures_at_rest, fi
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": {"type": "rectangle", "width": 2, "height": 1}})
 
 
-def samples(told):
+def samples(text):
     """Returns the samples by name and labels."""
     return {(sample.name, *sorted(sample.labels.items())): sample.value
-            for family in text_string_to_metric_families(told) for sample in family.samples}
+            for family in text_string_to_metric_families(text) for sample in family.samples}
 
 
 def figures(server):

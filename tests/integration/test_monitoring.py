@@ -12,14 +12,14 @@ import unittest
 
 from prometheus_client.parser import text_string_to_metric_families
 
-from harness import PATIENCE, ServerCase, file_of, flat
+from harness import PATIENCE, ServerCase, execute, file_of, flat
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCKER = HERE.parent.parent / "docker"
 ALERTS = DOCKER / "prometheus" / "alerts.yaml"
 CASES = HERE / "alerts.yaml"
-DASHBOARD = json.loads(subprocess.run([sys.executable, DOCKER / "grafana" / "dashboard.py"], capture_output=True,
-                                      text=True, check=True).stdout)
+DASHBOARD = json.loads(execute([sys.executable, DOCKER / "grafana" / "dashboard.py"], capture_output=True,
+                               text=True, check=True).stdout)
 
 
 # Labels that Prometheus adds.
@@ -44,12 +44,12 @@ class Rules(unittest.TestCase):
     def test_pass_promtool(self):
         settings = [("check", "config", DOCKER / "prometheus" / name) for name in ("prometheus.yaml", "scale.yaml")]
         for arguments in (("check", "rules", ALERTS), *settings):
-            code, told = promtool(*arguments)
-            self.assertEqual(code, 0, told)
+            code, output = promtool(*arguments)
+            self.assertEqual(code, 0, output)
 
     def test_fire_when_they_should(self):
-        code, told = promtool("test", "rules", CASES)
-        self.assertEqual(code, 0, told)
+        code, output = promtool("test", "rules", CASES)
+        self.assertEqual(code, 0, output)
 
     def test_are_all_tested_firing_and_silent(self):
         alerts = re.findall(r"- alert: (\w+)", ALERTS.read_text())
@@ -86,12 +86,12 @@ class Dashboard(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             json.dump({"groups": [{"name": "dashboard", "rules": rules}]}, file)
             file.flush()
-            code, told = promtool("check", "rules", file.name)
-        self.assertEqual(code, 0, told)
+            code, output = promtool("check", "rules", file.name)
+        self.assertEqual(code, 0, output)
 
 
 class Names(ServerCase):
-    def told(self):
+    def labels_of_metrics(self):
         """Returns the labels by the name of the sample."""
         self.halftone(file_of(flat(100)), "?sites=50")
         labels = {"up": set()}
@@ -101,14 +101,14 @@ class Names(ServerCase):
         return labels
 
     def test_exist_in_the_metrics_of_the_server(self):
-        told = self.told()
+        labels_of_metrics = self.labels_of_metrics()
         used = ALERTS.read_text() + "\n".join(expressions())
         names = set(re.findall(r"\b(?:ccdt|process)_\w+", used))
         self.assertGreater(len(names), 20)
-        self.assertEqual(names - set(told), set())
+        self.assertEqual(names - set(labels_of_metrics), set())
         for name, labels in re.findall(r"\b(up|(?:ccdt|process)_\w+)\{(.*?)\}", used):
-            asked = set(re.findall(r"(\w+)(?:=|!)", re.sub(r'"[^"]*"', "", labels)))
-            self.assertEqual(asked - ADDED - told.get(name, set()), set(), name)
+            used_labels = set(re.findall(r"(\w+)(?:=|!)", re.sub(r'"[^"]*"', "", labels)))
+            self.assertEqual(used_labels - ADDED - labels_of_metrics.get(name, set()), set(), name)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ import json
 import os
 import pathlib
 import re
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -14,7 +13,7 @@ import xml.etree.ElementTree
 import numpy
 from PIL import Image
 
-from harness import PICTURES, file_of, linear
+from harness import PATIENCE, PICTURES, execute, file_of, linear
 
 PAPER = pathlib.Path(__file__).resolve().parent.parent / "bench" / "paper"
 sys.path.insert(0, str(PAPER))
@@ -23,12 +22,12 @@ import drawing
 import tone
 
 # Maximum size of a figure in the repository, in bytes.
-LARGEST = 150_000
+MAX_BYTES = 150_000
 
 
 def run(*arguments, **environment):
-    return subprocess.run([PAPER / "run", *arguments], capture_output=True, text=True, check=False,
-                          env={**os.environ, **environment})
+    return execute([PAPER / "run", *arguments], 2 * PATIENCE, capture_output=True, text=True, check=False,
+                   env={**os.environ, **environment})
 
 
 class Quick(unittest.TestCase):
@@ -75,12 +74,12 @@ class Quick(unittest.TestCase):
         for path in self.figures("svg"):
             root = xml.etree.ElementTree.parse(path).getroot()
             self.assertGreater(len(root), 10, path)
-            self.assertLess(path.stat().st_size, LARGEST, path)
+            self.assertLess(path.stat().st_size, MAX_BYTES, path)
         for path in self.figures("png"):
             with Image.open(path) as picture:
                 levels = numpy.unique(picture.convert("L"))
             self.assertEqual((levels[0], levels[-1]), (0, 255), path)
-            self.assertLess(path.stat().st_size, LARGEST, path)
+            self.assertLess(path.stat().st_size, MAX_BYTES, path)
 
     def test_variance_falls_in_both_polygons(self):
         self.assertEqual(set(self.results["figure_1"]), {"convex", "concave"})

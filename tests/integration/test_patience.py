@@ -14,8 +14,8 @@ import threading
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ServerCase, ask, file_of, flat, wait_until
-from raw import AT_ONCE, MOST_MEMORY, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
+from harness import PATIENCE, Call, Server, ServerCase, ask, execute, file_of, flat, join, wait_until
+from raw import AT_ONCE, MAX_MEMORY_RISE, SANITIZED, Memory, Raw, crowd, ping, sources, statuses
 
 GREY = file_of(flat(128))
 HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
@@ -92,7 +92,7 @@ class Caps(unittest.TestCase):
                 server.wait_for_log(" 503 ")
                 self.assertEqual([statuses(client.rest()) for client in clients], [[408]] * 8, "their time-outs must have shrunk")
             wait_until(lambda: ask(server, "/openapi.json").status == 200)
-        self.assertLess(memory.rise, MOST_MEMORY)
+        self.assertLess(memory.rise, MAX_MEMORY_RISE)
 
     def test_a_refused_client_may_send_first(self):
         with Server("--max-connections=1", "--body-timeout=300") as server, Raw(server) as first:
@@ -125,7 +125,7 @@ class Caps(unittest.TestCase):
                     client.try_send(b"x" * (40 << 20))
                 self.assertTrue(any(statuses(client.rest())[-1:] in ([503], [408]) for client in clients))
                 self.assertEqual(ask(server, "/halftone?sites=9&scale=1", data=GREY).status, 200)
-        self.assertLess(memory.rise, 256 + 2 * MOST_MEMORY)
+        self.assertLess(memory.rise, 256 + 2 * MAX_MEMORY_RISE)
 
     def test_many_slow_clients_block_nobody(self):
         with Server("--workers=1", "--queue=1") as server, crowd(server, 200, INCOMPLETE_BODY), crowd(server, 150, b"GET /"):
@@ -211,7 +211,7 @@ class Idle(unittest.TestCase):
                 answers += [ask(server, "/capabilities").status for _ in range(10)]
             finally:
                 over.set()
-                thread.join()
+                join(thread, "the end of the flood")
             self.assertEqual(answers, [200] * len(answers))
 
     def test_one_is_closed_for_a_new_connection(self):
@@ -246,7 +246,7 @@ class FewFiles(unittest.TestCase):
     def test_running_out_of_them_is_logged_once(self):
         with Server("--max-connections-per-address=0", "--idle-timeout=300") as server:
             server.wait_for_log("pictures are decoded")
-            subprocess.run(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
+            execute(["prlimit", f"--pid={server.process.pid}", "--nofile=30"], check=True)
             with crowd(server, 60):
                 self.assertLess(ping(server), AT_ONCE)
                 server.wait_for_log("could not be accepted")

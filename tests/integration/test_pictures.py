@@ -148,18 +148,18 @@ class Formats(ServerCase):
     def test_frame_that_is_read_is_reported(self):
         frames = [patch("RGB", (level, level, 90)) for level in (200, 20, 90)]
         of_an_animation = "the file has 3 frames: the first is used"
-        for kind, told in (("GIF", of_an_animation), ("WEBP", of_an_animation),
+        for kind, warning in (("GIF", of_an_animation), ("WEBP", of_an_animation),
                            ("PNG", "the file has 3 frames: the main picture is used"),
                            ("TIFF", "the file has 3 pages: the first is used")):
             with self.subTest(kind=kind):
                 file = saved(frames[0], kind, save_all=True, append_images=frames[1:])
                 self.assertEqual(json.loads(self.halftone(file, QUERY).headers["x-warnings"]),
-                                 [{"pointer": "", "detail": told}])
+                                 [{"pointer": "", "detail": warning}])
                 for color in ("gray", "cmyk"):
                     answer = post_json(self.server, "/halftone",
                                        {"image": data_uri(file), "sites": 9, "color": color, "format": "json"})
                     self.assertNotIn("x-warnings", answer.headers)
-                    self.assertEqual(answer.json()["warnings"], [{"pointer": "/image", "detail": told}])
+                    self.assertEqual(answer.json()["warnings"], [{"pointer": "/image", "detail": warning}])
         for kind in ("GIF", "WEBP", "PNG", "TIFF", "JPEG", "BMP"):
             self.assertNotIn("x-warnings", self.halftone(saved(frames[0], kind), QUERY).headers)
 

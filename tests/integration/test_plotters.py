@@ -282,16 +282,16 @@ class Formats(ServerCase):
                     self.assertEqual(answer.body, self.made(colours, options).body)
 
     def test_pdf_of_both_sides(self):
-        told = self.halftone(CHELSEA, "?sites=700&dots=both&format=json").json()
+        dots = self.halftone(CHELSEA, "?sites=700&dots=both&format=json").json()
         page = Pdf(self.halftone(CHELSEA, "?sites=700&width_mm=90&format=pdf").body)
-        unit = 90 / told["width"]
-        expected = numpy.array(told["points"]) * (unit, -unit) + (0, self.height)
+        unit = 90 / dots["width"]
+        expected = numpy.array(dots["points"]) * (unit, -unit) + (0, self.height)
         found = numpy.array(page.discs)
         self.assertGreaterEqual(len(found), len(expected))
         distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
         self.assertLess(distances.min(axis=1).max(), 0.01)
         self.assertEqual(set(distances.argmin(axis=1)), set(range(len(expected))))
-        radii = numpy.array(told["radii"])[distances.argmin(axis=1)] * unit
+        radii = numpy.array(dots["radii"])[distances.argmin(axis=1)] * unit
         numpy.testing.assert_allclose(found[:, 2], radii, atol=0.005)
         self.assertGreater(page.areas, 0)
         self.assertGreater(page.clips, 0)
@@ -300,12 +300,12 @@ class Formats(ServerCase):
         for colours in ("color=cmyk", "color=rgb"):
             with self.subTest(colours=colours):
                 query = f"?sites=700&{colours}&dots=both&width_mm=90&format="
-                told = self.halftone(CHELSEA, query + "json").json()
+                dots = self.halftone(CHELSEA, query + "json").json()
                 page = Pdf(self.halftone(CHELSEA, query + "pdf").body)
-                unit = 90 / told["width"]
-                expected = numpy.concatenate([kind["points"] for kind in told["kinds"]]) * (unit, -unit) + (0, self.height)
-                radii = numpy.concatenate([kind["radii"] for kind in told["kinds"]]) * unit
-                flips = numpy.concatenate([[len(kind["flips"])] * kind["sites"] for kind in told["kinds"]])
+                unit = 90 / dots["width"]
+                expected = numpy.concatenate([kind["points"] for kind in dots["kinds"]]) * (unit, -unit) + (0, self.height)
+                radii = numpy.concatenate([kind["radii"] for kind in dots["kinds"]]) * unit
+                flips = numpy.concatenate([[len(kind["flips"])] * kind["sites"] for kind in dots["kinds"]])
                 self.assertGreater(flips.max(), 1)
                 found = numpy.array(page.discs)
                 distances = numpy.linalg.norm(found[:, None, :2] - expected[None], axis=2)
@@ -359,20 +359,20 @@ class Time(PlotterCase):
 
     def test_is_estimated_as_measured(self):
         for style in ("stroke", "path", "spiral"):
-            told, machine = self.seconds(f"?sites=900&style={style}")
+            estimate, machine = self.seconds(f"?sites=900&style={style}")
             # The estimate omits the paths to the first dot and back, and to the edge of each filled dot.
-            self.assertAlmostEqual(told, machine.seconds, delta=0.05 * told + 6)
+            self.assertAlmostEqual(estimate, machine.seconds, delta=0.05 * estimate + 6)
             self.assertEqual(len(machine.pens[1]), 1 if style == "path" else 900)
 
     def test_is_not_exceeded_if_requested(self):
         for style, minutes in (("stroke", 4), ("path", 4), ("spiral&pen=0.9", 9), ("circles&pen=0.9", 9)):
             for options in ("", "&dot=0.4mm", "&color=cmyk"):
                 with self.subTest(style=style, options=options):
-                    told, _ = self.seconds(f"?minutes={minutes}&style={style}{options}")
-                    self.assertLess(told, 1.1 * 60 * minutes)
+                    estimate, _ = self.seconds(f"?minutes={minutes}&style={style}{options}")
+                    self.assertLess(estimate, 1.1 * 60 * minutes)
         for style in ("stroke", "path"):
-            told, _ = self.seconds(f"?minutes=4&style={style}")
-            self.assertGreater(told, 0.85 * 240, style)
+            estimate, _ = self.seconds(f"?minutes=4&style={style}")
+            self.assertGreater(estimate, 0.85 * 240, style)
 
     def test_requires_a_width_and_no_number_of_dots(self):
         self.assert_refused(("?minutes=4", "minutes", "width_mm"),

@@ -127,9 +127,9 @@ class Counted(unittest.TestCase):
     def test_rates_apply_per_client(self):
         with Server(TRUSTED, "--rate-limit=0.001", "--rate-burst=2") as server:
             for client in ("203.0.113.7", "203.0.113.8"):
-                asked = [request("/nothing", f"X-Forwarded-For: {invented}, {client}")
-                         for invented in ("1.2.3.4", "1.2.3.5", "1.2.3.6")]
-                self.assertEqual(statuses_of(server, *asked), [404, 404, 429])
+                requests = [request("/nothing", f"X-Forwarded-For: {invented}, {client}")
+                            for invented in ("1.2.3.4", "1.2.3.5", "1.2.3.6")]
+                self.assertEqual(statuses_of(server, *requests), [404, 404, 429])
             self.assertEqual(statuses_of(server, line("203.0.113.9") + request(), request(), request()), [404, 404, 429])
             spoofed = [request("/nothing", f"X-Forwarded-For: 1.2.3.{last}") for last in range(3)]
             self.assertEqual(statuses_of(server, *spoofed, source=STRANGER), [404, 404, 429])
@@ -137,7 +137,7 @@ class Counted(unittest.TestCase):
             self.assertEqual(statuses_of(server, *network), [404, 404, 429], "one client has a network of 64 bits")
 
     def test_concurrent_requests_are_limited_per_client(self):
-        def asked(client):
+        def request_of(client):
             return request("/health", f"X-Forwarded-For: {client}")
 
         slow = (b"POST /halftone HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-For: 1.2.3.4, 203.0.113.7\r\nContent-Length: 9\r\n"
@@ -146,15 +146,15 @@ class Counted(unittest.TestCase):
             first.send(slow)
             self.assertIn(b"100 Continue", first.socket.recv(100))
             for client, status in (("203.0.113.8", 200), ("203.0.113.7", 503)):
-                second.send(asked(client))
+                second.send(request_of(client))
                 self.assertEqual(second.answer()[0], status)
             with Raw(server) as third:
-                third.send(asked("203.0.113.7"))
+                third.send(request_of("203.0.113.7"))
                 self.assertIn("max-connections-per-address", json.loads(third.answer()[2])["detail"])
             first.send(b"x" * 9)
             self.assertEqual(first.answer()[0], 415)
             # The connection counts until the server has noticed the end of the answer.
-            wait_until(lambda: statuses_of(server, asked("203.0.113.7")) == [200])
+            wait_until(lambda: statuses_of(server, request_of("203.0.113.7")) == [200])
 
     def test_connections_are_limited_per_client(self):
         with Server(TRUSTED, "--max-connections-per-address=1") as server, Raw(server) as first:

@@ -13,7 +13,7 @@ import unittest
 
 import test_jobs
 from engine import Redis, SlowWay
-from harness import PATIENCE, Call, Server, ask, figures_at_rest, wait_until
+from harness import PATIENCE, Call, Server, ask, execute, figures_at_rest, wait_until
 from test_jobs import ENDLESS, LATER, LONG, SMALL, events, status, submit, wait_for, wait_for_end, without_time
 
 TORUS = {"type": "torus", "width": 1, "height": 1}
@@ -23,7 +23,7 @@ def figure(server, name):
     return float(re.search(rf"^{re.escape(name)} (\S+)$", ask(server, "/metrics").body.decode(), re.MULTILINE)[1])
 
 
-def ends_told(log):
+def ends_logged(log):
     """Counts how often the log reports the end of each job."""
     counts = {}
     for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log):
@@ -80,11 +80,11 @@ class Replicas(unittest.TestCase):
         wait_until(lambda: status(third, job)["iteration"] > iteration + 1)
         self.assertEqual(ask(third, job, "--request", "DELETE").status, 204)
         for stream in streams:
-            told = events(stream.answer().body)
-            self.assertEqual(told[-1][0], "cancelled")
-            self.assertEqual(told[-1][1], status(first, job))
-            self.assertGreater(len(told), 2, "the stream must have reported progress")
-            fractions = [document["progress"] for _, document in told]
+            received = events(stream.answer().body)
+            self.assertEqual(received[-1][0], "cancelled")
+            self.assertEqual(received[-1][1], status(first, job))
+            self.assertGreater(len(received), 2, "the stream must have reported progress")
+            fractions = [document["progress"] for _, document in received]
             self.assertEqual(fractions, sorted(fractions))
         others = [submit(first, SMALL) for _ in range(6)]
         for other in others:
@@ -126,8 +126,8 @@ class Replicas(unittest.TestCase):
             self.assertEqual(without_time(ask(third, job + "/result")), without_time(now))
         self.assertEqual(self.redis.cli("ZCARD", "ccdt:1:leases"), "0")
         self.assertEqual((second.stop(), third.stop()), (0, 0))
-        told = ends_told(first.log() + second.log() + third.log())
-        self.assertEqual(set(told.values()), {1}, "each job must have ended once")
+        ends = ends_logged(first.log() + second.log() + third.log())
+        self.assertEqual(set(ends.values()), {1}, "each job must have ended once")
 
     def test_shutdown_returns_running_jobs_to_the_queue(self):
         first = self.start()
@@ -152,7 +152,7 @@ class Replicas(unittest.TestCase):
         now = ask(second, "/sample", data=json.dumps(LONG))
         self.assertEqual(without_time(ask(first, job + "/result")), without_time(now))
         self.assertEqual((first.stop(), second.stop()), (0, 0))
-        self.assertEqual(ends_told(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
+        self.assertEqual(ends_logged(first.log() + second.log()), {job.removeprefix("/jobs/"): 1})
 
     def test_only_jobs_wait_while_redis_is_away(self):
         for stop, go_on in ((self.redis.kill, self.redis.start), (self.redis.pause, self.redis.resume)):
@@ -267,7 +267,7 @@ class Damage(unittest.TestCase):
 
     JUNK = (("SET", "junk"), ("ZADD", "1", "junk"), ("HSET", "turn", "junk"))
 
-    def assert_told(self, answer, key):
+    def assert_reported(self, answer, key):
         self.assertTrue(answer.status < 500 or b"damaged" in answer.body, f"{key}: {answer}")
 
     def test_damaged_keys_are_reported(self):
@@ -296,19 +296,19 @@ class Damage(unittest.TestCase):
         redis.cli("DEL", key)
         redis.cli(junk[0], key, *junk[1:])
         for job in (done, running, waiting):
-            self.assert_told(ask(server, job), key)
-            self.assert_told(ask(server, job + "/result"), key)
-        asked = Call(server.url("/sample"), "--header", "Prefer: respond-async", data=json.dumps(SMALL)).answer()
-        self.assertEqual(asked.status, 202, key)
-        self.assert_told(ask(server, running, "--request", "DELETE"), key)
+            self.assert_reported(ask(server, job), key)
+            self.assert_reported(ask(server, job + "/result"), key)
+        answer = Call(server.url("/sample"), "--header", "Prefer: respond-async", data=json.dumps(SMALL)).answer()
+        self.assertEqual(answer.status, 202, key)
+        self.assert_reported(ask(server, running, "--request", "DELETE"), key)
         ends = [wait_until(lambda: (now := ask(server, job)).status == 404 or now.json()["finished"] and now.json())
-                for job in (waiting, asked.headers["location"])]
+                for job in (waiting, answer.headers["location"])]
         if ends[0] is not True and ends[0]["status"] != "succeeded":
             self.assertIn(key.split(":")[2], ("job", "question"), ends)
         self.assertEqual(ends[1]["status"], "succeeded", f"{key}: the job that was submitted afterwards")
-        self.assert_told(ask(server, "/sample", data=json.dumps(SMALL)), key)
+        self.assert_reported(ask(server, "/sample", data=json.dumps(SMALL)), key)
         for job in (done, waiting):
-            self.assert_told(ask(server, job, "--request", "DELETE"), key)
+            self.assert_reported(ask(server, job, "--request", "DELETE"), key)
 
 
 class Shared(unittest.TestCase):
@@ -320,9 +320,9 @@ class Shared(unittest.TestCase):
             answers = [ask(server, "/sample", data=json.dumps(SMALL)) for server in (first, second)]
             self.assertEqual(answers[0].body, answers[1].body)
             self.assertEqual(answers[0].headers["etag"], answers[1].headers["etag"])
-            told = figures_at_rest(second)
-            self.assertIn("\nccdt_cache_hits_total 1\n", told)
-            self.assertIn("\nccdt_sites_total 0\n", told)
+            metrics = figures_at_rest(second)
+            self.assertIn("\nccdt_cache_hits_total 1\n", metrics)
+            self.assertIn("\nccdt_sites_total 0\n", metrics)
             for stop in (redis.pause, redis.kill):
                 stop()
                 again = ask(second, "/sample", data=json.dumps(SMALL))
@@ -367,9 +367,9 @@ class Settings(unittest.TestCase):
     def test_tls_certificates_are_verified(self):
         with tempfile.TemporaryDirectory() as folder:
             certificate, key = pathlib.Path(folder, "certificate"), pathlib.Path(folder, "key")
-            subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
-                            "-nodes", "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
-                            "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
+            execute(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+                     "-nodes", "-keyout", key, "-out", certificate, "-days", "1", "-subj", "/CN=localhost",
+                     "-addext", "subjectAltName=DNS:localhost"], check=True, capture_output=True)
             with Redis(certificate=(str(certificate), str(key))) as redis:
                 flag = f"--redis=rediss://localhost:{redis.port}"
                 with Server(flag, environment={"SSL_CERT_FILE": str(certificate)}) as server:
@@ -383,10 +383,10 @@ class Settings(unittest.TestCase):
         for flags, word in ((["--redis=redis+sentinel://a:26379"], "Sentinel is not supported"),
                             (["--redis=http://a"], "redis://"),
                             (["--redis=redis://a", "--data-dir=b"], "only one of them")):
-            told = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", *flags], capture_output=True, text=True,
+            result = subprocess.run([os.environ["CCDT_SERVER"], "--port=0", *flags], capture_output=True, text=True,
                                   timeout=PATIENCE, check=False)
-            self.assertEqual(told.returncode, 2)
-            self.assertIn(word, told.stderr)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(word, result.stderr)
 
 
 if __name__ == "__main__":

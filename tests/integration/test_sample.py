@@ -50,13 +50,13 @@ class Domains(ServerCase):
 
     def test_invalid_polygons_are_repaired_with_a_report(self):
         bow_tie = [[0, 0], [2, 2], [2, 0], [0, 2]]
-        told = [{"pointer": "/polygon/2", "detail": "the outer ring of part 0 crosses itself at (1, 1)"}]
-        self.assertEqual(self.check([bow_tie], 100, polygon=bow_tie)["repaired"], told)
+        repairs = [{"pointer": "/polygon/2", "detail": "the outer ring of part 0 crosses itself at (1, 1)"}]
+        self.assertEqual(self.check([bow_tie], 100, polygon=bow_tie)["repaired"], repairs)
         body = {"sites": 100, "polygon": bow_tie}
         for form in ("csv", "geojson", "npy", "svg", "png"):
             with self.subTest(format=form):
                 answer = post_json(self.server, "/sample", {**body, "format": form})
-                self.assertEqual((answer.status, json.loads(answer.headers["x-repaired"])), (200, told))
+                self.assertEqual((answer.status, json.loads(answer.headers["x-repaired"])), (200, repairs))
         self.assertNotIn("x-repaired", post_json(self.server, "/sample", body).headers)
         parts = [[[[x, 0], [x + 1, 0], [x + 1, 1], [x, 1]]] for x in (0, 1)]
         result = self.check([[[0, 0], [2, 0], [2, 1], [0, 1]]], 100,
@@ -81,11 +81,11 @@ class Domains(ServerCase):
 
     def test_coordinates_that_may_be_degrees_get_a_warning(self):
         norway = {"type": "Polygon", "coordinates": [[[5, 58], [31, 58], [31, 71], [5, 71]]]}
-        told = self.sample(sites=9, geometry=norway)["warnings"]
-        self.assertEqual(told[0]["pointer"], "/geometry/coordinates")
-        self.assertIn("1.63 times as many to a square kilometre at latitude 71 as at 58", told[0]["detail"])
+        warnings = self.sample(sites=9, geometry=norway)["warnings"]
+        self.assertEqual(warnings[0]["pointer"], "/geometry/coordinates")
+        self.assertIn("1.63 times as many to a square kilometre at latitude 71 as at 58", warnings[0]["detail"])
         answer = post_json(self.server, "/sample?sites=9&format=csv", norway)
-        self.assertEqual(json.loads(answer.headers["x-warnings"]), [{**told[0], "pointer": "/coordinates"}])
+        self.assertEqual(json.loads(answer.headers["x-warnings"]), [{**warnings[0], "pointer": "/coordinates"}])
 
     def test_rings_may_touch(self):
         square = [[0, 0], [4, 0], [4, 4], [0, 4]]

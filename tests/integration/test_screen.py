@@ -3,14 +3,13 @@
 
 import itertools
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
 import numpy
 from PIL import Image
 
-from harness import PICTURES, ServerCase, file_of, flat, linear, pixels, post_json, data_uri
+from harness import PICTURES, ServerCase, data_uri, execute, file_of, flat, linear, pixels, post_json
 from seen import LIGHT, blurred, lightness
 
 CHELSEA = (PICTURES / "chelsea.png").read_bytes()
@@ -104,7 +103,7 @@ class File(ServerCase):
                 self.assertEqual("pHYs" in found, "width_mm" in query)
                 with tempfile.NamedTemporaryFile(suffix=".png") as file:
                     pathlib.Path(file.name).write_bytes(body)
-                    subprocess.run(["pngcheck", "-q", file.name], check=True)
+                    execute(["pngcheck", "-q", file.name], check=True)
 
     def test_for_print_has_a_resolution(self):
         for query, width in (("width_mm=100", None), ("width_mm=100&width=1000", 1000), ("width_mm=100&scale=2", 902)):

@@ -8,12 +8,11 @@ import os
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
-from harness import NODE, ROOT
+from harness import NODE, ROOT, execute
 
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
@@ -47,8 +46,8 @@ def package_of(module):
     found = importlib.util.find_spec(module)
     if found is None:
         return None
-    told = subprocess.run(["dpkg", "--search", found.origin], capture_output=True, text=True, check=False)
-    return told.stdout.split(":")[0] or None
+    result = execute(["dpkg", "--search", found.origin], capture_output=True, text=True, check=False)
+    return result.stdout.split(":")[0] or None
 
 
 class Setup(unittest.TestCase):
@@ -60,7 +59,7 @@ class Setup(unittest.TestCase):
                 text = path.read_text()
                 self.assertTrue(text.startswith("#!/bin/bash\n"))
                 self.assertIn("set -euo pipefail", text)
-                subprocess.run(["bash", "-n", str(path)], check=True)
+                execute(["bash", "-n", str(path)], check=True)
 
     def test_the_version_is_the_same_everywhere(self):
         version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
@@ -74,14 +73,14 @@ class Setup(unittest.TestCase):
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():
-            told = subprocess.run([ROOT / "docker" / "packages", name], capture_output=True, text=True, check=True)
-            self.assertEqual(told.stdout.split(), packages)
-        both = subprocess.run([ROOT / "docker" / "packages", "build", "test"], capture_output=True, text=True, check=True)
+            result = execute([ROOT / "docker" / "packages", name], capture_output=True, text=True, check=True)
+            self.assertEqual(result.stdout.split(), packages)
+        both = execute([ROOT / "docker" / "packages", "build", "test"], capture_output=True, text=True, check=True)
         self.assertEqual(both.stdout.split(), sections()["build"] + sections()["test"])
 
     def test_an_unknown_section_is_an_error(self):
         self.assertNotEqual(
-            subprocess.run([ROOT / "docker" / "packages", "nonsense"], capture_output=True, check=False).returncode, 0)
+            execute([ROOT / "docker" / "packages", "nonsense"], capture_output=True, check=False).returncode, 0)
 
     def test_packages_are_named_nowhere_else(self):
         packages = {name for listed in sections().values() for name in listed if name.startswith("lib")}
@@ -116,10 +115,10 @@ class Setup(unittest.TestCase):
             sources.write_text(today)
             environment = {**os.environ, "CCDT_SOURCES": str(sources)}
             for time, code in (("", 0), ("yesterday", 1), ("2026-01-05", 1)):
-                self.assertEqual(subprocess.run([snapshot, time], env=environment, capture_output=True,
-                                                check=False).returncode, code)
+                self.assertEqual(execute([snapshot, time], env=environment, capture_output=True,
+                                         check=False).returncode, code)
                 self.assertEqual(sources.read_text(), today)
-            subprocess.run([snapshot, "20260105T000000Z"], env=environment, check=True)
+            execute([snapshot, "20260105T000000Z"], env=environment, check=True)
             uris = [line.split()[1] for line in sources.read_text().splitlines() if line.startswith("URIs:")]
             self.assertEqual(uris, [f"http://snapshot.debian.org/archive/{archive}/20260105T000000Z"
                                     for archive in ("debian", "debian-security")])
@@ -131,8 +130,8 @@ class Setup(unittest.TestCase):
         if not NODE.exists():
             self.skipTest("tests/page/install has not run")
         pinned = json.loads((ROOT / "tests" / "page" / "package.json").read_text())["optionalDependencies"]
-        told = subprocess.run([NODE, "--version"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual({f"v{version}\n" for version in pinned.values()}, {told})
+        output = execute([NODE, "--version"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual({f"v{version}\n" for version in pinned.values()}, {output})
 
     def test_tests_unpack_their_tools(self):
         self.assertIn("docker/install --unpack tools", (ROOT / "tests" / "run").read_text())
@@ -170,13 +169,13 @@ exec "$@"
         for path, text in (("DEBIAN/control", control), ("usr/bin/widget", "whirr\n")):
             (package / path).parent.mkdir(parents=True)
             (package / path).write_text(text)
-        subprocess.run(["dpkg-deb", "--build", package, self.fake / "widget.deb"], check=True, capture_output=True)
+        execute(["dpkg-deb", "--build", package, self.fake / "widget.deb"], check=True, capture_output=True)
 
     def unpack(self, package):
         (self.root / "docker" / "packages.txt").write_text(f"[tools]\n{package}\n")
-        return subprocess.run([self.root / "docker" / "install", "--unpack", "tools"], capture_output=True, text=True,
-                              check=False, env={**os.environ, "PATH": f"{self.fake}:{os.environ['PATH']}",
-                                                "FAKE": str(self.fake)})
+        return execute([self.root / "docker" / "install", "--unpack", "tools"], capture_output=True, text=True,
+                       check=False, env={**os.environ, "PATH": f"{self.fake}:{os.environ['PATH']}",
+                                         "FAKE": str(self.fake)})
 
     def calls(self):
         return (self.fake / "calls").read_text().splitlines()

@@ -26,8 +26,8 @@ def points(form, sites=MANY, **members):
 
 
 def figure_of(process, name):
-    told = pathlib.Path(f"/proc/{process}/status").read_text()
-    return int(re.search(rf"{name}:\s+(\d+) kB", told).group(1)) << 10
+    status = pathlib.Path(f"/proc/{process}/status").read_text()
+    return int(re.search(rf"{name}:\s+(\d+) kB", status).group(1)) << 10
 
 
 def peak(process):

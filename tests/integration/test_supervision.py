@@ -10,7 +10,7 @@ import sys
 import tempfile
 import unittest
 
-from harness import NODE, NODE_MODULES, PATIENCE, ROOT, wait_until
+from harness import NODE, NODE_MODULES, PATIENCE, ROOT, execute, read_line, wait_until
 
 SUPERVISE = [sys.executable, str(ROOT / "tests" / "support" / "supervise.py")]
 
@@ -64,7 +64,7 @@ class Supervision(unittest.TestCase):
         process = subprocess.Popen([*command, sys.executable, "-c", PARENT + "wait_forever()"],
                                    stdout=subprocess.PIPE, text=True)
         self.addCleanup(process.stdout.close)
-        return process, *map(int, process.stdout.readline().split())
+        return process, *map(int, read_line(process, "the ids of two processes").split())
 
     def test_returns_the_exit_status(self):
         self.assertEqual(supervise(60, "true").returncode, 0)
@@ -120,8 +120,8 @@ class Limits(unittest.TestCase):
         # ctest starts a new log in its working directory, even if it only lists tests.
         with tempfile.TemporaryDirectory() as folder:
             (pathlib.Path(folder) / "CTestTestfile.cmake").write_text(f'subdirs("{build}")\n')
-            told = subprocess.run(["ctest", "--show-only=json-v1"], cwd=folder, capture_output=True, check=True).stdout
-        names = {test["name"]: {one["name"] for one in test["properties"]} for test in json.loads(told)["tests"]}
+            output = execute(["ctest", "--show-only=json-v1"], cwd=folder, capture_output=True, check=True).stdout
+        names = {test["name"]: {one["name"] for one in test["properties"]} for test in json.loads(output)["tests"]}
         self.assertGreater(len(names), 50)
         self.assertEqual([name for name, properties in names.items()
                           if "TIMEOUT" not in properties and not name.endswith("_NOT_BUILT")], [])

@@ -3,14 +3,13 @@
 
 import itertools
 import pathlib
-import subprocess
 import tempfile
 import unittest
 
 import numpy
 from PIL import Image, ImageDraw, ImageFilter
 
-from harness import PICTURES, ServerCase, file_of, flat, pixels
+from harness import PICTURES, ServerCase, execute, file_of, flat, pixels
 from seen import LIGHT, blurred, lightness
 
 CHANNELS = numpy.array([0.2126, 0.7152, 0.0722])
@@ -117,7 +116,7 @@ class Levels(ServerCase):
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
             source.write_bytes(self.halftone(data, "?format=svg&sites=6000&dots=ink").body)
-            subprocess.run(["rsvg-convert", "--width", "4096", "--output", str(target), str(source)], check=True)
+            execute(["rsvg-convert", "--width", "4096", "--output", str(target), str(source)], check=True)
             seen = (pixels(target.read_bytes(), "L") > 127).reshape(2048, 2, 2048, 2).mean((1, 3))
         dark, worst = errors(luminance(data), seen, 6000)
         self.assertLess(worst, 1.5)

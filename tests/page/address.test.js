@@ -92,8 +92,8 @@ test("shares a shape: drawn, with sides, or a map", async () => {
     "#sample?shape=texas.geojson&counted=unemployed&per=5000",
   ]) {
     await open(address);
-    const [asked, told] = [address, await hash()].map((text) => Object.fromEntries(new URLSearchParams(text.split("?")[1])));
-    assert.deepEqual(told, asked);
+    const [expected, restored] = [address, await hash()].map((text) => Object.fromEntries(new URLSearchParams(text.split("?")[1])));
+    assert.deepEqual(restored, expected);
     await isShared("sample");
     await page.goto("about:blank");
   }

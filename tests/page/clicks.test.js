@@ -51,7 +51,7 @@ function actIn({ dice, text, picture }) {
   const controls = [...document.querySelectorAll("button, select, input, textarea, summary, canvas, .drop")]
     .filter((one) => one.checkVisibility() && !one.disabled && !one.closest(".download, #access"));
   const control = pick(controls, dice[0]);
-  const tell = (...names) => names.forEach((name) => control.dispatchEvent(new Event(name, { bubbles: true })));
+  const dispatch = (...names) => names.forEach((name) => control.dispatchEvent(new Event(name, { bubbles: true })));
   const name = `${control.tagName} ${control.id} ${control.className} ${control.getAttribute("aria-label") ?? control.textContent.slice(0, 20)}`;
   if (control.matches(".drop")) {
     if (dice[1] < 0.5) return drop(control, "shape.json", text, "application/json");
@@ -68,7 +68,7 @@ function actIn({ dice, text, picture }) {
   else if (control.matches("[type=range]")) control.value = Number(control.min) + dice[1] * (Number(control.max) - Number(control.min));
   else if (control.matches("[type=number]")) control.value = pick(["", "0", "-3", "1", "7", "250", "1e9", "0.001"], dice[1]);
   else if (control.matches("[type=color]")) control.value = pick(["#000000", "#ffffff", "#ff48b0"], dice[1]);
-  tell(...(control.matches("[type=range], [type=color]") && dice[3] < 0.4 ? ["input"] : ["input", "change"]));
+  dispatch(...(control.matches("[type=range], [type=color]") && dice[3] < 0.4 ? ["input"] : ["input", "change"]));
   return { done: `${name} = ${control.value}` };
 }
 

@@ -22,8 +22,8 @@ const pages = {};
 const show = (attributes) => world.page.evaluate((given) => new Promise((resolve) => {
   const element = Object.assign(document.createElement("ccdt-halftone"), { id: "dots" });
   for (const [name, value] of Object.entries(given)) element.setAttribute(name, value);
-  window.told = [];
-  element.addEventListener("progress", ({ loaded }) => window.told.push(loaded));
+  window.progress = [];
+  element.addEventListener("progress", ({ loaded }) => window.progress.push(loaded));
   for (const type of ["load", "error", "abort"]) element.addEventListener(type, ({ message }) => resolve({ type, message }));
   document.body.replaceChildren(element);
 }), attributes);
@@ -58,9 +58,9 @@ test("shows the server's dots in place of the picture", async () => {
 test("reports progress, and sends a new request when an option changes", async () => {
   await world.page.goto(origin.url);
   await show({ src: "/cat.png", sites: "30000" });
-  const told = await world.page.evaluate(() => window.told);
-  assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
-  assert.deepEqual(told, [...told].sort((a, b) => a - b));
+  const progress = await world.page.evaluate(() => window.progress);
+  assert.ok(progress.some((percent) => percent > 0 && percent < 100), String(progress));
+  assert.deepEqual(progress, [...progress].sort((a, b) => a - b));
   const before = (await seen()).bytes;
   await world.page.evaluate(() => new Promise((resolve) => {
     const element = document.querySelector("#dots");
@@ -139,9 +139,9 @@ test("keeps no picture in memory that is not shown", async () => {
 
 test("draws dots itself if the server refuses or is unreachable", async () => {
   await world.page.goto(origin.url);
-  const told = await show({ src: "/cat.png", sites: "0", alt: "A cat" });
-  assert.equal(told.type, "error");
-  assert.match(told.message, /^sites must be/);
+  const outcome = await show({ src: "/cat.png", sites: "0", alt: "A cat" });
+  assert.equal(outcome.type, "error");
+  assert.match(outcome.message, /^sites must be/);
   const { server, url } = await startServer([]);
   pages["/alone"] = elementPage(url);
   await world.page.goto(`${origin.url}/alone`);
@@ -193,8 +193,8 @@ test("maps image pixels to device pixels, also after a change of size", async ()
   const context = await world.newContext({ deviceScaleFactor: 2 });
   const page = await context.newPage();
   await page.goto(origin.url);
-  const asked = [];
-  page.on("request", (one) => { if (one.url().includes("/halftone?")) asked.push(new URL(one.url()).searchParams); });
+  const queries = [];
+  page.on("request", (one) => { if (one.url().includes("/halftone?")) queries.push(new URL(one.url()).searchParams); });
   /** Changes an element, and waits until its dots have loaded. */
   const loaded = (act) => page.evaluate(([script]) => new Promise((resolve) => {
     const element = document.querySelector("ccdt-halftone") ?? document.createElement("ccdt-halftone");
@@ -207,10 +207,10 @@ test("maps image pixels to device pixels, also after a change of size", async ()
   const begin = `for (const [name, value] of [["src", "/cat.png"], ["sites", "900"], ["dot", "1.5"]]) element.setAttribute(name, value);
     document.body.replaceChildren(element);`;
   assert.deepEqual(await loaded(begin), [902, 451, 451]);
-  assert.deepEqual([asked[0].get("width"), asked[0].get("dot")], ["902", "3"]);
+  assert.deepEqual([queries[0].get("width"), queries[0].get("dot")], ["902", "3"]);
   const narrower = `for (const width of [300, 250, 200]) element.style.width = width + "px";`;
   assert.deepEqual(await loaded(narrower), [400, 200, 200]);
-  assert.equal(asked.length, 2);
+  assert.equal(queries.length, 2);
   const shown = await page.evaluate(() => {
     const element = document.querySelector("ccdt-halftone");
     element.style.width = "120px";

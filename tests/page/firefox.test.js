@@ -134,17 +134,17 @@ test("puts dots into a page of another origin, and draws them itself once the se
     const element = document.createElement("ccdt-halftone");
     element.setAttribute("src", "/cat.png");
     element.setAttribute("sites", wanted);
-    const told = [];
-    element.addEventListener("progress", ({ loaded }) => told.push(loaded));
+    const progress = [];
+    element.addEventListener("progress", ({ loaded }) => progress.push(loaded));
     for (const type of ["load", "error"]) {
-      element.addEventListener(type, () => resolve({ type, told, shown: [...element.shadowRoot.children].map(({ hidden }) => !hidden) }));
+      element.addEventListener(type, () => resolve({ type, progress, shown: [...element.shadowRoot.children].map(({ hidden }) => !hidden) }));
     }
     document.body.replaceChildren(element);
   }), sites);
   await page.goto(origin.url);
-  const { type, told, shown } = await show("45000");
+  const { type, progress, shown } = await show("45000");
   assert.deepEqual([type, shown[0], shown[1]], ["load", true, false]);
-  assert.ok(told.some((percent) => percent > 0 && percent < 100), String(told));
+  assert.ok(progress.some((percent) => percent > 0 && percent < 100), String(progress));
   gone = alone.url;
   alone.server.kill();
   await once(alone.server, "exit");

@@ -83,8 +83,8 @@ test("applies presets to all their fields", async () => {
   assert.deepEqual(await pressed(), ["Ink and paper"]);
   await preset("Newspaper").click();
   await settled(page, "halftone");
-  const { antialias, ...asked } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
-  assert.deepEqual(asked, { sites: "9000", dots: "ink", foreground: "#1d1b18", background: "#efe9dc" });
+  const { antialias, ...options } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
+  assert.deepEqual(options, { sites: "9000", dots: "ink", foreground: "#1d1b18", background: "#efe9dc" });
   assert.deepEqual(await pressed(), ["Newspaper"]);
   const risograph = page.waitForRequest((request) => request.url().includes("palette="));
   await preset("Risograph").click();
@@ -205,7 +205,7 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
   const during = async (act) => {
     const [response] = await Promise.all([world.page.waitForResponse((one) => one.url().includes("/halftone?")), act()]);
     await settled(world.page, "halftone");
-    return { asked: new URL(response.url()).searchParams, ...(await world.page.evaluate(() => window.last)) };
+    return { query: new URL(response.url()).searchParams, ...(await world.page.evaluate(() => window.last)) };
   };
   await during(() => world.page.uncheck("#halftone .fields [data-name=dot] input[type=checkbox]"));
   const draft = await during(() => slider("dot").evaluate((input) => {
@@ -214,8 +214,8 @@ test("sends a large photograph reduced for drafts, and whole once the slider res
   }));
   const whole = await during(() => slider("dot").dispatchEvent("change"));
   assert.ok(draft.sent < size / 4 && whole.sent === size, `${draft.sent}, ${whole.sent} of ${size} bytes`);
-  assert.ok(draft.asked.get("quality") === "draft" && draft.width <= 2 * Math.sqrt(1.5 * 300_000));
-  const share = ({ asked, width }) => Number(asked.get("dot")) / width;  // the dot's radius over the picture's width
+  assert.ok(draft.query.get("quality") === "draft" && draft.width <= 2 * Math.sqrt(1.5 * 300_000));
+  const share = ({ query, width }) => Number(query.get("dot")) / width;  // the dot's radius over the picture's width
   assert.ok(Math.abs(share(draft) / share(whole) - 1) < 0.01, `${share(draft)} and ${share(whole)}`);
   await rm(folder, { recursive: true });
 });
@@ -252,7 +252,7 @@ test("requests the values of its fields", async () => {
   });
 });
 
-const asked = (seen) => {
+const optionsOf = (seen) => {
   const { sites, antialias, ...others } = Object.fromEntries(new URL(seen.at(-1).url).searchParams);
   return others;
 };
@@ -262,7 +262,7 @@ test("emphasizes edges, and sets levels like an image editor", async () => {
   const seen = watchRequests();
   await slide(slider("detail"), [0.9, 1]);
   await settled(world.page, "halftone");
-  assert.deepEqual(asked(seen), { detail: "1" });
+  assert.deepEqual(optionsOf(seen), { detail: "1" });
   await world.page.click("#halftone .more summary");
   const levels = world.page.getByRole("group", { name: "Levels" });
   for (const [name, value] of [["black point", "0.1"], ["white point", "0.85"], ["gamma", "1.4"]]) {
@@ -270,7 +270,7 @@ test("emphasizes edges, and sets levels like an image editor", async () => {
     await world.page.keyboard.press("Tab");
   }
   await settled(world.page, "halftone");
-  assert.deepEqual(asked(seen), { detail: "1", levels: "0.1,0.85,1.4" });
+  assert.deepEqual(optionsOf(seen), { detail: "1", levels: "0.1,0.85,1.4" });
   await looksAsKept(world, world.page.locator("#halftone .canvas-frame"), "halftone-levels");
   await levels.getByLabel("black point").fill("0.9");
   await levels.getByLabel("black point").blur();
@@ -292,11 +292,11 @@ test("derives the number of dots from the picture, or from a pen", async () => {
   await world.page.getByLabel("Radius, unit").selectOption("mm");
   await settled(world.page, "halftone");
   assert.ok(await width.isVisible());
-  assert.deepEqual(asked(seen), { dot: "0.5mm", width_mm: "200" });
+  assert.deepEqual(optionsOf(seen), { dot: "0.5mm", width_mm: "200" });
   await number("width_mm").fill("100");
   await number("width_mm").blur();
   await settled(world.page, "halftone");
-  assert.deepEqual(asked(seen), { dot: "0.5mm", width_mm: "100" });
+  assert.deepEqual(optionsOf(seen), { dot: "0.5mm", width_mm: "100" });
   assert.match(await world.page.textContent("#halftone .status"), /^dots of radius 2\.56,/);
   await looksAsKept(world, world.page.locator("#halftone .controls"), "halftone-pen");
 });
@@ -358,9 +358,9 @@ test("shows commands that send the same request when pasted", async () => {
     const byCurl = await readFile(path.join(folder, "dots.png"));
     await run("/usr/bin/python3", ["-c", await snippet("Python")], { cwd: folder });
     assert.deepEqual(await readFile(path.join(folder, "dots.png")), byCurl);
-    const told = `image/png ${byCurl.length}\n`;
-    assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), told);
-    assert.equal(await runInBrowser(world, await snippet("Browser"), chosen && picture), told);
+    const printed = `image/png ${byCurl.length}\n`;
+    assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], { cwd: folder }), printed);
+    assert.equal(await runInBrowser(world, await snippet("Browser"), chosen && picture), printed);
   }
   await rm(folder, { recursive: true });
 });

@@ -20,7 +20,7 @@ async function choose(inks, state = "done") {
 }
 
 /** Returns the options of the request that is shown. */
-async function asked() {
+async function requestedOptions() {
   const curl = await world.page.textContent("#halftone pre");
   const { searchParams } = new URL(curl.match(/'(http[^']*\/halftone[^']*)'/)[1]);
   const { sites, antialias, ...others } = Object.fromEntries(searchParams);
@@ -45,22 +45,22 @@ async function open() {
 
 test("mixes CMYK like print and RGB like light", async () => {
   await open();
-  assert.deepEqual(await asked(), {});
+  assert.deepEqual(await requestedOptions(), {});
   assert.deepEqual(await seen(primary), ["#000000", "#ffffff"]);
   await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await choose("cmyk");
-  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink" });  // dots on paper alone need grey
+  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink" });  // dots on paper alone need grey
   for (const name of ["foreground", "palette"]) assert.ok(await field(name).isHidden(), name);
   assert.deepEqual(await seen(primary), primary);
   await field("background").locator("input[type=color]").fill("#fff4d6");
   await settled(world.page, "halftone");
-  assert.deepEqual(await asked(), { color: "cmyk", dots: "ink", background: "#fff4d6" });
+  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink", background: "#fff4d6" });
   await choose("rgb");
-  assert.deepEqual(await asked(), { color: "rgb", dots: "ink" });
+  assert.deepEqual(await requestedOptions(), { color: "rgb", dots: "ink" });
   assert.ok(await field("background").isHidden());
   assert.deepEqual(await seen(["#ff0000", "#00ff00", "#0000ff"]), ["#ff0000", "#00ff00", "#0000ff"]);
   await choose("gray");
-  assert.deepEqual(await asked(), { dots: "paper", background: "#fff4d6" });
+  assert.deepEqual(await requestedOptions(), { dots: "paper", background: "#fff4d6" });
 });
 
 test("accepts a palette of one to six inks", async () => {
@@ -70,23 +70,23 @@ test("accepts a palette of one to six inks", async () => {
   const more = palette().getByRole("button", { name: "Add an ink" });
   const less = (ink) => palette().getByRole("button", { name: `Remove ink ${ink}` });
   const inks = ["#0078bf", "#ff48b0", "#ffe800", "#000000"];
-  assert.deepEqual(await asked(), { palette: inks.join(",") });
+  assert.deepEqual(await requestedOptions(), { palette: inks.join(",") });
   assert.deepEqual(await seen(inks), inks);
   await less(2).click();
   await settled(world.page, "halftone");
-  assert.deepEqual(await asked(), { palette: "#0078bf,#ffe800,#000000" });
+  assert.deepEqual(await requestedOptions(), { palette: "#0078bf,#ffe800,#000000" });
   for (const number of [4, 5, 6]) {
     await more.click();
     assert.equal(await wells.count(), number);
   }
   assert.ok(await more.isDisabled());
   await settled(world.page, "halftone");
-  assert.deepEqual(await asked(), { palette: "#0078bf,#ffe800,#000000,#ff48b0,#00a95c,#ff6c2f" });
+  assert.deepEqual(await requestedOptions(), { palette: "#0078bf,#ffe800,#000000,#ff48b0,#00a95c,#ff6c2f" });
   for (let left = 6; left > 1; --left) await less(left).click();
   assert.ok(await less(1).isHidden());
   await wells.first().fill("#b3123c");
   await settled(world.page, "halftone");
-  assert.deepEqual(await asked(), { palette: "#b3123c" });
+  assert.deepEqual(await requestedOptions(), { palette: "#b3123c" });
 });
 
 test("reports an ink that occurs twice", async () => {

@@ -13,12 +13,12 @@ const asJob = ["POST /halftone 202", "GET /jobs/ID/events 200", "GET /jobs/ID/re
 
 /** @returns  a function that returns all requests from now on, without ids, and the statuses of their answers */
 function watch(page) {
-  const asked = [];
+  const requests = [];
   page.on("request", (one) => {
     const { pathname } = new URL(one.url());
-    if (/^\/(halftone|sample|jobs)/.test(pathname)) asked.push([one, `${one.method()} ${pathname.replace(/[0-9a-f]{32}/, "ID")}`]);
+    if (/^\/(halftone|sample|jobs)/.test(pathname)) requests.push([one, `${one.method()} ${pathname.replace(/[0-9a-f]{32}/, "ID")}`]);
   });
-  return () => Promise.all(asked.map(async ([one, what]) => `${what} ${(await one.response())?.status() ?? "lost"}`));
+  return () => Promise.all(requests.map(async ([one, what]) => `${what} ${(await one.response())?.status() ?? "lost"}`));
 }
 
 /** @returns  a function that returns [percent, text beside the bar] for each change so far of a bar that has a value */

@@ -74,9 +74,9 @@ test("gives points the properties of their features", async () => {
   await open("#sample?shape=texas.geojson&counted=&sites=100&properties=name&multipoint=false");
   const { page } = world;
   const ask = async (title) => {
-    const asked = page.waitForRequest((one) => one.method() === "POST" && one.url().includes("properties=name"));
+    const sent = page.waitForRequest((one) => one.method() === "POST" && one.url().includes("properties=name"));
     await download(page, "sample", title);
-    return new URL((await asked).url()).searchParams;
+    return new URL((await sent).url()).searchParams;
   };
   assert.equal((await ask("GeoJSON")).get("multipoint"), "false");
   assert.equal((await ask("CSV")).get("multipoint"), null);
@@ -124,8 +124,8 @@ test("sends a document as JSON if options need it", async () => {
   await fixed.fill("[[12.5, 42]]");
   await fixed.blur();
   await settled(page, "sample");
-  const { geometry, fixed: asked, coordinates } = await request();
-  assert.deepEqual([geometry.type, asked, coordinates], ["MultiPolygon", [[12.5, 42]], "lonlat"]);
+  const { geometry, fixed: points, coordinates } = await request();
+  assert.deepEqual([geometry.type, points, coordinates], ["MultiPolygon", [[12.5, 42]], "lonlat"]);
   await fixed.fill("[[12.5, 91]]");
   await fixed.blur();
   await settled(page, "sample", "failed");
@@ -141,9 +141,9 @@ test("sends options of drawings only with drawings", async () => {
   await width.locator("input[type=number]").fill("300");
   await width.locator("input[type=number]").blur();
   assert.equal((await request()).width, undefined);
-  const asked = page.waitForRequest((one) => one.method() === "POST" && JSON.parse(one.postData()).format === "png");
+  const sent = page.waitForRequest((one) => one.method() === "POST" && JSON.parse(one.postData()).format === "png");
   await Promise.all([page.waitForEvent("download"), download(page, "sample", "PNG")]);
-  assert.equal(JSON.parse((await asked).postData()).width, 300);
+  assert.equal(JSON.parse((await sent).postData()).width, 300);
 });
 
 test("explains options, by keyboard too", async () => {

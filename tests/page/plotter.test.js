@@ -44,8 +44,8 @@ test("adapts the number and width of dots to a pen", async () => {
   const [, dots, path] = svg.match(/<desc>(\d+) dots along a path of ([\d.]+) mm/).map(Number);
   assert.match(svg, /stroke-width="2"/);
   assert.equal((svg.match(/^(<path d=")?M/gm) ?? []).length, dots);
-  const told = await figures();
-  assert.ok(told.startsWith(`190 \u00d7 190 mm. ${dots.toLocaleString("en")} dots in 1 layer, a path of ${Math.round(path / 1000)} m`), told);
+  const shown = await figures();
+  assert.ok(shown.startsWith(`190 \u00d7 190 mm. ${dots.toLocaleString("en")} dots in 1 layer, a path of ${Math.round(path / 1000)} m`), shown);
   await looksAsKept(world, world.page.locator("#halftone .plotter"), "halftone-plotter");
 });
 
@@ -53,11 +53,11 @@ test("shows how long the pen takes", async () => {
   await open("#halftone?sites=100&plotter=on&pen_mm=4&lift=1&speed=500");
   assert.match(await figures(), /100 dots .*: about 2 min/);
   assert.match(await world.page.textContent("#halftone .warnings"), /dots cover \d+ % of the area that the tone/);
-  let asked = 0;
-  world.page.on("request", (request) => { asked += request.method() === "POST" ? 1 : 0; });
+  let requests = 0;
+  world.page.on("request", (request) => { requests += request.method() === "POST" ? 1 : 0; });
   await put("lift", "60");
   assert.match(await figures(), /about 1 h 40 min/);
-  assert.equal(asked, 0);  // the drawing is the same
+  assert.equal(requests, 0);  // the drawing is the same
   assert.match(await world.page.evaluate(() => location.hash), /lift=60/);
 });
 
@@ -68,12 +68,12 @@ test("estimates the time at once, and fits into a given time", async () => {
   const dots = (text) => Number(text.match(/([\d,]+) dots/)[1].replace(",", ""));
   const whole = await figures();
   await page.evaluate(() => {
-    window.told = [];
+    window.shownTexts = [];
     const place = document.querySelector("#halftone .figures");
-    new MutationObserver(() => window.told.push(place.querySelector("p")?.textContent)).observe(place, { childList: true });
+    new MutationObserver(() => window.shownTexts.push(place.querySelector("p")?.textContent)).observe(place, { childList: true });
   });
   await put("margin_mm", "12");
-  const [first] = await page.evaluate(() => window.told);
+  const [first] = await page.evaluate(() => window.shownTexts);
   assert.match(first, /^Estimate: [\d,]+ dots, about \d+ min\.$/);
   assert.ok(Math.abs(dots(first) / dots(whole) - 1) < 0.2, `${first}, ${whole}`);
   assert.ok(Math.abs(minutes(first) / minutes(whole) - 1) < 0.25, `${first}, ${whole}`);

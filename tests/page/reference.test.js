@@ -25,11 +25,11 @@ test("has all routes, options, defaults and statuses", async () => {
     .evaluateAll((lines) => lines.map(({ cells }) => [...cells].map(({ textContent }) => textContent)));
   const options = await rows("Members for POST /halftone");
   assert.deepEqual(options.map(([name]) => name), [...Object.keys(components.schemas.HalftoneOptions.properties), "image"]);
-  const told = Object.fromEntries(options.map(([name, ...cells]) => [name, cells.slice(0, 2)]));
-  assert.deepEqual(told.scale, ["number 0.1 to 16", ""]);
-  assert.deepEqual(told.dot, ["number above 0, up to 65536 or auto or string ^[0-9.eE+-]+mm$", "auto"]);
-  assert.deepEqual(told.quality, ["draft, standard, best", "standard"]);
-  assert.deepEqual(told.image, ["string", "required"]);
+  const described = Object.fromEntries(options.map(([name, ...cells]) => [name, cells.slice(0, 2)]));
+  assert.deepEqual(described.scale, ["number 0.1 to 16", ""]);
+  assert.deepEqual(described.dot, ["number above 0, up to 65536 or auto or string ^[0-9.eE+-]+mm$", "auto"]);
+  assert.deepEqual(described.quality, ["draft, standard, best", "standard"]);
+  assert.deepEqual(described.image, ["string", "required"]);
   const statuses = await rows("Answers of POST /sample");
   assert.deepEqual(statuses.map(([status]) => status), Object.keys(paths["/sample"].post.responses));
   assert.equal(await page.textContent(".error"), "");

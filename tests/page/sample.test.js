@@ -172,8 +172,8 @@ test("draws a dot map, with a colour for each class", async () => {
   await open();
   await world.page.click("#sample .map");
   await settled(world.page, "sample");
-  const asked = await query();
-  assert.deepEqual(Object.fromEntries(asked), { classes: "employed,unemployed", per: "2000", coordinates: "lonlat", iterations: "10" });
+  const sent = await query();
+  assert.deepEqual(Object.fromEntries(sent), { classes: "employed,unemployed", per: "2000", coordinates: "lonlat", iterations: "10" });
   assert.deepEqual(await world.page.locator("#sample .legend li").allTextContents(), ["employed: 5,537", "unemployed: 498"]);
   assert.match(await world.page.textContent("#sample .status"), /^6,035 points, variation/);
   assert.ok(await world.page.isHidden("#sample [data-name=sites]"));
@@ -336,7 +336,7 @@ test("offers the stealthy quality only for a torus", async () => {
 });
 
 /** Returns the server's answer to the JSON in a curl command. */
-const answerTo = async (asked) => fetch(`${world.url}/sample`, { method: "POST", body: JSON.stringify(asked) });
+const answerTo = async (request) => fetch(`${world.url}/sample`, { method: "POST", body: JSON.stringify(request) });
 
 test("makes a mask, shows its effect, and saves it", async () => {
   await open();
@@ -355,12 +355,12 @@ test("makes a mask, shows its effect, and saves it", async () => {
   await sides.nth(1).blur();
   await page.selectOption("#sample [data-name=format] select", "mask16");
   await settled(page, "sample");
-  const asked = await request();
-  assert.deepEqual(asked, { format: "mask16", domain: { type: "torus", width: 64, height: 16 } });
+  const sent = await request();
+  assert.deepEqual(sent, { format: "mask16", domain: { type: "torus", width: 64, height: 16 } });
   const saved = await download(page, "sample", "Mask, 16 bits");
   assert.equal(saved.suggestedFilename(), "mask.png");
   const bytes = await readFile(await saved.path());
-  assert.deepEqual(bytes, Buffer.from(await (await answerTo(asked)).arrayBuffer()));
+  assert.deepEqual(bytes, Buffer.from(await (await answerTo(sent)).arrayBuffer()));
   await page.click('#sample .kinds button:text-is("Node")');
   const script = await page.textContent("#sample pre");
   assert.equal(await run(process.execPath, ["--input-type=module", "--eval", script]), `image/png ${bytes.length}\n`);
@@ -437,10 +437,10 @@ async function repeats(folder, file) {
   const options = { cwd: folder };
   const byCurl = JSON.parse(await run("bash", ["-c", (await snippet("curl")).replace(" -o points.json", " -s")], options));
   assert.deepEqual(byCurl.points, saved.points);
-  const told = `1000 ${saved.variation}\n`;
-  assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), told);
-  assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], options), told);
-  assert.equal(await runInBrowser(world, await snippet("Browser"), file && path.join(folder, file)), told);
+  const printed = `1000 ${saved.variation}\n`;
+  assert.equal(await run("/usr/bin/python3", ["-c", await snippet("Python")], options), printed);
+  assert.equal(await run(process.execPath, ["--input-type=module", "--eval", await snippet("Node")], options), printed);
+  assert.equal(await runInBrowser(world, await snippet("Browser"), file && path.join(folder, file)), printed);
 }
 
 test("saves and shows commands that make the same points", async () => {

@@ -37,8 +37,8 @@ class Client:
         start = time.perf_counter()
         status, document = self.ask("POST", "/sample", body, LATER)
         assert status == 202, document
-        _, told = self.ask("GET", f"/jobs/{json.loads(document)['id']}/events")
-        assert b"event: succeeded" in told, told
+        _, stream = self.ask("GET", f"/jobs/{json.loads(document)['id']}/events")
+        assert b"event: succeeded" in stream, stream
         return 1000 * (time.perf_counter() - start)
 
     def wait_for_libraries(self):
@@ -55,7 +55,7 @@ class Client:
         return 1000 * (time.perf_counter() - start), len(answer)
 
 
-def told(name, times):
+def report(name, times):
     cuts = statistics.quantiles(times, n=100)
     print(f"  {name}: p50 {cuts[49]:.2f} ms, p99 {cuts[98]:.2f} ms of {len(times)}")
     return cuts[49], cuts[98]
@@ -73,16 +73,16 @@ def jobs(redis, count):
             for client, list_ in zip(clients, times):
                 list_.append(client.job({**body, "seed": number}))
         worked = cpu(redis) - worked
-    before = told("a job in memory", times[0][20:])
-    after = told("a job by Redis ", times[1][20:])
+    before = report("a job in memory", times[0][20:])
+    after = report("a job by Redis ", times[1][20:])
     print(f"  Redis worked {1000 * worked / (count + 20):.2f} ms a job: at most {(count + 20) / worked:.0f} jobs a second")
     print(f"  over memory: {after[0] - before[0]:.2f} ms at p50, {after[1] - before[1]:.2f} ms at p99")
 
 
 def cpu(redis):
     """Returns the processor time of Redis, in seconds."""
-    told = dict(line.split(":") for line in redis.cli("INFO", "cpu").split() if ":" in line)
-    return float(told["used_cpu_user"]) + float(told["used_cpu_sys"])
+    values = dict(line.split(":") for line in redis.cli("INFO", "cpu").split() if ":" in line)
+    return float(values["used_cpu_user"]) + float(values["used_cpu_sys"])
 
 
 def cpu_of_descendants():
@@ -113,8 +113,8 @@ def answers(redis, count):
             for client, list_ in zip(clients, times):
                 list_.append(client.answer(body)[0])
     print(f"  an answer of {size} bytes")
-    before = told("kept here      ", times[0][20:])
-    after = told("kept by Redis  ", times[1][20:])
+    before = report("kept here      ", times[0][20:])
+    after = report("kept by Redis  ", times[1][20:])
     print(f"  over here: {after[0] - before[0]:.2f} ms at p50")
 
 

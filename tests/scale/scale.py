@@ -25,7 +25,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path += [str(HERE.parent / "integration"), str(HERE.parent / "soak")]
 import cases  # pylint: disable=wrong-import-position
 from engine import Redis, free_port  # pylint: disable=wrong-import-position
-from harness import Server  # pylint: disable=wrong-import-position
+from harness import Server, join  # pylint: disable=wrong-import-position
 from test_deploy import HAPROXY, Balancer  # pylint: disable=wrong-import-position
 
 LATER = {"Prefer": "respond-async"}
@@ -95,7 +95,7 @@ class Clients:
         self.lock = threading.Lock()
         self.jobs = {}
         self.refused = collections.Counter()
-        self.asked = collections.Counter()
+        self.statuses = collections.Counter()
         self.wrong = []
         self.over = threading.Event()
         self.submitters = [threading.Thread(target=self._submit) for _ in range(2)]
@@ -133,23 +133,23 @@ class Clients:
             if self.over.is_set():
                 return
             status, body = self._try(case, {})
-            self.asked[status] += 1
+            self.statuses[status] += 1
             if status == 200 and cases.essence(body) not in self.known[case.name]:
                 self.wrong.append(f"{case.name} has a different synchronous answer: {body[:200]}")
 
     def failed(self):
         """Returns the number of synchronous requests that failed."""
-        return sum(count for status, count in self.asked.items() if status != 200)
+        return sum(count for status, count in self.statuses.items() if status != 200)
 
     def is_submitting(self):
         return any(thread.is_alive() for thread in self.submitters)
 
     def join(self):
         for thread in self.submitters:
-            thread.join()
+            join(thread, "the acceptance of all jobs", PATIENCE)
         self.over.set()
         for thread in self.askers:
-            thread.join()
+            join(thread, "the last synchronous answer", PATIENCE)
 
 
 def trouble(replicas, redis, clients, seconds):
@@ -180,13 +180,13 @@ def trouble(replicas, redis, clients, seconds):
 def drain(replica, clients):
     """Drains a server under load. Returns all faults, as texts."""
     time.sleep(3)  # haproxy knows that all are there
-    before, asked = clients.failed(), sum(clients.asked.values())
+    before, answered = clients.failed(), sum(clients.statuses.values())
     code = replica.end(signal.SIGTERM)
     time.sleep(1)
     lost = clients.failed() - before
-    print(f"  drained with {code}; of {sum(clients.asked.values()) - asked} requests meanwhile {lost} were lost")
+    print(f"  drained with {code}; of {sum(clients.statuses.values()) - answered} requests meanwhile {lost} were lost")
     replica.start()
-    wrong = [f"a drain lost {lost} requests: {dict(clients.asked)}"] if lost else []
+    wrong = [f"a drain lost {lost} requests: {dict(clients.statuses)}"] if lost else []
     return wrong + ([f"a drained server ended with {code}"] if code else [])
 
 
@@ -212,9 +212,9 @@ def check(port, clients):
 
 def twice(replicas):
     """Returns the jobs whose end was logged more than once, as texts."""
-    told = collections.Counter(job for replica in replicas for log in replica.logs
+    ends = collections.Counter(job for replica in replicas for log in replica.logs
                                for job in re.findall(r"job ([0-9a-f]{32}) (?:succeeded|failed)", log))
-    return [f"/jobs/{job} ended {count} times" for job, count in told.items() if count > 1]
+    return [f"/jobs/{job} ended {count} times" for job, count in ends.items() if count > 1]
 
 
 def main():
@@ -244,7 +244,7 @@ def main():
         wrong += drain(replicas[0], clients)
         clients.join()
         print(f"  {dict(done)}; {len(clients.jobs)} jobs accepted, others answered {dict(clients.refused)}; "
-              f"at once {dict(clients.asked)}")
+              f"at once {dict(clients.statuses)}")
         wrong += clients.wrong + check(balancer.port, clients)
     wrong += twice(replicas)
     if not done["servers killed"] or not done["Redis killed"] or not done["servers paused"]:

@@ -15,7 +15,7 @@ import typing
 import zlib
 
 from cases import ENDLESS, JSON, LARGE, LARGER, LETTER, RECTANGLE, TORUS, essence, grey_png, picture, small
-from load import LONGEST, ServerGone, Tally, pause, repeat, run_threads
+from load import TIME_LIMIT, ServerGone, Tally, pause, repeat, run_threads
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from harness import wait_until  # pylint: disable=wrong-import-position
@@ -26,7 +26,7 @@ HEADER_TIMEOUT = 3
 BODY_TIMEOUT = 3
 FLAGS = (f"--header-timeout={HEADER_TIMEOUT}", f"--body-timeout={BODY_TIMEOUT}", "--max-body=8MiB", "--timeout=300")
 
-PATIENCE = LONGEST / 2
+PATIENCE = TIME_LIMIT / 2
 LISTENERS = 100
 HEALTH = b"GET /health HTTP/1.1\r\nHost: localhost\r\n\r\n"
 BUSY = {429, 503}  # statuses if the queue is full
@@ -63,7 +63,7 @@ class Abuser:
             raw.try_send(data)
             yield raw
 
-    def tell(self, data, *wanted):
+    def expect(self, data, *wanted):
         """Sends data in one piece. The answers must have these statuses, in order, and then the connection must end."""
         with self.connect(data) as raw:
             expect(raw, [wanted])
@@ -200,15 +200,15 @@ def smuggle(me):
 
 
 def send_huge_heads(me):
-    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 300_000, 431)
-    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\r\n" + b"X: y\r\n" * 50_000, 431)
+    me.expect(b"GET /health HTTP/1.1\r\nHost: localhost\r\nX: " + b"x" * 300_000, 431)
+    me.expect(b"GET /health HTTP/1.1\r\nHost: localhost\r\n" + b"X: y\r\n" * 50_000, 431)
 
 
 def send_too_much(me):
     head = b"POST /halftone HTTP/1.1\r\nHost: localhost\r\n"
     for length in (9 << 20, 100 << 30, (1 << 64) - 1):
-        me.tell(head + b"Content-Length: %d\r\n\r\n" % length, 413)
-    me.tell(head + b"Transfer-Encoding: chunked\r\n\r\nffffffff\r\n", 413)
+        me.expect(head + b"Content-Length: %d\r\n\r\n" % length, 413)
+    me.expect(head + b"Transfer-Encoding: chunked\r\n\r\nffffffff\r\n", 413)
     with me.connect(head + b"Transfer-Encoding: chunked\r\n\r\n") as raw:
         send_until_answered(raw, b"40000\r\n" + bytes(0x40000) + b"\r\n")
         expect(raw, [(413,), (429,), (503,)])
@@ -255,7 +255,7 @@ def send_deep_json(me):
 
 
 def pipeline(me):
-    me.tell(HEALTH * 20 + b"GET /nothing HTTP/1.0\r\n\r\n", *[200] * 20, 404)
+    me.expect(HEALTH * 20 + b"GET /nothing HTTP/1.0\r\n\r\n", *[200] * 20, 404)
 
 
 def crowd(me):
@@ -272,8 +272,8 @@ def crowd(me):
 
 
 def bare_line_feeds(me):
-    me.tell(HEALTH.replace(b"\r\n", b"\n"), 400)
-    me.tell(b"GET /health HTTP/1.1\r\nHost: localhost\nX: y\r\n\r\n", 400)
+    me.expect(HEALTH.replace(b"\r\n", b"\n"), 400)
+    me.expect(b"GET /health HTTP/1.1\r\nHost: localhost\nX: y\r\n\r\n", 400)
     chunked = b"POST /sample HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
     for body in (b"2;a\n\r\n{}\r\n0\r\n\r\n", b"2;a\rb\r\n{}\r\n0\r\n\r\n", b"2;a\0b\r\n{}\r\n0\r\n\r\n",
                  b"2\n{}\r\n0\r\n\r\n", b"2\r\n{}\n0\r\n\r\n", b"2\r\n{}\r\n0\r\nX: a\nb\r\n\r\n",
@@ -287,15 +287,15 @@ def name_strange_targets(me):
                    b"ftp://h/health"):
         with me.connect(b"GET " + target + b" HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n") as raw:
             expect(raw, [(400,), (404,)])
-    me.tell(b"GET http://localhost/health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 200)
+    me.expect(b"GET http://localhost/health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", 200)
 
 
 def flood_preflights(me):
     """Sends many preflights, which must be answered unless a rate limit refuses them."""
     count = 200
-    asked = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
-             b"Access-Control-Request-Method: POST\r\n")
-    with me.connect((asked + b"\r\n") * (count - 1) + asked + b"Connection: close\r\n\r\n") as raw:
+    preflight = (b"OPTIONS /sample HTTP/1.1\r\nHost: localhost\r\nOrigin: https://a.example\r\n"
+                 b"Access-Control-Request-Method: POST\r\n")
+    with me.connect((preflight + b"\r\n") * (count - 1) + preflight + b"Connection: close\r\n\r\n") as raw:
         answered = statuses(raw.rest())
     if len(answered) != count or not {*answered} <= {204, 429}:
         raise Unexpected(str(collections.Counter(answered)))
@@ -338,7 +338,8 @@ def ask_for_tiny_densities(me):
 
 
 def listen_in_crowds(me):
-    """Opens many event streams of a job: each must be admitted or told to retry, and no other client refused."""
+    """Opens many event streams of a job. Each must be admitted or refused with a time to retry; no other client may be
+    refused."""
     with me.connect(post("/sample", ENDLESS.body, "Prefer: respond-async", "Connection: close")) as raw:
         status, headers, received = raw.answer()
     if status in BUSY:
@@ -353,11 +354,11 @@ def listen_in_crowds(me):
                 client.send(b"GET %s/events HTTP/1.1\r\nHost: localhost\r\n\r\n" % path)
                 client.socket.settimeout(PATIENCE)
             begun = collections.Counter(client.socket.recv(12) for client in clients)
-            me.tell(HEALTH.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"), 200)
+            me.expect(HEALTH.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n"), 200)
         if not {*begun} <= {b"HTTP/1.1 200", b"HTTP/1.1 503"}:
             raise Unexpected(str(begun))
     finally:
-        me.tell(b"DELETE %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % path, 204)
+        me.expect(b"DELETE %s HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n" % path, 204)
 
 
 SLOW = (say_nothing, slow_head, slow_body, slow_chunks)

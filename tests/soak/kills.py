@@ -20,20 +20,20 @@ import threading
 import time
 
 import cases
-from load import LONGEST
+from load import TIME_LIMIT
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "integration"))
 from harness import Server  # pylint: disable=wrong-import-position
 
-LONGEST_LIFE = 0.5  # maximum number of seconds from the first job of a server until it is killed
-MOST_STARTS = 3     # number of starts after which a job that does not end fails
+MAX_LIFETIME = 0.5  # maximum number of seconds from the first job of a server until it is killed
+MAX_STARTS = 3      # number of starts after which a job that does not end fails
 PATIENCE = 600      # time limit for a server to finish all remaining jobs, in seconds
 LATER = {"Prefer": "respond-async"}
 LAST = cases.sample("longer than a life", sites=60_000, iterations=300, domain=cases.RECTANGLE)
 
 
 def ask(server, method, path, body=None, headers=None):
-    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=LONGEST)
+    connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=TIME_LIMIT)
     with contextlib.closing(connection):
         connection.request(method, path, body, headers or {})
         answer = connection.getresponse()
@@ -117,7 +117,7 @@ def wait_for_all(server, jobs):
 def on_their_last_start(folder):
     """Returns the jobs in the store of the killed server that may be started only once more."""
     with contextlib.closing(sqlite3.connect(f"{folder}/jobs/jobs.sqlite")) as store:
-        rows = store.execute("SELECT id FROM jobs WHERE finished IS NULL AND starts >= ?", (MOST_STARTS - 1,))
+        rows = store.execute("SELECT id FROM jobs WHERE finished IS NULL AND starts >= ?", (MAX_STARTS - 1,))
         return ["/jobs/" + job for job, in rows]
 
 
@@ -147,11 +147,11 @@ def main():
         accepted = Accepted(arguments.jobs)
         last_chances = []
         for left in range(arguments.kills, 0, -1):
-            if left == MOST_STARTS - 1:
+            if left == MAX_STARTS - 1:
                 accepted.prefer(LAST)
             with Server(*flags) as server:
                 wait_for_all(server, last_chances)
-                submit_until_killed(server, chance.uniform(0, LONGEST_LIFE), accepted)
+                submit_until_killed(server, chance.uniform(0, MAX_LIFETIME), accepted)
             last_chances = on_their_last_start(folder)
         with Server(*flags) as server:
             unfinished = sum(status_of(server, job) in ("queued", "running") for job in accepted.jobs)

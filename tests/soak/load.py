@@ -18,8 +18,8 @@ import typing
 
 from cases import analyses, essence, medium, picture, pictures, small, swift
 
-LONGEST = 120     # time limit of an answer, and of the end of clients, in seconds
-MOST_TOLD = 5     # number of failures of one kind that are described
+TIME_LIMIT = 120   # time limit of an answer, and of the end of clients, in seconds
+MAX_DESCRIBED = 5  # number of failures of one kind that are described
 
 
 class Wait(typing.NamedTuple):
@@ -40,7 +40,7 @@ class Tally:
     def __init__(self):
         self.lock = threading.Lock()
         self.counts = collections.Counter()
-        self.told = collections.defaultdict(list)
+        self.details = collections.defaultdict(list)
         self.waits = []
 
     def count(self, what):
@@ -50,13 +50,13 @@ class Tally:
     def fail(self, what, detail):
         with self.lock:
             self.counts["failed " + what] += 1
-            if len(self.told[what]) < MOST_TOLD:
-                self.told[what].append(str(detail)[:300])
+            if len(self.details[what]) < MAX_DESCRIBED:
+                self.details[what].append(str(detail)[:300])
 
     def add(self, other):
         self.counts.update(other.counts)
-        for what, details in other.told.items():
-            self.told[what] = (self.told[what] + details)[:MOST_TOLD]
+        for what, details in other.details.items():
+            self.details[what] = (self.details[what] + details)[:MAX_DESCRIBED]
         self.waits += other.waits
 
     def failures(self):
@@ -87,7 +87,7 @@ class Client:
     """A client with a persistent connection from a given address, because queueing is fair between addresses."""
 
     def __init__(self, port, source):
-        self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=LONGEST, source_address=(source, 0))
+        self.connection = http.client.HTTPConnection("127.0.0.1", port, timeout=TIME_LIMIT, source_address=(source, 0))
         self.fresh = True
 
     def ask(self, case):
@@ -172,7 +172,7 @@ def curl_in_turn(port, source, known, until, tally):
 
         def step():
             done = subprocess.run(
-                ["curl", "--silent", "--max-time", str(LONGEST), "--interface", source, "--form",
+                ["curl", "--silent", "--max-time", str(TIME_LIMIT), "--interface", source, "--form",
                  f"image=@{folder / 'sent'}", "--output", str(folder / "body"), "--write-out",
                  "%{http_code} %header{retry-after}", f"http://127.0.0.1:{port}{camera.path}"],
                 capture_output=True, text=True, check=False)
@@ -299,20 +299,20 @@ class Hammer:
         script = pathlib.Path(__file__).resolve().parent / "hammer.lua"
         self.process = subprocess.Popen(
             ["wrk", "--threads", str(connections), "--connections", str(connections), "--duration", f"{seconds}s",
-             "--timeout", f"{LONGEST}s", "--script", str(script), f"http://127.0.0.1:{port}", "--", str(folder)],
+             "--timeout", f"{TIME_LIMIT}s", "--script", str(script), f"http://127.0.0.1:{port}", "--", str(folder)],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
     def end(self, patience):
         tally = Tally()
         with self.folder:
             try:
-                told = self.process.communicate(timeout=patience)[0]
+                output = self.process.communicate(timeout=patience)[0]
             except subprocess.TimeoutExpired:
                 self.process.kill()
-                told = self.process.communicate()[0]
-        found = re.search(r"right (\d+) wrong (\d+) put off (\d+) lost (\d+) first (.*)", told)
+                output = self.process.communicate()[0]
+        found = re.search(r"right (\d+) wrong (\d+) put off (\d+) lost (\d+) first (.*)", output)
         if found is None:
-            tally.fail("client", "wrk: " + told[-250:])
+            tally.fail("client", "wrk: " + output[-250:])
             return tally
         tally.counts.update({"right": int(found[1]), "put off": int(found[3])})
         for count, what in ((int(found[2]), "answer"), (int(found[4]), "exchange")):

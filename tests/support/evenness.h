@@ -8,8 +8,8 @@
 
 namespace ccdt::test {
 
-/// Returns the mean squared error of the blurred density of sites, relative to that of as many independent sites, in
-/// dB. Only positions count where the domain fills at least nine tenths of the blur.
+/// Returns the mean squared error of the blurred density of sites, in dB relative to the same number of independent
+/// sites. Positions where the domain fills less than nine tenths of the blur are ignored.
 /// @param domain  not a torus; its density is uniform
 /// @param sites   in the domain's coordinates
 /// @param blur    standard deviation of a Gaussian, in mean spacings of the sites

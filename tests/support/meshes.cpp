@@ -15,7 +15,7 @@ namespace {
 
 Triangulation empty_mesh(const Domain& domain, const Border& border, std::size_t sites) {
     if (domain.is_torus()) return {sites, domain.unit_bounds().max};
-    return {sites, triangulate(border).value()};
+    return mesh_of_border(sites, triangulate(border).value());
 }
 
 bool has_flat_triangle(const Triangulation& mesh, std::uint32_t site) {

@@ -9,9 +9,9 @@ import { Panel } from "./panel.js";
 import { largestSquare, unitTorus } from "./shape.js";
 
 const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
-const mostInSpectrum = 131072;  // points; their spectrum has 8 million values
+const maxInSpectrum = 131072;  // points; their spectrum has 8 million values
 const digits = 11;  // significant digits of the longest coordinates; two million points then take less than 64 MiB
-const mostToCompare = 1024;  // points; CCVT takes a second for so many
+const maxToCompare = 1024;  // points; CCVT takes a second for so many
 const whitest = 2.5;  // power that is drawn white
 
 /**
@@ -58,7 +58,7 @@ export class Analyze extends Panel {
     await this.#made.restore(this.source.value === "sample" ? { shape: "polygon", ...state } : state);
   }
 
-  look() {
+  activate() {
     this.refresh();
   }
 
@@ -68,25 +68,25 @@ export class Analyze extends Panel {
    */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
-      const { points, inks, kinds, width, height } = await (await this.halftone.ask("json", signal, this.tell)).json();
+      const { points, inks, kinds, width, height } = await (await this.halftone.ask("json", signal, this.showJob)).json();
       return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
-    const result = this.sample.result ?? (await this.sample.fetch(signal, { told: this.tell }));
+    const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
     return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.features ? "map" : "polygon")] };
   }
 
   refresh() {
     if (this.element.hidden) return;
-    this.wish(async (signal) => {
+    this.start(async (signal) => {
       this.results = [];
       this.#show();
       const { points, domain, note } = await this.#pointsMade(signal);
       if (points.length < 2) throw new Error("There are too few points in the largest square inside the shape");
-      this.find(".note").textContent = points.length > mostInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
+      this.find(".note").textContent = points.length > maxInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
       await this.#measure("These points", points, domain, signal);
-      const sites = Math.min(points.length, mostToCompare);
+      const sites = Math.min(points.length, maxToCompare);
       for (const { name, title } of methods) {
         const other = await postJson("/sample", { sites, method: name, domain: unitTorus, seed: 1 }, signal);
         await this.#measure(title, other.points, unitTorus, signal);
@@ -98,8 +98,8 @@ export class Analyze extends Panel {
   async #measure(name, points, domain, signal) {
     const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height))));
     const rounded = points.map(([x, y]) => [Number(x.toFixed(places)), Number(y.toFixed(places))]);
-    const body = JSON.stringify({ points: rounded, domain, spectrum: points.length <= mostInSpectrum });
-    const response = await postPatiently("/analyze", body, { sites: points.length }, { type: "application/json", signal, told: this.tell });
+    const body = JSON.stringify({ points: rounded, domain, spectrum: points.length <= maxInSpectrum });
+    const response = await postPatiently("/analyze", body, { sites: points.length }, { type: "application/json", signal, onProgress: this.showJob });
     this.results.push({ name, number: points.length, ...await response.json() });
     this.#show();
   }

@@ -26,16 +26,16 @@ function headers({ type, prefer }) {
 
 async function problemOf(response) {
   const isProblem = response.headers.get("Content-Type")?.startsWith("application/problem+json");
-  const told = isProblem ? await response.json() : { detail: `The server answered with status ${response.status}` };
-  if (response.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: told.detail }));
-  return new Problem(response.status, told.detail, told.errors);
+  const problem = isProblem ? await response.json() : { detail: `The server answered with status ${response.status}` };
+  if (response.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: problem.detail }));
+  return new Problem(response.status, problem.detail, problem.errors);
 }
 
 /** Sends a request and returns the response. Throws a Problem if the status is an error. */
-export async function ask(method, path, { body, signal, keepalive, ...told } = {}) {
+export async function ask(method, path, { body, signal, keepalive, ...forHeaders } = {}) {
   let response;
   try {
-    response = await fetch(path, { method, body, signal, keepalive, headers: headers(told) });
+    response = await fetch(path, { method, body, signal, keepalive, headers: headers(forHeaders) });
   } catch (error) {
     if (error.name === "AbortError") throw error;
     throw new Problem(0, "The server cannot be reached");
@@ -65,7 +65,8 @@ export class Newest {
     this.ended = ended;
   }
 
-  wish(work, draft = false) {
+  /** Starts a task, or queues a draft. */
+  start(work, draft = false) {
     this.#next = null;
     if (this.#running?.draft && draft) {
       this.#next = work;

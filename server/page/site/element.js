@@ -8,20 +8,20 @@
 const server = new URL("/", import.meta.url);
 
 /** Attributes that are options of /halftone. Flags need no value. */
-const options = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot", "scale",
-  "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
+const optionAttributes = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot",
+  "scale", "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
-const mostJobs = 2;  // of all elements; browsers open six connections to a server, and each job occupies one
-const mostMisses = 5;  // failed attempts in a row to reconnect to a stream of events
-const patience = 250;  // ms without a change of size before new dots are requested
-const leastPitch = 4;  // pixels; least distance of dots that the element draws itself
+const maxJobs = 2;  // of all elements; browsers open six connections to a server, and each job occupies one
+const maxMisses = 5;  // failed attempts in a row to reconnect to a stream of events
+const resizeDelay = 250;  // ms without a change of size before new dots are requested
+const minPitch = 4;  // pixels; minimum distance of dots that the element draws itself
 
 let jobs = 0;
 const waiting = [];
 
 async function inTurn(work) {
-  if (jobs < mostJobs) ++jobs;
+  if (jobs < maxJobs) ++jobs;
   else await new Promise((resume) => waiting.push(resume));
   try {
     return await work();
@@ -37,17 +37,17 @@ async function bodyOf(response) {
   throw new Error(detail ?? `${response.url} was answered with status ${response.status}`);
 }
 
-/** Waits for the end of a job. `told` receives the progress, from 0 to 1. */
-function follow(job, signal, told) {
+/** Waits for the end of a job. `onProgress` receives the progress, from 0 to 1. */
+function follow(job, signal, onProgress) {
   const events = new EventSource(`${job}/events`);
   return new Promise((resolve, reject) => {
     let misses = 0;
     events.onopen = () => { misses = 0; };
     signal.addEventListener("abort", () => reject(signal.reason));
     for (const status of ["succeeded", "failed", "cancelled"]) events.addEventListener(status, resolve);
-    events.addEventListener("progress", ({ data }) => told(JSON.parse(data).progress));
+    events.addEventListener("progress", ({ data }) => onProgress(JSON.parse(data).progress));
     events.onerror = () => {
-      if (events.readyState === EventSource.CLOSED || ++misses > mostMisses) reject(new Error("the server cannot be reached"));
+      if (events.readyState === EventSource.CLOSED || ++misses > maxMisses) reject(new Error("the server cannot be reached"));
     };
   }).finally(() => events.close());
 }
@@ -55,16 +55,16 @@ function follow(job, signal, told) {
 /**
  * Requests dots from the server as a job. Waits for the address of the job even after an abort, because a job without
  * an address cannot be cancelled.
- * @param told  called with the progress, from 0 to 1
+ * @param onProgress  called with the progress, from 0 to 1
  */
-async function askForDots(picture, query, signal, told) {
+async function askForDots(picture, query, signal, onProgress) {
   signal.throwIfAborted();
   const begun = await fetch(new URL(`halftone?${query}`, server), { method: "POST", body: picture, headers: { Prefer: "respond-async" } });
   if (begun.status !== 202) return bodyOf(begun);
   const job = new URL(begun.headers.get("Location"), server);
   try {
     signal.throwIfAborted();
-    await follow(job, signal, told);
+    await follow(job, signal, onProgress);
     return await bodyOf(await fetch(`${job}/result`, { signal }));
   } finally {
     fetch(job, { method: "DELETE" }).catch(() => {});
@@ -79,18 +79,18 @@ const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 *
  * Returns the colour of the paper, the blending mode of the inks, and for each ink [colour, angle of its screen,
  * function from light to the covered share].
  */
-function screensOf(wish) {
-  if (wish.get("color") === "cmyk") {
+function screensOf(options) {
+  if (options.get("color") === "cmyk") {
     return { paper: "#fff", mixing: "multiply",
       inks: [["#0ff", 15, share(0)], ["#f0f", 75, share(1)], ["#ff0", 0, share(2)], ["#000", 45, darkness]] };
   }
-  if (wish.get("color") === "rgb") {
+  if (options.get("color") === "rgb") {
     return { paper: "#000", mixing: "lighter",
       inks: [["#f00", 15, (red) => red], ["#0f0", 75, (_, green) => green], ["#00f", 0, (_, __, blue) => blue]] };
   }
-  const light = wish.has("invert") || wish.get("dots") === "paper";
-  const ink = wish.get("foreground") ?? wish.get("palette")?.split(",")[0] ?? (light ? "#fff" : "#000");
-  return { paper: wish.get("background") ?? (light ? "#000" : "#fff"), mixing: "source-over",
+  const light = options.has("invert") || options.get("dots") === "paper";
+  const ink = options.get("foreground") ?? options.get("palette")?.split(",")[0] ?? (light ? "#fff" : "#000");
+  return { paper: options.get("background") ?? (light ? "#000" : "#fff"), mixing: "source-over",
     inks: [[ink, 45, light ? luminance : (...rgb) => 1 - luminance(...rgb)]] };
 }
 
@@ -153,12 +153,12 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
 /**
  * Draws the screens of all inks in linear light, so that antialiased edges mix light. Encodes the pixels at the end.
  */
-function draw(canvas, width, bitmap, wish) {
+function draw(canvas, width, bitmap, options) {
   canvas.width = width;
   canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
-  const { paper, mixing, inks } = screensOf(wish);
-  const sites = Number(wish.get("sites")) || 20000;
-  const pitch = Math.max(leastPitch, Math.sqrt((canvas.width * canvas.height * inks.length) / sites));
+  const { paper, mixing, inks } = screensOf(options);
+  const sites = Number(options.get("sites")) || 20000;
+  const pitch = Math.max(minPitch, Math.sqrt((canvas.width * canvas.height * inks.length) / sites));
   const light = lightOf(bitmap, Math.ceil(canvas.width / pitch), Math.ceil(canvas.height / pitch));
   const context = canvas.getContext("2d", { willReadFrequently: true });
   if (paper !== "transparent") {
@@ -179,7 +179,7 @@ img, canvas { width: 100%; }
 progress { position: absolute; inset: auto 0 0; width: 100%; height: 4px; }`;
 
 class Halftone extends HTMLElement {
-  static observedAttributes = ["src", "alt", ...options];
+  static observedAttributes = ["src", "alt", ...optionAttributes];
 
   #picture = Object.assign(new Image(), { hidden: true });
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
@@ -191,7 +191,7 @@ class Halftone extends HTMLElement {
   #loaded = {};  // {source, picture}: the picture that was loaded last
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
-  #wish = null;  // source and options that are shown or requested
+  #requested = null;  // source and options that are shown or requested
   #drawn = null;  // source of the drawing, which the element makes itself
 
   constructor() {
@@ -235,39 +235,39 @@ class Halftone extends HTMLElement {
     if (this.isConnected) return;
     clearTimeout(this.#timer);
     if (!this.#run) return;
-    this.#wish = null;
+    this.#requested = null;
     this.abort();
   }
 
   #options() {
-    const wish = new URLSearchParams();
-    for (const name of options.filter((one) => this.hasAttribute(one)))
-      wish.set(name, this.getAttribute(name) || (flags.includes(name) ? "true" : ""));
-    return wish;
+    const options = new URLSearchParams();
+    for (const name of optionAttributes.filter((one) => this.hasAttribute(one)))
+      options.set(name, this.getAttribute(name) || (flags.includes(name) ? "true" : ""));
+    return options;
   }
 
   get #pixelsNow() {
     return Math.round(this.getBoundingClientRect().width * devicePixelRatio);
   }
 
-  /** Requests dots for a new size, once the size has not changed for `patience`. */
+  /** Requests dots for a new size, once the size has not changed for `resizeDelay`. */
   #resized() {
-    if (!this.#wish || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
+    if (!this.#requested || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
     this.#fit.replaceSync("");
     clearTimeout(this.#timer);
     this.#timer = setTimeout(() => {
       if (!this.isConnected || [0, this.#pixels].includes(this.#pixelsNow)) return;
       this.#cancel();
       this.#make(this.getAttribute("src"), this.#options());
-    }, patience);
+    }, resizeDelay);
   }
 
   /**
    * Returns the options of a request, with the width in device pixels and `dot` converted to these. With `scale`, the
    * options stay as they are.
    */
-  #sized(wish) {
-    const query = new URLSearchParams(wish);
+  #sized(options) {
+    const query = new URLSearchParams(options);
     this.#pixels = this.#pixelsNow;
     if (query.has("scale") || this.#pixels === 0) return query;
     query.set("width", this.#pixels);
@@ -282,23 +282,23 @@ class Halftone extends HTMLElement {
     this.#picture.alt = alt ?? "";
     Object.assign(this.#drawing, alt ? { role: "img", ariaLabel: alt, ariaHidden: null } : { role: null, ariaHidden: "true" });
     const source = this.getAttribute("src");
-    const wish = this.#options();
-    if (!this.isConnected || `${source} ${wish}` === this.#wish) return;
+    const options = this.#options();
+    if (!this.isConnected || `${source} ${options}` === this.#requested) return;
     this.#cancel();
-    this.#wish = `${source} ${wish}`;
-    if (source) this.#make(source, wish);
+    this.#requested = `${source} ${options}`;
+    if (source) this.#make(source, options);
   }
 
-  async #make(source, wish) {
+  async #make(source, options) {
     const run = new AbortController();
     const { signal } = run;
     this.#run = run;
     try {
       if (this.#loaded.source !== source) this.#loaded = { source, picture: await bodyOf(await fetch(new URL(source, document.baseURI), { signal })) };
       const { picture } = this.#loaded;
-      await this.#draw(picture, source, wish, signal);
-      const query = this.#sized(wish);
-      await this.#show(await inTurn(() => askForDots(picture, query, signal, (part) => this.#tell(run, part))), signal);
+      await this.#draw(picture, source, options, signal);
+      const query = this.#sized(options);
+      await this.#show(await inTurn(() => askForDots(picture, query, signal, (part) => this.#reportProgress(run, part))), signal);
       this.dispatchEvent(new Event("load"));
     } catch (error) {
       if (signal.aborted) return;
@@ -313,7 +313,7 @@ class Halftone extends HTMLElement {
   }
 
   /** Draws dots in the browser. Dots from the server stay visible if they show the same picture. */
-  async #draw(picture, source, wish, signal) {
+  async #draw(picture, source, options, signal) {
     const bitmap = await createImageBitmap(picture).catch(() => null);
     signal.throwIfAborted();
     if (this.#drawn !== source) {
@@ -323,11 +323,11 @@ class Halftone extends HTMLElement {
     this.#drawn = bitmap && source;
     if (!bitmap) return;
     this.#width.replaceSync(`:host { width: ${bitmap.width}px; }`);
-    draw(this.#drawing, this.#pixelsNow || bitmap.width, bitmap, wish);
+    draw(this.#drawing, this.#pixelsNow || bitmap.width, bitmap, options);
     bitmap.close();
   }
 
-  #tell(run, part) {
+  #reportProgress(run, part) {
     if (this.#run !== run) return;
     this.#progress.value = part;
     this.#progress.hidden = false;

@@ -16,15 +16,15 @@ function numberInputs(field, id) {
     type: "range", min: toSlider(field.min), max: toSlider(field.max), step: field.log ? 0.01 : field.step,
     attributes: { "aria-label": `${field.label}, slider` },
   });
-  const tell = () => slider.setAttribute("aria-valuetext", Number(number.value).toLocaleString("en"));
+  const announce = () => slider.setAttribute("aria-valuetext", Number(number.value).toLocaleString("en"));
   const put = (value) => {
     number.value = value;
     slider.value = toSlider(value);
-    tell();
+    announce();
   };
   const rounded = (value) => (field.step === 1 ? Math.round(value) : Math.round(value * 100) / 100);
-  slider.addEventListener("input", () => { number.value = rounded(fromSlider(Number(slider.value))); tell(); });
-  number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); tell(); });
+  slider.addEventListener("input", () => { number.value = rounded(fromSlider(Number(slider.value))); announce(); });
+  number.addEventListener("input", () => { slider.value = toSlider(Number(number.value)); announce(); });
   put(field.value);
   const limit = (most) => { slider.max = toSlider(Math.min(field.max, most)); };
   return { number, slider, all: [number, slider], put, limit };

@@ -208,7 +208,7 @@ export class Halftone extends Panel {
     await this.#takeNewest(sample(name));
   }
 
-  look() {
+  activate() {
     if (this.#isStale) this.#lookAnew();
   }
 
@@ -333,12 +333,12 @@ export class Halftone extends Panel {
     return options;
   }
 
-  async ask(format, signal, told = this.tell) {
+  async ask(format, signal, onProgress = this.showJob) {
     if (!this.#picture) await this.#take(await sample(firstSample));
     const options = this.#options(format);
     const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
     if (!drawn && isOfBothSides(options)) options.dots = "both";  // which is the default of drawings
-    return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, told);
+    return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, onProgress);
   }
 
   /**
@@ -350,18 +350,18 @@ export class Halftone extends Panel {
     return format === "tiff" && !isForPrint(options) && !isSized ? this.#shownWidth : {};
   }
 
-  #post(options, signal, told, blob = this.#picture.blob) {
-    const asked = Object.entries(options).filter(([, value]) => value !== undefined);
-    return postPatiently(`/halftone?${new URLSearchParams(asked)}`, blob, options,
-      { signal, told, type: "application/octet-stream" });
+  #post(options, signal, onProgress, blob = this.#picture.blob) {
+    const given = Object.entries(options).filter(([, value]) => value !== undefined);
+    return postPatiently(`/halftone?${new URLSearchParams(given)}`, blob, options,
+      { signal, onProgress, type: "application/octet-stream" });
   }
 
   async #postDraft(options, signal) {
     const picture = this.#picture;
-    if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.tell);
+    if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.showJob);
     picture.reduced ??= reduced(picture.original);
     const { blob, factor } = await picture.reduced;
-    return this.#post(draftOf(options, factor), signal, this.tell, blob);
+    return this.#post(draftOf(options, factor), signal, this.showJob, blob);
   }
 
   refresh(draft = false) {
@@ -373,9 +373,9 @@ export class Halftone extends Panel {
     this.snippets.showHalftone({ picture: this.#picture, options });
     this.plotter.wait();
     if (!draft) this.note();
-    this.wish(async (signal) => {
+    this.start(async (signal) => {
       const start = performance.now();
-      const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.tell));
+      const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.showJob));
       const dots = canvasOf(await createImageBitmap(await response.blob()));
       if (signal.aborted) return;
       const original = await shownPart(this.#picture.original, dots);
@@ -395,9 +395,9 @@ export class Halftone extends Panel {
 
   async #plot(options, signal) {
     if (!this.plotter.isOn) return;
-    const response = await this.#post({ ...options, format: "svg" }, signal, this.tell);
+    const response = await this.#post({ ...options, format: "svg" }, signal, this.showJob);
     const svg = await response.text();
-    this.plotter.tell(svg);
+    this.plotter.showDrawing(svg);
     if (!isOfStrokes(options)) return;
     const { width, height } = this.#shown.dots;
     this.#show({ ...this.#shown, dots: await drawingOf(svg, width, height, options.background) });
@@ -450,7 +450,7 @@ export class Halftone extends Panel {
   forget() {
     this.#shown = { original: this.#picture?.original ?? null, dots: null };
     this.find(".warnings").textContent = "";
-    this.plotter.tell(null);
+    this.plotter.showDrawing(null);
     this.viewport.redraw();
   }
 

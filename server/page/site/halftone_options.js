@@ -3,10 +3,10 @@
 
 import { capabilities } from "./api.js";
 
-const { max_sites: mostDots } = capabilities.limits;
+const { max_sites: maxDots } = capabilities.limits;
 
 export const fields = [
-  { kind: "number", name: "sites", label: "Dots", value: Math.min(20000, mostDots), min: 200, max: Math.min(200000, mostDots), step: 1, log: true, auto: false,
+  { kind: "number", name: "sites", label: "Dots", value: Math.min(20000, maxDots), min: 200, max: Math.min(200000, maxDots), step: 1, log: true, auto: false,
     help: "auto: a number that suits the tone and the detail of the picture." },
   { kind: "number", name: "dot", label: "Radius", value: 3, min: 0.1, max: 12, log: true, auto: true, units: [["", "px"], ["mm", "mm"]],
     help: "auto: the radius for which the tone is right. If you set the radius and leave Dots on auto, the number of dots makes the tone right." },
@@ -53,7 +53,7 @@ export const moreFields = [
     help: "The server limits how long a request may take." },
 ];
 
-const most = (sites) => String(Math.min(sites, mostDots));
+const most = (sites) => String(Math.min(sites, maxDots));
 
 /** Presets. Each lists the settings that differ from their initial values. */
 export const presets = [

@@ -4,29 +4,29 @@
 import { ask, capabilities, post } from "./api.js";
 
 /** Estimated seconds for placing dots above which a request is sent as a job. */
-const patience = 0.6;
+const maxSynchronousSeconds = 0.6;
 
 /** Statuses of servers that have no capacity for a job or have lost it. They may still answer a synchronous request. */
 const refusals = [404, 410, 413, 429, 503, 507];
 
 const pause = 1000;  // ms between requests for the state of a job
-const mostMisses = 30;
-const longestSilence = 40000;  // ms; the server sends something every 15 s
-const begun = new Set();
+const maxMisses = 30;
+const maxSilence = 40000;  // ms; the server sends something every 15 s
+const startedJobs = new Set();
 
 /** Whether a request takes long enough for a job. Drafts, which have one iteration, do not. */
 function isLong({ sites, method: name, quality = "standard", iterations = 5 }) {
   const { methods } = capabilities.sample;
   const method = methods.find((one) => one.name === name) ?? methods[0];
-  return iterations > 1 && sites * method.seconds_per_site[quality] > patience;
+  return iterations > 1 && sites * method.seconds_per_site[quality] > maxSynchronousSeconds;
 }
 
 /** Deletes a job, which also cancels it if it runs. The request outlives the page. */
 function remove(job) {
-  begun.delete(job);
+  startedJobs.delete(job);
   ask("DELETE", job, { keepalive: true }).catch(() => {});
 }
-addEventListener("pagehide", () => begun.forEach(remove));
+addEventListener("pagehide", () => startedJobs.forEach(remove));
 
 /** Yields the states of a job from its server-sent events. Gives up a stream that is silent for too long. */
 async function* eventsOf(job, signal) {
@@ -34,7 +34,7 @@ async function* eventsOf(job, signal) {
   let timer = null;
   const listen = () => {
     clearTimeout(timer);
-    timer = setTimeout(() => silence.abort(), longestSilence);
+    timer = setTimeout(() => silence.abort(), maxSilence);
   };
   try {
     listen();
@@ -65,17 +65,17 @@ async function* statesOf(job, signal) {
       yield (await ask("GET", job, { signal })).json();
       misses = 0;
     } catch (error) {
-      if (error.status !== 0 || ++misses > mostMisses) throw error;
+      if (error.status !== 0 || ++misses > maxMisses) throw error;
     }
   }
 }
 
 /** Reports the states of a job until it has ended: from its events or, if they are lost, by polling. */
-async function follow(job, signal, told) {
+async function follow(job, signal, onProgress) {
   const hasEnded = async (states) => {
     for await (const state of states) {
       signal.throwIfAborted();
-      told(state);
+      onProgress(state);
       if (state.finished) return true;
     }
     return false;
@@ -93,15 +93,15 @@ async function begin(path, body, type) {
   const response = await post(path, body, { type, prefer: "respond-async" });
   if (response.status !== 202) return { response };
   const job = response.headers.get("Location");
-  begun.add(job);
+  startedJobs.add(job);
   return { job };
 }
 
-async function postAsJob(path, body, { type, signal, told }) {
+async function postAsJob(path, body, { type, signal, onProgress }) {
   const { response, job } = await begin(path, body, type);
   if (response) return response;
   try {
-    await follow(job, signal, told);
+    await follow(job, signal, onProgress);
     const result = await ask("GET", `${job}/result`, { signal });
     return new Response(await result.blob(), { headers: result.headers });
   } finally {
@@ -112,18 +112,18 @@ async function postAsJob(path, body, { type, signal, told }) {
 /**
  * Sends a POST request, as a job if the answer takes long.
  *
- * @param options  options of the request, from which its duration is estimated
- * @param told     called with each state of the job as the server reports it, and finally with null
+ * @param options     options of the request, from which its duration is estimated
+ * @param onProgress  called with each state of the job as the server reports it, and finally with null
  */
-export async function postPatiently(path, body, options, { type, signal, told }) {
+export async function postPatiently(path, body, options, { type, signal, onProgress }) {
   if (isLong(options)) {
     try {
-      return await postAsJob(path, body, { type, signal, told });
+      return await postAsJob(path, body, { type, signal, onProgress });
     } catch (error) {
       signal.throwIfAborted();
       if (!refusals.includes(error.status)) throw error;
     } finally {
-      if (!signal.aborted) told(null);
+      if (!signal.aborted) onProgress(null);
     }
   }
   return post(path, body, { type, signal });

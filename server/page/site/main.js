@@ -29,7 +29,7 @@ async function show() {
   const panel = panels[nameOf(tab)];
   select(tab);
   await panel.restore(settings);
-  panel.look();
+  panel.activate();
 }
 
 /** End of the last `show`. Calls run one after another, and each reads the address when it starts. */
@@ -43,7 +43,7 @@ for (const tab of tabs) {
   tab.addEventListener("click", () => {
     select(tab);
     writeAddress(nameOf(tab), panel.state(), true);
-    panel.look();
+    panel.activate();
   });
   panel.element.addEventListener("settings", ({ detail }) => {
     if (!panel.element.hidden) writeAddress(nameOf(tab), panel.state(), detail.isStep);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Shows a mask of thresholds and its effect: the repeated tile, and a picture and a ramp of greys dithered with it.
 
-const leastSide = 256;  // pixels; least side of the squares that show the mask and the picture
+const minSide = 256;  // pixels; minimum side of the squares that show the mask and the picture
 const gap = 8;  // pixels between the parts
 const picture = "/assets/samples/camera.jpg";  // a grey picture
 
@@ -24,7 +24,7 @@ export async function showing(blob) {
   const mask = await createImageBitmap(blob);
   const light = await createImageBitmap(await (await fetch(picture)).blob());
   const { width, height } = mask;
-  const side = Math.max(leastSide, width, height);
+  const side = Math.max(minSide, width, height);
   const whole = 2 * side + gap;
   const band = Math.round(side / 8);
   const thresholds = greysOf(mask, width, height);

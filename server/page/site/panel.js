@@ -14,8 +14,8 @@ export class Panel {
     this.error = element.querySelector(".general");
     this.job = element.querySelector(".job");
     this.newest = new Newest({
-      started: () => { this.progress.hidden = false; this.tell(null); },
-      ended: (problem) => { this.progress.hidden = true; this.tell(null); this.show(problem); },
+      started: () => { this.progress.hidden = false; this.showJob(null); },
+      ended: (problem) => { this.progress.hidden = true; this.showJob(null); this.show(problem); },
     });
     this.job.querySelector("button").addEventListener("click", () => this.#cancel());
   }
@@ -25,7 +25,7 @@ export class Panel {
     this.status.textContent = "Cancelled. The last result is shown";
   }
 
-  /** Applies settings that `state` returned. `look` then updates what is shown. */
+  /** Applies settings that `state` returned. `activate` then updates what is shown. */
   async restore() {}
 
   /** Returns the settings that differ from their initial values, as texts by name. */
@@ -34,7 +34,7 @@ export class Panel {
   }
 
   /** Called when the panel becomes visible. Requests what is missing. */
-  look() {}
+  activate() {}
 
   /** Reports that settings have changed. A step becomes an entry in the history of the browser. */
   note(isStep = false) {
@@ -42,7 +42,7 @@ export class Panel {
   }
 
   /** Shows the state of a job, or hides it if the state is null. */
-  tell = (state) => {
+  showJob = (state) => {
     this.job.hidden = state === null;
     if (!state) return this.progress.removeAttribute("value");
     const percent = Math.round(100 * state.progress);
@@ -59,8 +59,8 @@ export class Panel {
   show(problem) {
     this.element.dataset.state = problem ? "failed" : "done";
     this.place(problem?.errors ?? []);
-    const isToldElsewhere = !problem || (problem.status === 401 && !hasKey());
-    this.error.textContent = isToldElsewhere ? "" : problem.message;
+    const isShownElsewhere = !problem || (problem.status === 401 && !hasKey());
+    this.error.textContent = isShownElsewhere ? "" : problem.message;
     if (!problem) return;
     this.status.textContent = "";
     this.forget();
@@ -96,16 +96,16 @@ export class Panel {
   }
 
   /** Starts a task. It is a draft while an input moves. */
-  wish(work, draft = false) {
+  start(work, draft = false) {
     this.element.dataset.state = "busy";
-    this.newest.wish(work, draft);
+    this.newest.start(work, draft);
   }
 
   /** Adds a button that saves the answer of `ask(format, signal)`, and a menu of formats. */
   addDownload(ask) {
     this.format = make("select", { attributes: { "aria-label": "Format" } });
     const button = make("button", { type: "button", className: "primary", textContent: "Download" });
-    button.addEventListener("click", () => this.wish(async (signal) => {
+    button.addEventListener("click", () => this.start(async (signal) => {
       const { value: name, selectedOptions: [{ dataset }] } = this.format;
       save(await (await ask(name, signal)).blob(), dataset.file);
     }));

@@ -74,7 +74,7 @@ function layersOf(svg, style) {
 
 export class Plotter {
   #svg = null;
-  #asked = null;  // options of the current drawing; null if there is none or another one has been requested
+  #shownOptions = null;  // options of the current drawing; null if there is none or another one has been requested
   #layers = [];
 
   /**
@@ -181,10 +181,10 @@ export class Plotter {
     return { dots, strokes: style === "path" ? 1 : dots, path: step * Math.sqrt(dots) + dots * filling, wanted, whole: dot * Math.sqrt(full / dots) };
   }
 
-  tell(svg) {
+  showDrawing(svg) {
     this.#svg = svg;
     this.button.disabled = svg === null;
-    this.#asked = svg === null ? null : this.#wish;
+    this.#shownOptions = svg === null ? null : this.#drawingOptions;
     this.#layers = svg === null ? [] : layersOf(svg, this.style);
     this.#tellFigures();
   }
@@ -192,7 +192,7 @@ export class Plotter {
   /** Disables saving until the next drawing arrives, and shows an estimate of that drawing. */
   wait() {
     this.button.disabled = true;
-    this.#asked = null;
+    this.#shownOptions = null;
     this.#layers = [];
     if (this.isOn) this.#tellFigures();
   }
@@ -203,7 +203,7 @@ export class Plotter {
     this.fields.show(errors.map((error) => ({ ...error, pointer: ownNames[error.pointer.replace(/^\//, "")] ?? error.pointer })));
   }
 
-  get #wish() {
+  get #drawingOptions() {
     return JSON.stringify(this.options());
   }
 
@@ -213,7 +213,7 @@ export class Plotter {
    */
   #fieldChanged(draft) {
     this.#settle();
-    if (this.#wish !== this.#asked) return this.changed(draft);
+    if (this.#drawingOptions !== this.#shownOptions) return this.changed(draft);
     this.#tellFigures();
     if (!draft) this.noted();
   }
@@ -236,15 +236,15 @@ export class Plotter {
    * which is turned to make the drawing as large as possible.
    */
   #page() {
-    const { paper, margin_mm: margin, width_mm: wished } = this.fields.values();
+    const { paper, margin_mm: margin, width_mm: chosenWidth } = this.fields.values();
     const { width, height } = this.size();
     const sheet = papers[paper];
-    if (!sheet) return { width: wished, height: (wished * height) / width };
+    if (!sheet) return { width: chosenWidth, height: (chosenWidth * height) / width };
     const fit = ([w, h]) => ({ paper: [w, h], scale: Math.min((w - 2 * margin) / width, (h - 2 * margin) / height) });
     const [upright, across] = [fit(sheet), fit(sheet.toReversed())];
     const best = across.scale > upright.scale ? across : upright;
-    const least = Math.max(Math.floor(10 * best.scale * width) / 10, 1);
-    return { width: least, height: (least * height) / width, paper: best.paper };
+    const fitted = Math.max(Math.floor(10 * best.scale * width) / 10, 1);
+    return { width: fitted, height: (fitted * height) / width, paper: best.paper };
   }
 
   #onPaper() {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Reduces large pictures, so that drafts of them are quick to send and to decode.
 
-const mostPixels = 300_000;
+const maxPixels = 300_000;
 
 /**
  * Whether a picture has more pixels than drafts need. A picture that the browser cannot decode (null) is never reduced.
  */
-export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.height > mostPixels;
+export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.height > maxPixels;
 
 /**
  * Reduces a picture to at most 300,000 pixels.
@@ -15,7 +15,7 @@ export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.heig
  * @returns       {blob, factor}: the reduced picture, and the width of the original over its width
  */
 export async function reduced(bitmap) {
-  const share = Math.sqrt(mostPixels / (bitmap.width * bitmap.height));
+  const share = Math.sqrt(maxPixels / (bitmap.width * bitmap.height));
   const side = (length) => Math.max(1, Math.floor(share * length));
   const canvas = new OffscreenCanvas(side(bitmap.width), side(bitmap.height));
   const context = canvas.getContext("2d");

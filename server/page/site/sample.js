@@ -11,24 +11,24 @@ import { postPatiently } from "./jobs.js";
 import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, mostPoints, shapeFields } from "./sample_options.js";
+import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, polygonsOfMesh, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
-const mostFrames = 64;
-const leastRadius = 0.9;  // CSS pixels; least radius of a dot
+const maxFrames = 64;
+const minRadius = 0.9;  // CSS pixels; minimum radius of a dot
 const dotShare = 0.3;  // radius of a dot over the mean spacing
 const mapShare = 0.15;  // the same on a dot map, parts of which are much denser
-/** Least initial number of dots of a map. Rounding of the units per dot allows up to 2.5 times as many. */
-const wishedOfMap = Math.min(5000, Math.floor(mostPoints / 2.5));
-const mostCounts = 24;  // properties offered
+/** Minimum initial number of dots of a map. Rounding of the units per dot allows up to 2.5 times as many. */
+const initialMapDots = Math.min(5000, Math.floor(maxPoints / 2.5));
+const maxCounts = 24;  // properties offered
 const listsProperties = ["geojson", "ndjson", "geojsonseq", "csv"];
-const mostRepairs = 20;  // repairs shown
-const mostParts = 30;  // parts offered
-const mostPast = 100;  // polygons kept for undo
-const mostInAddress = 2000;  // characters of corners
-const leastScale = 4;  // CSS pixels per threshold; thresholds below this size are smoothed
+const maxRepairs = 20;  // repairs shown
+const maxParts = 30;  // parts offered
+const maxPast = 100;  // polygons kept for undo
+const maxInAddress = 2000;  // characters of corners
+const minScale = 4;  // CSS pixels per threshold; thresholds below this size are smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
 const ownShape = "own";  // name in the address for a file of the user, which the address cannot hold
 
@@ -77,9 +77,9 @@ function roundShare(sum, number) {
 function countFields(counts, checked) {
   const sums = counts.filter(({ name }) => checked.length === 0 || checked.includes(name)).map(({ sum }) => sum);
   const whole = checked.length === 0 ? Math.max(...sums) : sums.reduce((a, b) => a + b, 0);
-  const per = roundShare(whole, wishedOfMap);
+  const per = roundShare(whole, initialMapDots);
   return [
-    { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, mostCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
+    { kind: "several", name: "counted", label: "Points stand for", checked, choices: counts.slice(0, maxCounts).map(({ name, sum }) => [name, `${name}: ${count(sum)}`]) },
     { kind: "number", name: "per", label: "Number per point", value: per, min: per / 10, max: per * 100, log: true },
   ];
 }
@@ -145,7 +145,7 @@ export class Sample extends Panel {
     if (!this.#isBegun) return {};
     const kind = this.shapeChoice.value;
     const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
-    const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= mostInAddress;
+    const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= maxInAddress;
     const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.fileFields, this.drawingFields, this.plotter];
     const others = {
       ...(isDrawn && { corners }),
@@ -195,7 +195,7 @@ export class Sample extends Panel {
     return true;
   }
 
-  look() {
+  activate() {
     if (this.#isStale) this.#lookAnew();
   }
 
@@ -367,7 +367,7 @@ export class Sample extends Panel {
 
   #remember() {
     this.#past.push(structuredClone(this.#shapes.polygon));
-    if (this.#past.length > mostPast) this.#past.shift();
+    if (this.#past.length > maxPast) this.#past.shift();
     this.#offerTools();
   }
 
@@ -425,7 +425,7 @@ export class Sample extends Panel {
     const { parts } = this.#outline;
     this.partsBySize = parts.map((part) => ({ part, area: areaOf([part]) })).sort((a, b) => b.area - a.area);
     const whole = this.partsBySize.reduce((sum, { area }) => sum + area, 0);
-    const named = this.partsBySize.slice(0, mostParts).map(({ area }, i) =>
+    const named = this.partsBySize.slice(0, maxParts).map(({ area }, i) =>
       new Option(`part ${i + 1}: ${Number((100 * area / whole).toPrecision(2))} %`, i));
     this.find(".part").replaceChildren(new Option("all parts", ""), ...named);
     this.find(".part").hidden = parts.length < 2;
@@ -514,15 +514,15 @@ export class Sample extends Panel {
   options(iteration = Number(this.iteration.value)) {
     const { coordinates, format } = this.shapeFields.values();
     if (this.isMask) return { format, ...this.fields.values() };
-    const asked = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.moreFields.values() };
-    const { options } = methodNamed(asked.method);
-    if (!options.includes("quality")) delete asked.quality;
-    else if (iteration < this.#lastIteration) asked.quality = "draft";
-    if (options.includes("iterations")) asked.iterations = iteration;
-    if (this.mesh.checked && !this.mesh.disabled) asked.mesh = true;
+    const request = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.moreFields.values() };
+    const { options } = methodNamed(request.method);
+    if (!options.includes("quality")) delete request.quality;
+    else if (iteration < this.#lastIteration) request.quality = "draft";
+    if (options.includes("iterations")) request.iterations = iteration;
+    if (this.mesh.checked && !this.mesh.disabled) request.mesh = true;
     const { counted, per } = this.#counting();
-    if (counted.length === 0) return asked;
-    const { sites, method, ...others } = asked;
+    if (counted.length === 0) return request;
+    const { sites, method, ...others } = request;
     return counted.length === 1 ? { sites: counted[0], per, ...others } : { classes: counted.join(","), per, ...others };
   }
 
@@ -540,7 +540,7 @@ export class Sample extends Panel {
   async #plot(signal) {
     if (!this.plotter.isOn) return;
     const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
-    this.plotter.tell(await response.text());
+    this.plotter.showDrawing(await response.text());
   }
 
   #sites(options) {
@@ -550,9 +550,9 @@ export class Sample extends Panel {
     return this.#counts.reduce((sum, one) => sum + (counted.includes(one.name) ? one.sum / per : 0), 0);
   }
 
-  #ask(options, signal, told = this.tell) {
+  #ask(options, signal, onProgress = this.showJob) {
     const { path, body, type } = requestOf(this.shape, options);
-    return postPatiently(path, body, { ...options, sites: this.#sites(options) }, { type, signal, told });
+    return postPatiently(path, body, { ...options, sites: this.#sites(options) }, { type, signal, onProgress });
   }
 
   #offerFields() {
@@ -587,11 +587,11 @@ export class Sample extends Panel {
   }
 
   /** Returns the answer to a request. Answers are cached, because equal requests have equal answers. */
-  async #frame(options, signal, told) {
+  async #frame(options, signal, onProgress) {
     const key = this.#keyOf(options);
     if (!this.#frames.has(key)) {
-      const frame = await (await this.#ask(options, signal, told)).json();
-      if (this.#frames.size >= mostFrames) this.#frames.delete(this.#frames.keys().next().value);
+      const frame = await (await this.#ask(options, signal, onProgress)).json();
+      if (this.#frames.size >= maxFrames) this.#frames.delete(this.#frames.keys().next().value);
       this.#frames.set(key, frame);
     }
     return this.#frames.get(key);
@@ -601,13 +601,13 @@ export class Sample extends Panel {
    * Returns the result for the current settings, in the form of `result`. A draft is not polished, unless the polished
    * answer is cached.
    */
-  async fetch(signal, { draft = false, told } = {}) {
+  async fetch(signal, { draft = false, onProgress } = {}) {
     this.#isBegun = true;
     const shape = this.shape.file ? this.shape : structuredClone(this.shape);
     const outline = outlineOf(shape, this.#onGlobe);
     const options = this.options();
     if (draft && methodNamed(options.method).options.includes("quality") && !this.#isKept(options)) options.quality = "draft";
-    const answer = await this.#frame(options, signal, told);
+    const answer = await this.#frame(options, signal, onProgress);
     return { ...answer, shape, outline, places: answer.points.map(outline.project) };
   }
 
@@ -621,7 +621,7 @@ export class Sample extends Panel {
     if (!draft) this.note();
     this.snippets.showSample(requestOf(this.shape, this.options()), this.isMask);
     if (this.isMask) return this.#refreshMask(draft);
-    this.wish(async (signal) => {
+    this.start(async (signal) => {
       const start = performance.now();
       const frame = await this.fetch(signal, { draft });
       if (signal.aborted) return;
@@ -629,16 +629,16 @@ export class Sample extends Panel {
       this.viewport.redraw();
       this.#tellOfAnswer(frame);
       const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
-      const told = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
-      if (!draft) this.status.textContent = told;
+      const summary = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
+      if (!draft) this.status.textContent = summary;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
-      if (!draft) this.status.textContent = told;  // the job of the trace may have cleared it
+      if (!draft) this.status.textContent = summary;  // the job of the trace may have cleared it
       if (!draft) await this.#plot(signal);
     }, draft);
   }
 
   #refreshMask(draft) {
-    this.wish(async (signal) => {
+    this.start(async (signal) => {
       const start = performance.now();
       const response = await this.#ask(this.options(), signal);
       const mask = await showing(await response.blob());
@@ -670,8 +670,8 @@ export class Sample extends Panel {
     const place = this.find(".repairs");
     place.hidden = repaired.length === 0;
     place.querySelector("summary").textContent = `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
-    const left = repaired.length - mostRepairs;
-    const lines = repaired.slice(0, mostRepairs).map(({ detail }) => detail);
+    const left = repaired.length - maxRepairs;
+    const lines = repaired.slice(0, maxRepairs).map(({ detail }) => detail);
     if (left > 0) lines.push(`and ${count(left)} more`);
     place.querySelector("ul").replaceChildren(...lines.map((textContent) => make("li", { textContent })));
   }
@@ -708,7 +708,7 @@ export class Sample extends Panel {
   forget() {
     this.#result = this.#mask = null;
     this.#tellOfAnswer({});
-    this.plotter.tell(null);
+    this.plotter.showDrawing(null);
     this.find(".trace").hidden = true;
     this.viewport.redraw();
   }
@@ -728,7 +728,7 @@ export class Sample extends Panel {
     if (!this.#mask) return;
     const { canvas, width, height } = this.#mask;
     const { scale, x, y } = this.viewport;
-    context.imageSmoothingEnabled = scale < leastScale;
+    context.imageSmoothingEnabled = scale < minScale;
     context.drawImage(canvas, x, y, canvas.width * scale, canvas.height * scale);
     context.strokeStyle = colour("--accent");
     context.lineWidth = 2;
@@ -770,7 +770,7 @@ export class Sample extends Panel {
   #drawResult(context, result, [dx, dy]) {
     const pitch = Math.sqrt(areaOf(result.outline.parts) / result.places.length);
     const dot = (this.plotter.isOn && this.plotter.options().dot) || (result.features ? mapShare : dotShare) * pitch;
-    const radius = Math.max(dot * this.viewport.scale, leastRadius);
+    const radius = Math.max(dot * this.viewport.scale, minRadius);
     if (result.triangles && this.mesh.checked) this.#drawMesh(context, result, [dx, dy]);
     const all = result.places.length, shown = result.rank ? this.#shownFirst : all;
     const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet"), sites: all }];

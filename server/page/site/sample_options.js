@@ -4,13 +4,13 @@
 import { capabilities } from "./api.js";
 
 export const { formats, masks, methods } = capabilities.sample;
-export const { max_sites: mostPoints } = capabilities.limits;
+export const { max_sites: maxPoints } = capabilities.limits;
 const [standard] = methods;
 
 export const methodNamed = (name = standard.name) => methods.find((method) => method.name === name);
 
 export const fields = [
-  { kind: "number", name: "sites", label: "Points", value: Math.min(1000, mostPoints), min: 10, max: Math.min(50000, mostPoints), step: 1, log: true },
+  { kind: "number", name: "sites", label: "Points", value: Math.min(1000, maxPoints), min: 10, max: Math.min(50000, maxPoints), step: 1, log: true },
   { kind: "choice", name: "method", label: "Method", standard: standard.name, choices: methods.map(({ name, title }) => [name, title]),
     help: "CCDT is the method of this server. The others are for comparison; they are slower and allow fewer points." },
   { kind: "choice", name: "quality", label: "Quality", standard: "standard", choices: [["standard", "standard"], ["draft", "draft: without polish"], ["best", "best"], ["stealthy", "stealthy"]],

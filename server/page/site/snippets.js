@@ -84,14 +84,14 @@ function halftoneSnippets({ picture, options }) {
   return snippetsOf(url, sourceOf(picture, "picture"), { name: "picture", script: "picture" }, toFile("dots", `dots.${options.format ?? "png"}`));
 }
 
-const mostArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
+const maxArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
 
 /**
  * Returns the same as `sourceOf`, for a body in the code itself. curl gets it as an argument or, if it is too long, as
  * a here-document.
  */
 const writtenOut = (body) => ({
-  ...(body.length > mostArgument
+  ...(body.length > maxArgument
     ? { curl: "--data-binary @- \\\n  ", after: ` <<'END'\n${body}\nEND` }
     : { curl: `-d ${shellQuoted(body)} \\\n  `, after: "" }),
   before: "", browser: "", node: "", python: `r'''${body}'''.encode()`,

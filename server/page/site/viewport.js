@@ -122,9 +122,9 @@ export class Viewport {
     const { width, height } = this.size;
     if (width === 0) return;
     // A browser that emulates another device pixel ratio reports its own pixels.
-    const inPixels = (length, told) => {
+    const inPixels = (length, reported) => {
       const rounded = Math.round(length * devicePixelRatio);
-      return Math.abs(told - rounded) <= 1 ? told : rounded;
+      return Math.abs(reported - rounded) <= 1 ? reported : rounded;
     };
     this.#canvas.width = inPixels(width, pixels?.inlineSize);
     this.#canvas.height = inPixels(height, pixels?.blockSize);

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "api/image/image_header.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "api/image/image_codec.h"
+#include "api/image/image_header.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {

@@ -249,6 +249,14 @@ TEST(ImageCodec, DecodesGifs) {
               decode_colour_image(fixture("noise.png"), kMaxPixels)->red);
 }
 
+TEST(ImageCodec, DecodesGifsWithoutTheirLastTwoBytes) {
+    const std::string file = fixture("noise.gif");
+    ASSERT_TRUE(file.ends_with(std::string_view("\0;", 2)));
+    const auto picture = decode_image(std::string_view(file).substr(0, file.size() - 2), kMaxPixels);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(picture->luminance, decode_image(file, kMaxPixels)->luminance);
+}
+
 TEST(ImageCodec, DecodesLosslessAvifsExactly) {
     const auto expected = decode_colour_image(fixture("noise.png"), kMaxPixels);
     const auto whole = decode_colour_image(fixture("noise.avif"), kMaxPixels);

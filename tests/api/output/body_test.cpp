@@ -12,10 +12,10 @@
 namespace ccdt::api {
 namespace {
 
-/// Takes at most `most` pieces.
+/// Takes at most `max_pieces` pieces.
 class Sink : public BodySink {
 public:
-    explicit Sink(std::size_t most = 1'000'000) : most_(most) {}
+    explicit Sink(std::size_t max_pieces = 1'000'000) : max_pieces_(max_pieces) {}
 
     Result<void> begin(const Answer& head) override {
         heads.push_back(head);
@@ -23,7 +23,7 @@ public:
     }
 
     Result<void> write(std::string_view piece) override {
-        if (pieces.size() == most_) return failure(ErrorCode::Stopped, "enough");
+        if (pieces.size() == max_pieces_) return failure(ErrorCode::Stopped, "enough");
         pieces.emplace_back(piece);
         return {};
     }
@@ -38,7 +38,7 @@ public:
     std::vector<std::string> pieces;
 
 private:
-    std::size_t most_;
+    std::size_t max_pieces_;
 };
 
 Answer head() {
@@ -68,7 +68,7 @@ std::size_t write(Body& body, std::string_view text) {
 }
 
 TEST(Body, IsHeldInMemoryIfSmall) {
-    const std::string text = numbers(Body::kWhole - 1);
+    const std::string text = numbers(Body::kMaxInMemory - 1);
     const Answer before = head();
     Sink sink;
     Body body(before, &sink, {});
@@ -81,7 +81,7 @@ TEST(Body, IsHeldInMemoryIfSmall) {
 }
 
 TEST(Body, IsHeldInMemoryWithoutReceiver) {
-    const std::string text = numbers(2 * Body::kWhole);
+    const std::string text = numbers(2 * Body::kMaxInMemory);
     const Answer before = head();
     Body body(before, nullptr, {});
     write(body, text);
@@ -91,7 +91,7 @@ TEST(Body, IsHeldInMemoryWithoutReceiver) {
 }
 
 TEST(Body, IsStreamedInPiecesIfLarge) {
-    const std::string text = numbers(2 * Body::kWhole + 12'345);
+    const std::string text = numbers(2 * Body::kMaxInMemory + 12'345);
     const Answer before = head();
     Sink sink;
     Body body(before, &sink, {});
@@ -109,11 +109,11 @@ TEST(Body, IsStreamedInPiecesIfLarge) {
 }
 
 TEST(Body, StopsOnceReceiverStops) {
-    const std::string text = numbers(4 * Body::kWhole);
+    const std::string text = numbers(4 * Body::kMaxInMemory);
     const Answer before = head();
     Sink sink(20);
     Body body(before, &sink, {});
-    EXPECT_LT(write(body, text), 2 * Body::kWhole);
+    EXPECT_LT(write(body, text), 2 * Body::kMaxInMemory);
     const auto answer = body.finish(before);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
@@ -125,7 +125,7 @@ TEST(Body, ReportsIfNotReproducibleBecauseHurried) {
     Sink sink;
     Body large(before, &sink, path_stop.get_token()), small(before, &sink, path_stop.get_token());
     path_stop.request_stop();
-    write(large, numbers(Body::kWhole + 10'000));
+    write(large, numbers(Body::kMaxInMemory + 10'000));
     ASSERT_EQ(sink.heads.size(), 1U);
     EXPECT_FALSE(sink.heads.front().repeats);
     EXPECT_FALSE(small.finish(before)->repeats);

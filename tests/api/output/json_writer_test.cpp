@@ -23,7 +23,7 @@ Distribution example() {
 }
 
 std::string json_of(std::span<const InkDots> inks, const Report& report = {}) {
-    return test::whole_body([&](Body& body) { write_json(inks, report, body); });
+    return test::whole_body([&](Body& body) { write_json({inks}, report, body); });
 }
 
 /// Writes the dots of one ink without a name.
@@ -36,7 +36,7 @@ std::string json_of(const Distribution& dots, const Report& report = {}) {
 std::string feature_of(const Distribution& dots, const Report& report = {}) {
     const Ink ink;
     const InkDots inks[] = {{ink, dots}};
-    return test::whole_body([&](Body& body) { write_feature(inks, report, body); });
+    return test::whole_body([&](Body& body) { write_geojson({inks}, report, body); });
 }
 
 const Ink kCyan{"cyan", {0, 255, 255}}, kBlackInk{"black", kBlack};

@@ -68,7 +68,7 @@ double seconds_of(const std::vector<Point>& points, double radius, const Drawing
     const Distribution dots = dots_at(points);
     const InkDots inks{ink, dots, radius};
     const Page page = page_of(*drawing.width_mm);
-    return plot_of({&inks, 1}, page, drawing, {}).seconds();
+    return plot_of({{&inks, 1}}, page, drawing, {}).seconds();
 }
 
 TEST(PlotTime, CountsPathsAndPenLifts) {

@@ -25,7 +25,7 @@ std::string written(Write write, const DrawingOptions& drawing, const std::stop_
     const Ink red{"#ff0000", {255, 0, 0}}, black{"black", kBlack};
     const std::vector<InkDots> inks = {{red, two, 0.05}, {black, one, 0.05}};
     const Page page{kBox, false, false, {10, 5, 1}, 100};
-    const Plot plot = plot_of(inks, page, drawing, {});
+    const Plot plot = plot_of({inks}, page, drawing, {});
     return test::whole_body([&](Body& body) { write(plot, body, stop); });
 }
 

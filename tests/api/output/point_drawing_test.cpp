@@ -34,7 +34,7 @@ std::string svg_of(const std::vector<Point>& points, const Page& page, double ra
     const Distribution dots = dots_at(points);
     const InkDots ink{palette.inks.front(), dots, radius};
     return test::whole_body([&](Body& body) {
-        write_svg({&ink, 1}, palette, page, {.style = style}, body, path_stop, stop);
+        write_svg({{&ink, 1}}, palette, page, {.style = style}, body, path_stop, stop);
     });
 }
 
@@ -86,7 +86,7 @@ TEST(Svg, HasLayerForEachInk) {
     const Distribution one = dots_at({{10, 20}});
     const std::vector<InkDots> inks = {{palette.inks[0], all, 0.5}, {palette.inks[1], one, 0.25}};
     EXPECT_EQ(
-        test::whole_body([&](Body& body) { write_svg(inks, palette, page(), {}, body); }),
+        test::whole_body([&](Body& body) { write_svg({inks}, palette, page(), {}, body); }),
         R"(<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate" width="40" height="20" viewBox="0 0 10 5">
 <rect width="10" height="5" fill="#ffffff"/>
 <g id="layer1" inkscape:groupmode="layer" inkscape:label="cyan" style="mix-blend-mode:multiply">
@@ -107,7 +107,7 @@ TEST(Svg, HasLayerForEachInk) {
 )");
     palette.mixing = Mixing::Add;
     const std::string lights =
-        test::whole_body([&](Body& body) { write_svg(inks, palette, page(100), {.style = DotStyle::Stroke}, body); });
+        test::whole_body([&](Body& body) { write_svg({inks}, palette, page(100), {.style = DotStyle::Stroke}, body); });
     EXPECT_NE(lights.find(R"(inkscape:label="cyan" style="mix-blend-mode:screen")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#00ffff" stroke-width="10")"), std::string::npos);
     EXPECT_NE(lights.find(R"(stroke="#000000" stroke-width="5")"), std::string::npos);

@@ -32,12 +32,12 @@ std::string write_points(const std::function<void(std::span<const InkDots>, Body
 }
 
 std::string csv_of(std::vector<Point> points, const std::stop_token& stop = {}) {
-    return write_points([&](std::span<const InkDots> inks, Body& body) { write_csv(inks, body, stop); },
+    return write_points([&](std::span<const InkDots> inks, Body& body) { write_csv({inks}, body, stop); },
                         std::move(points));
 }
 
 std::string npy_of(std::vector<Point> points) {
-    return write_points([](std::span<const InkDots> inks, Body& body) { write_npy(inks, body); }, std::move(points));
+    return write_points([](std::span<const InkDots> inks, Body& body) { write_npy({inks}, body); }, std::move(points));
 }
 
 const Ink kCyan{"cyan", {0, 255, 255}}, kMagenta{"magenta", {255, 0, 255}}, kOther{"#abcdef", {0xab, 0xcd, 0xef}};
@@ -60,7 +60,7 @@ TEST(Csv, StopsOnRequest) {
 TEST(Csv, NamesInks) {
     const Distribution some = dots_at(kPoints), none, one = dots_at({{1, 2}});
     const std::vector<InkDots> inks = {{kCyan, some}, {kMagenta, none}, {kOther, one}};
-    EXPECT_EQ(test::whole_body([&](Body& body) { write_csv(inks, body); }),
+    EXPECT_EQ(test::whole_body([&](Body& body) { write_csv({inks}, body); }),
               "x,y,ink\r\n0.1,1e+300,cyan\r\n-0,5e-324,cyan\r\n0.3333333333333333,2,cyan\r\n1,2,#abcdef\r\n");
 }
 
@@ -80,7 +80,7 @@ TEST(Npy, HasValidHeader) {
 TEST(Npy, NumbersInks) {
     const Distribution none, one = dots_at({{1, 2}});
     const std::vector<InkDots> inks = {{kCyan, one}, {kMagenta, none}, {kOther, one}};
-    const std::string file = test::whole_body([&](Body& body) { write_npy(inks, body); });
+    const std::string file = test::whole_body([&](Body& body) { write_npy({inks}, body); });
     EXPECT_NE(file.find("'shape': (2, 3)"), std::string::npos);
     const double rows[] = {1, 2, 0, 1, 2, 2};
     ASSERT_EQ(file.size() % 64, sizeof(rows));

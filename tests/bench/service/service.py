@@ -24,8 +24,8 @@ from harness import PATIENCE, Server  # pylint: disable=wrong-import-position
 CORES = sorted(os.sched_getaffinity(0))
 SITES = (1024, 4096, 16_384, 131_072)
 TURNS = 3
-SERVED_SECONDS = 4    # minimum per turn
-LEAST_REQUESTS = 4    # minimum per turn
+SERVED_SECONDS = 4   # minimum per turn
+MIN_REQUESTS = 4     # minimum per turn
 WRK_SECONDS = 5
 SQUARE = {"type": "rectangle", "width": 1, "height": 1}
 
@@ -106,7 +106,7 @@ class Served:
         self.ask()
         end = time.monotonic() + SERVED_SECONDS
         count = 0
-        while time.monotonic() < end or count < LEAST_REQUESTS:
+        while time.monotonic() < end or count < MIN_REQUESTS:
             taken, inside = self.ask()
             self.taken.append(taken)
             self.inside.append(inside)
@@ -146,13 +146,13 @@ def wrk(port, path, body, kind, connections):
         folder = pathlib.Path(name)
         (folder / "script.lua").write_text(WRK)
         (folder / "body").write_bytes(body)
-        told = subprocess.run(
+        output = subprocess.run(
             ["wrk", "--threads", "1", "--connections", str(connections), "--duration", f"{WRK_SECONDS}s", "--timeout",
              f"{PATIENCE}s", "--script", str(folder / "script.lua"), f"http://127.0.0.1:{port}{path}", "--",
              str(folder / "body"), kind], capture_output=True, text=True, check=True).stdout
-    values = dict(re.findall(r"(rate|p50|p90|p99|lost) ([\d.]+)", told))
+    values = dict(re.findall(r"(rate|p50|p90|p99|lost) ([\d.]+)", output))
     if float(values["lost"]) != 0:
-        raise SystemExit("wrk had failures:\n" + told)
+        raise SystemExit("wrk had failures:\n" + output)
     return [float(values[name]) for name in ("rate", "p50", "p90", "p99")]
 
 

@@ -21,7 +21,7 @@ using test::StartMesh;
 
 /// Returns the triangulation of a domain with given sites.
 Triangulation mesh_of(const Domain& domain, const std::vector<Point>& sites) {
-    Triangulation mesh(sites.size(), triangulate(bare_border(domain)).value());
+    Triangulation mesh = mesh_of_border(sites.size(), triangulate(bare_border(domain)).value());
     for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(insert_site(mesh, i, sites[i])) << i;
     trim(mesh);
     return mesh;

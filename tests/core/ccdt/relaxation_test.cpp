@@ -188,7 +188,7 @@ TEST(Relaxation, RestsAtTheMinimumOfExactPasses) {
 
 TEST(Relaxation, MovesASingleSiteToTheCentre) {
     const Domain domain = domain_of(kSquare);
-    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    Triangulation mesh = mesh_of_border(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(insert_site(mesh, 0, {0.3, 0.8}));
     trim(mesh);
     Relaxation relaxation(mesh, std::vector<bool>(4, true), false, {});
@@ -202,7 +202,7 @@ TEST(Relaxation, DividesASquareByItsTargets) {
     // Triangles over opposite edges add up to half the square wherever the site is, so x and y can be chosen
     // independently.
     const Domain domain = domain_of(kSquare);
-    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    Triangulation mesh = mesh_of_border(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));
     trim(mesh);
     std::vector<TriangleGoal> goals(4);
@@ -228,7 +228,7 @@ double height_above_pieces(std::size_t pieces) {
     for (std::size_t i = 0; i < pieces; ++i) ring.push_back({static_cast<double>(i) / static_cast<double>(pieces), 0});
     ring.insert(ring.end(), {{1, 0}, {1, 1}, {0, 1}});
     const Domain domain = domain_of({{ring, {}}});
-    Triangulation mesh(1, triangulate(bare_border(domain)).value());
+    Triangulation mesh = mesh_of_border(1, triangulate(bare_border(domain)).value());
     EXPECT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));
     trim(mesh);
     std::vector<TriangleGoal> goals(mesh.triangle_count());

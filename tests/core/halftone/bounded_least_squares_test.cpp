@@ -26,7 +26,7 @@ TEST(BoundedLeastSquares, SolvesOneVariableExactly) {
 BoundedLeastSquares random_problem(Random& random, std::size_t count, std::size_t rank) {
     BoundedLeastSquares problem;
     problem.count = count;
-    std::array<Numbers, BoundedLeastSquares::kMostNumbers> factors{};
+    std::array<Numbers, BoundedLeastSquares::kMaxNumbers> factors{};
     for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t k = 0; k < rank; ++k) factors[i][k] = 2 * random.uniform() - 1;
     }
@@ -43,7 +43,7 @@ BoundedLeastSquares random_problem(Random& random, std::size_t count, std::size_
 TEST(BoundedLeastSquares, SatisfiesOptimalityConditions) {
     Random random(5, 0);
     for (int trial = 0; trial < 3000; ++trial) {
-        const std::size_t count = 1 + static_cast<std::size_t>(trial) % BoundedLeastSquares::kMostNumbers;
+        const std::size_t count = 1 + static_cast<std::size_t>(trial) % BoundedLeastSquares::kMaxNumbers;
         const BoundedLeastSquares problem = random_problem(random, count, trial % 2 == 0 ? 3 : count);
         const Numbers x = problem.minimize();
         for (std::size_t i = 0; i < count; ++i) {

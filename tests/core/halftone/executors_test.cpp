@@ -84,10 +84,10 @@ TEST(Executors, GiveTheSameBlurAndSharpening) {
 
 TEST(Executors, GiveTheSameDotPlans) {
     const std::vector<std::vector<float>> cover = {values_of(waves(0.05)), values_of(waves(0.013))};
-    for (const DotWish& wish :
-         {DotWish{.sites = 5000, .radius = {}, .detail = 1}, DotWish{.sites = {}, .radius = 4.0, .detail = 0.5}}) {
+    for (const DotRequest& request : {DotRequest{.sites = 5000, .radius = {}, .detail = 1},
+                                      DotRequest{.sites = {}, .radius = 4.0, .detail = 0.5}}) {
         expect_same([&](Executor& executor) {
-            const DotPlan plan = plan_dots(cover, kWidth, kHeight, wish, {}, executor);
+            const DotPlan plan = plan_dots(cover, kWidth, kHeight, request, {}, executor);
             return std::tuple(plan.radius, plan.tone, plan.density, plan.dots);
         });
     }

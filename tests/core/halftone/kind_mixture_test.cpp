@@ -78,7 +78,7 @@ TEST(KindMixture, LimitsTotalCover) {
                 EXPECT_TRUE(std::isfinite(share) && share >= 0);
                 sum += share;
             }
-            EXPECT_LE(sum, KindMixture::kMost + 0.01) << ground << ' ' << i;
+            EXPECT_LE(sum, KindMixture::kMaxCover + 0.01) << ground << ' ' << i;
         }
     }
 }

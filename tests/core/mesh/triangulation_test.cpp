@@ -31,7 +31,7 @@ using test::StartMesh;
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
 Triangulation empty_mesh(const Parts& parts, std::size_t sites) {
-    return {sites, triangulate(bare_border(domain_of(parts))).value()};
+    return mesh_of_border(sites, triangulate(bare_border(domain_of(parts))).value());
 }
 
 void expect_valid(const Triangulation& mesh, std::size_t parts, std::size_t holes) {

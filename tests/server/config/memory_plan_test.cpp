@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/config/memory_shares.h"
+
 namespace ccdt::server {
 namespace {
 

@@ -47,8 +47,9 @@ protected:
     int socket() const { return sockets_[0]; }
 
     Routes make(const Config& config) {
-        return Routes(config, {gate_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return missing_; },
-                               [this](const std::string& warning) { warnings_.push_back(warning); }});
+        return Routes(config,
+                      {access_control_, pool_, waiting_memory_, compute_, jobs_, metrics_, [this] { return missing_; },
+                       [this](const std::string& warning) { warnings_.push_back(warning); }});
     }
 
     Config config_;
@@ -60,7 +61,7 @@ protected:
     std::unique_ptr<SqliteJobStore> store_ = *SqliteJobStore::open("");
     Jobs jobs_{config_.jobs, *store_, false, pool_, compute_, [](const JobEnd&) {}};
     MemoryBudget waiting_memory_{std::size_t{1} << 30};
-    Gate gate_{"", {}};
+    AccessControl access_control_{"", {}};
     Routes routes_ = make(config_);
 
 private:
@@ -133,10 +134,10 @@ TEST_F(RoutesTest, CountsThePageAsOneRoute) {
 TEST_F(RoutesTest, RequireAKeyExceptForThePageAndHealthChecks) {
     const std::string file = testing::TempDir() + "ccdt_keys_of_routes_" + std::to_string(::getpid());
     std::ofstream(file) << "alice:0123456789abcdef";
-    Gate gate(file, {.per_second = 0.001, .burst = 1000});
-    ASSERT_TRUE(gate.read_keys());
+    AccessControl access_control(file, {.per_second = 0.001, .burst = 1000});
+    ASSERT_TRUE(access_control.read_keys());
     std::filesystem::remove(file);
-    Routes routes(config_, {gate, pool_, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
+    Routes routes(config_, {access_control, pool_, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
     const auto status = [&](const std::string& line, const std::string& headers = "") {
         Connection connection(socket());
         return routes.answer(*parse_head(line + " HTTP/1.1\r\n" + headers + "\r\n"), {}, connection).status;
@@ -238,7 +239,7 @@ protected:
 
 TEST_F(DeadlineTest, GrantsTimeBeyondItForPartialAnswersOnly) {
     WorkerPool pool(2, 2);
-    Routes routes(config_, {gate_, pool, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
+    Routes routes(config_, {access_control_, pool, waiting_memory_, compute_, jobs_, metrics_, [] { return ""; }, {}});
     const std::string common = R"({"sites":1000,"domain":{"type":"rectangle","width":1,"height":1})";
     auto partial =
         std::async(std::launch::async, [&] { return status(routes, common + R"(,"on_deadline":"partial"})"); });

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/input/domain_reader.h"
+#include "api/input/file_formats.h"
+#include "api/run/estimate.h"
+#include "api/run/options.h"
+#include "core/analysis/analysis.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+struct AnalyzeRequest;
+
+/// Format of an analysis: a row of the table in analyze.cpp.
+struct AnalysisFormat {
+    FileFormat file;
+    Estimate cost;  ///< cost of writing
+    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
+};
+
+/// Returns the formats of /analyze, in the server's order of preference.
+std::span<const AnalysisFormat* const> analyze_formats();
+
+/// Returns the names of the options.
+std::vector<std::string_view> analyze_options();
+
+/// Request to /analyze, with its options.
+struct AnalyzeRequest {
+    std::vector<std::vector<Point>> sets;
+    bool single = false;  ///< whether the request gave `points`, not `sets`
+    Rectangle domain{1, 1, true};
+    AnalysisOptions options;
+    bool spectrum = false;                   ///< whether to add the spectrum to the JSON
+    const AnalysisFormat* format = nullptr;  ///< never null in a parsed request
+};
+
+/// Reads a request, which is a JSON object.
+///
+/// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
+/// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
+/// range, and if both or neither of `points` and `sets` are given; LimitExceeded for more than limits.max_sites points
+/// in total; NotAcceptable. Error::field is a JSON Pointer.
+Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits);
+
+/// Analyses the points, then writes JSON or draws the plot.
+///
+/// @param control  a stop ends the analysis soon, without a result
+/// @param timings  receives the times of the completed stages
+/// Errors: those of make_domain and analyse, with a JSON Pointer as Error::field. Same request, same bytes.
+Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
+
+/// Estimates the cost of computing an answer, before the computation begins.
+Cost cost_of(const AnalyzeRequest& request);
+
+/// Returns the size of a parsed request in bytes, without the body from which it was read.
+std::size_t size_of(const AnalyzeRequest& request);
+
+}  // namespace ccdt::api

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "api/halftone/halftone_request.h"
+#include "api/output/json_writer.h"
+#include "core/halftone/dots.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Returns the size of the part of a picture that is drawn: usually the whole picture; with fit=cover the largest
+/// centred part that has the aspect ratio of the drawing.
+PictureSize drawn_part(const HalftoneRequest& request, PictureSize picture);
+
+/// Returns the canvas of a drawing, or nothing if the size of the drawing depends on the dots. The canvas shows the
+/// whole drawn part. If a side would not be a whole number of pixels, the picture is stretched by up to half a pixel.
+///
+/// If the request gives no size, a drawing for screens is as large as fits into 1,280 x 800 pixels. Its longer side has
+/// at least 1,000 pixels, unless limits.max_pixels requires fewer.
+///
+/// @param part  size of the drawn part of the picture
+std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize part, const Limits& limits);
+
+/// Returns the name of the option that determines the size of a drawing. Errors about a drawing that is too large name
+/// it.
+std::string size_option(const HalftoneRequest& request);
+
+}  // namespace ccdt::api

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/halftone/halftone.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "api/halftone/halftone_answer.h"
+#include "api/halftone/halftone_plan.h"
+#include "api/image/embedded_image.h"
+#include "api/input/negotiation.h"
+#include "api/input/run_options.h"
+#include "api/output/formats.h"
+#include "api/output/json_writer.h"
+#include "api/run/stopwatch.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr Interval kScales = {.min = 0.1, .max = 16};
+constexpr Interval kMinutes = {.min = 0.1, .max = 10'000};
+constexpr Interval kDetails = {.min = 0, .max = 1};
+constexpr std::uint64_t kMaxSide = 65'535;  // pixels
+constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
+
+constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
+
+constexpr std::array<Choice<Layers>, 2> kLayers = {{{"ink", Layers::Ink}, {"kind", Layers::Kind}}};
+
+constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
+
+constexpr std::array<Choice<Tone>, 3> kTones = {
+    {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
+
+Result<void> read_dot(const Input& input, std::optional<DotRadius>& dot) {
+    constexpr std::string_view kUnit = "mm";
+    Input number = input;
+    const auto text = read_text(input);
+    if (text && *text == "auto") {
+        dot.reset();
+        return {};
+    }
+    const bool millimetres = text && text->ends_with(kUnit);
+    if (millimetres) number.value = text->substr(0, text->size() - kUnit.size());
+    auto radius = read_number(number, kRadii);
+    if (!radius) {
+        radius.error().message += ", with or without mm, or auto";
+        return tl::unexpected(radius.error());
+    }
+    dot = DotRadius{*radius, millimetres};
+    return {};
+}
+
+/// Reads a list of two or three numbers: black point, white point, and optionally gamma.
+Result<void> read_levels(const Input& input, Levels& levels) {
+    struct Level {
+        std::string_view name;
+        double Levels::*value;
+        Interval allowed;
+    };
+    static constexpr std::array<Level, 3> kLevels = {{{"black point", &Levels::black, {.min = 0, .max = 1}},
+                                                      {"white point", &Levels::white, {.min = 0, .max = 1}},
+                                                      {"gamma", &Levels::gamma, {.min = 0.1, .max = 10}}}};
+    auto parts = read_list(input, kLevels.size(), "value");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < 2)
+        return malformed(input, "must be a black point and a white point, both from 0 to 1, and optionally gamma");
+    for (std::size_t i = 0; i < parts->size(); ++i) {
+        Input& part = (*parts)[i];
+        part.name = input.name + ": " + std::string(kLevels[i].name);
+        if (auto read = assign(levels.*kLevels[i].value, read_number(part, kLevels[i].allowed)); !read) return read;
+    }
+    if (levels.black < levels.white) return {};
+    return malformed(input, "must have a black point below the white point");
+}
+
+/// A request that is being parsed. Values that depend on several options are determined after all options have been
+/// read.
+struct Draft {
+    HalftoneRequest request;
+    std::optional<bool> antialias;
+    std::optional<Dots> dots;
+    std::optional<bool> invert;
+    std::optional<Palette> color;  ///< value of the option color
+    std::optional<Palette> palette;
+    std::optional<Colour> foreground;
+    std::optional<Colour> background;
+};
+
+constexpr std::array<OptionRule<Draft>, 31> kRules = {{
+    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.sites, read_sites(i, l)); }},
+    {"minutes",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.minutes, read_number(i, kMinutes)); }},
+    {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.request.run); }},
+    {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.request.run); }},
+    {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.request.run); }},
+    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_halftone_quality(i, d.request.run); }},
+    {"on_deadline",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
+    {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
+    {"width",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxSide)); }},
+    {"height",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_integer(i, 1, kMaxSide)); }},
+    {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_choice<Fit>(i, kFits)); }},
+    {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
+    {"detail",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
+    {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
+    {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.antialias, read_boolean(i)); }},
+    {"dots", [](const Input& i, const Limits&, Draft& d) { return assign(d.dots, read_choice<Dots>(i, kDots)); }},
+    {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.invert, read_boolean(i)); }},
+    {"tone",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.tone, read_choice<Tone>(i, kTones)); }},
+    {"color", [](const Input& i, const Limits&, Draft& d) { return assign(d.color, read_color(i)); }},
+    {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_palette(i)); }},
+    {"foreground", [](const Input& i, const Limits&, Draft& d) { return assign(d.foreground, read_colour(i)); }},
+    {"background",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.background, read_colour_or_none(i)); }},
+    {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.request.drawing); }},
+    {"style", [](const Input& i, const Limits&, Draft& d) { return read_style(i, d.request.drawing); }},
+    {"pen", [](const Input& i, const Limits&, Draft& d) { return read_pen(i, d.request.drawing); }},
+    {"speed", [](const Input& i, const Limits&, Draft& d) { return read_speed(i, d.request.drawing); }},
+    {"dwell", [](const Input& i, const Limits&, Draft& d) { return read_dwell(i, d.request.drawing); }},
+    {"pen_down", [](const Input& i, const Limits&, Draft& d) { return read_pen_down(i, d.request.drawing); }},
+    {"pen_up", [](const Input& i, const Limits&, Draft& d) { return read_pen_up(i, d.request.drawing); }},
+    {"layers", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.drawing.layers, read_choice<Layers>(i, kLayers)); }},
+    {"format", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
+}};
+
+/// Checks that there are no options that apply only to a single ink that covers.
+Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
+    for (const Input& input : inputs) {
+        if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
+        if (input.name == "background" && palette.mixing == Mixing::Add)
+            return malformed(input, "is not an option of color=rgb, whose background is black");
+    }
+    return {};
+}
+
+/// Sets the colours of ink and paper, for a single ink that covers.
+void colour_ink(Draft& draft) {
+    Palette& palette = draft.request.palette;
+    const bool invert = draft.request.dots == Dots::Paper;
+    palette.inks.front().colour = draft.foreground.value_or(invert ? kWhite : kBlack);
+    palette.paper = draft.background.value_or(invert ? kBlack : kWhite);
+}
+
+Result<void> settle_palette(Draft& draft, const std::vector<Input>& inputs) {
+    if (draft.palette && draft.color) {
+        const auto palette = std::ranges::find(inputs, "palette", &Input::name);
+        return malformed(*palette, "replaces color: give only one of them");
+    }
+    Palette& palette = draft.request.palette;
+    if (draft.color) palette = *std::move(draft.color);
+    if (draft.palette) palette = *std::move(draft.palette);
+    if (palette.mixing == Mixing::Cover) {
+        colour_ink(draft);
+        return {};
+    }
+    palette.paper = draft.background.value_or(palette.paper);
+    return check_colours(palette, inputs);
+}
+
+const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
+    return *std::ranges::find(inputs, name, &Input::name);
+}
+
+/// Returns the reason why dots on both sides of the tonal scale are not available; empty if they are available.
+std::string_view obstacle_to_both(const Draft& draft) {
+    const HalftoneRequest& request = draft.request;
+    if (request.tone == Tone::Density) return "cannot be both with tone=density, whose dots are ink";
+    if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
+        return "cannot be both in drawings of shapes with a transparent background, since paper dots have its colour";
+    if (request.drawing.is_stroked()) return "can be both only with style=fill: a pen can only add ink";
+    if (request.minutes) return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
+    const VectorWriter* const shapes = request.format->vector();
+    if (shapes != nullptr && shapes->by_pen) return "cannot be both in formats for plotters: a pen can only add ink";
+    return {};
+}
+
+/// Returns whether dots on both sides look better than ink dots only. With four or more custom inks, many mixtures give
+/// the same colour, and the grounds become ragged where the chosen mixture changes.
+bool is_better_on_both_sides(const Draft& draft) {
+    constexpr std::size_t kMaxInksOfBoth = 3;
+    return !draft.palette || draft.palette->inks.size() <= kMaxInksOfBoth;
+}
+
+/// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have dots on both sides, and
+/// lists have ink dots. Must be called after the format is known.
+Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
+    if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
+        return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");
+    const std::string_view obstacle = obstacle_to_both(draft);
+    Dots& dots = draft.request.dots;
+    const bool is_both = obstacle.empty() && draft.request.format->is_drawn() && is_better_on_both_sides(draft);
+    const Dots usual = is_both ? Dots::Both : Dots::Ink;
+    dots = draft.dots.value_or(draft.invert ? *draft.invert ? Dots::Paper : Dots::Ink : usual);
+    if (dots == Dots::Both && !obstacle.empty()) return malformed(input_of("dots", inputs), std::string(obstacle));
+    const bool is_grey = draft.color.value_or(Palette{}).mixing == Mixing::Cover && !draft.palette;
+    if (dots == Dots::Paper && !is_grey)
+        return malformed(input_of(draft.dots ? "dots" : "invert", inputs),
+                         "makes light dots on black, which are available with color=gray only");
+    return {};
+}
+
+/// Checks that layers for each kind of dots are requested only if there are kinds. Must be called after the sides are
+/// settled.
+Result<void> check_layers(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (request.drawing.layers == Layers::Ink) return {};
+    if (request.format->file.name == "svg" && request.dots == Dots::Both) return {};
+    return malformed(input_of("layers", inputs), "can be kind only with format=svg and dots=both");
+}
+
+/// Checks that a size in pixels is given for drawings only, and not by two options that contradict each other.
+Result<void> check_size(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    const bool is_sized = request.width || request.height;
+    for (const Input& input : inputs) {
+        const bool is_side = input.name == "width" || input.name == "height";
+        if ((is_side || input.name == "fit") && !request.format->is_drawn())
+            return malformed(input, "is an option of drawings only; lists of dots are in pixels of the picture");
+        if (is_side && request.scale) return malformed(input, "replaces scale: give only one of them");
+        if (input.name == "fit" && !(request.width && request.height))
+            return malformed(input, is_sized ? "needs both width and height" : "needs width and height");
+    }
+    return {};
+}
+
+/// Decides whether the drawing is for a screen or for print. Drawings for print are by default not antialiased.
+Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
+    HalftoneRequest& request = draft.request;
+    const RasterWriter* const raster = request.format->raster();
+    const bool is_sized = request.width || request.height;
+    const bool is_print = request.scale || request.drawing.width_mm;
+    request.on_screen = !is_print && (is_sized || (raster != nullptr && !raster->is_for_print));
+    request.antialias = draft.antialias.value_or(request.on_screen);
+    request.may_be_scaled = request.on_screen && !is_sized && !draft.antialias;
+    return check_size(request, inputs);
+}
+
+/// Determines the detail, which is 0 for dots that follow the density alone.
+Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (request.tone != Tone::Density) return {};
+    const auto detail = std::ranges::find(inputs, "detail", &Input::name);
+    if (detail != inputs.end() && request.detail > 0)
+        return malformed(*detail, "is not an option of tone=density, whose dots follow the picture without sharpening");
+    request.detail = 0;
+    return {};
+}
+
+/// Adds the picture to the request. Errors: those of both.
+Result<HalftoneRequest> with_image(Result<HalftoneRequest> request, const Result<ImageFile>& image) {
+    ErrorList errors;
+    errors.add(request);
+    errors.add(image);
+    if (auto right = errors.result(); !right) return tl::unexpected(right.error());
+    request->image = *image;
+    return request;
+}
+
+/// Checks that the request gives width_mm if it gives the radius in millimetres.
+Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
+    const auto dot = std::ranges::find(inputs, "dot", &Input::name);
+    return malformed(*dot, "in mm needs width_mm, the width of the drawing in millimetres");
+}
+
+/// Checks the option `minutes`, the drawing time of a plotter, which limits the number of dots.
+Result<void> check_minutes(const HalftoneRequest& request, const std::vector<Input>& inputs) {
+    if (!request.minutes) return {};
+    if (request.sites) return malformed(input_of("minutes", inputs), "replaces sites: give only one of them");
+    if (request.drawing.width_mm) return {};
+    return malformed(input_of("minutes", inputs), "needs width_mm, the width of the drawing in millimetres");
+}
+
+Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector<Input>& inputs,
+                                      std::string_view accept, const Limits& limits) {
+    Draft draft;
+    draft.request = std::move(request);
+    if (auto read = read_options<Draft>(kRules, inputs, limits, draft); !read) return tl::unexpected(read.error());
+    ErrorList errors;
+    errors.add(settle_format(accept, halftone_formats(), draft.request.format));
+    if (draft.request.format != nullptr) {
+        errors.add(settle_sides(draft, inputs));
+        errors.add(check_layers(draft.request, inputs));
+        errors.add(settle_size(draft, inputs));
+        errors.add(draft.request.format->check_drawing(draft.request.drawing, draft.request.field_of("width_mm")));
+    }
+    errors.add(settle_palette(draft, inputs));
+    errors.add(check_dot(draft.request, inputs));
+    errors.add(check_minutes(draft.request, inputs));
+    errors.add(settle_detail(draft.request, inputs));
+    if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
+    return std::move(draft.request);
+}
+
+}  // namespace
+
+std::string HalftoneRequest::field_of(std::string_view option) const {
+    return image_field.empty() ? std::string(option) : pointer_below("", option);
+}
+
+std::vector<std::string_view> halftone_options() {
+    return names_of<Draft>(kRules);
+}
+
+Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
+                                       std::string_view accept, const Limits& limits) {
+    const auto file = read_image_header(image, limits.max_pixels).map([&](const ImageHeader& header) {
+        return ImageFile{image, header, nullptr};
+    });
+    HalftoneRequest request;
+    return with_image(parse_options(std::move(request), inputs_of(options), accept, limits), file);
+}
+
+Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::unexpected(document.error());
+    auto inputs = inputs_of(document->root(), "");
+    if (!inputs) return tl::unexpected(inputs.error());
+    HalftoneRequest request;
+    request.image_field = "/image";
+    Result<ImageFile> file = failure(ErrorCode::Malformed, "image is missing", request.image_field);
+    if (const auto image = std::ranges::find(*inputs, "image", &Input::name); image != inputs->end()) {
+        file = read_embedded_image(*image, limits);
+        inputs->erase(image);
+    }
+    for (auto& input : inputs_of(options)) inputs->push_back(std::move(input));
+    return with_image(parse_options(std::move(request), *inputs, accept, limits), file);
+}
+
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                            const Control& control, Timings& timings, BodySink* sink) {
+    Stopwatch watch;
+    auto plan = plan_halftone(request, limits, decode, control);
+    timings.decode = watch.lap();
+    if (!plan) return tl::unexpected(plan.error());
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
+
+    const auto dots = place_dots(request, *plan, control);
+    timings.optimise = watch.lap();
+    if (!dots) return tl::unexpected(dots.error());
+
+    Answer answer;
+    answer.media_type = request.format->file.content_type();
+    answer.dots = plan->size();
+    if (request.format->file.name != "json" && !plan->warnings.empty())
+        answer.warnings = write_warnings(plan->warnings);
+    for (const Distribution& each : dots->inks) answer.sites += each.points.size();
+    answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
+    answer.partial = std::ranges::any_of(dots->inks, &Distribution::stopped);
+    answer.repeats = request.format->repeats();
+    Body body(answer, sink, control.stop);
+    auto written = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control, body);
+    timings.encode = watch.lap();
+    if (!written) return tl::unexpected(written.error());
+    return body.finish(std::move(answer));
+}
+
+}  // namespace ccdt::api

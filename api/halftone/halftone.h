@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "api/halftone/halftone_request.h"
+#include "api/image/image_codec.h"
+#include "api/output/body.h"
+#include "api/run/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Returns the names of the options. Each option may be given as text.
+std::vector<std::string_view> halftone_options();
+
+/// Reads a request whose image is the body or a part of a form. Options are given as text.
+///
+/// @param image    the file's bytes, which must outlive the request
+/// @param options  in the order of the request
+/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// Errors: Malformed for an option that is unknown, repeated or out of range, and for a missing image; Unsupported for
+/// an image in a format that the server does not read; LimitExceeded for too many sites; NotAcceptable if the client
+/// accepts none of the formats. Error::field is the option's name. Does no expensive work: the image is not decoded.
+Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
+                                       std::string_view accept, const Limits& limits);
+
+/// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
+///
+/// @param options  options in the query, none of which may also be a member of the object
+/// Errors: those of parse_halftone() and of JsonDocument::parse. The field of a member is its JSON Pointer.
+Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits);
+
+/// Decodes the picture, distributes the dots, and writes them in the requested format.
+///
+/// @param decode   reads the picture
+/// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
+/// @param timings  receives the times of the completed stages
+/// @returns        a file in the requested format
+/// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more than
+/// limits.max_pixels, or a side longer than the format allows; Stopped. Same request, same bytes, except for
+/// `elapsed_ms` in JSON.
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                            const Control& control, Timings& timings, BodySink* sink = nullptr);
+
+}  // namespace ccdt::api

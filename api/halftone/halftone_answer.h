@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "api/halftone/halftone_plan.h"
+#include "api/halftone/halftone_request.h"
+#include "api/output/body.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Writes the dots in the requested format: as a drawing, or as a list of points.
+///
+/// @param elapsed  computing time in milliseconds, for JSON
+/// Errors: those of the format's writer; Stopped, unless the request accepts a partial result; Internal if memory runs
+/// out.
+Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
+                            double elapsed, const Control& control, Body& body);
+
+}  // namespace ccdt::api

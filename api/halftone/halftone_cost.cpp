@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/halftone/halftone_cost.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "api/halftone/drawing_size.h"
+#include "api/input/method.h"
+#include "api/output/plot.h"
+#include "api/output/stage_costs.h"
+#include "api/run/estimate.h"
+#include "core/geometry/hexagonal_spacing.h"
+#include "core/halftone/dot_plan.h"
+#include "core/halftone/dots.h"
+#include "core/halftone/reduction.h"
+#include "core/halftone/tone.h"
+#include "core/halftone/two_sided.h"
+
+namespace ccdt::api {
+namespace {
+
+/// Estimates the application of levels. Its result is a second picture of the decoded size.
+Estimate levels_cost(const HalftoneRequest& request) {
+    if (request.levels == Levels{}) return {};
+    constexpr double kTime = 0.006 * kMicrosecond;
+    const double planes = request.palette.mixing == Mixing::Cover ? 1 : 3;
+    const auto values = static_cast<double>(request.image.header.pixels()) * planes;
+    return {values * sizeof(float), values * kTime};
+}
+
+/// Estimates the cropping of the picture. Its result is a second picture, at most of the decoded size.
+Estimate cropping_cost(const HalftoneRequest& request) {
+    if (request.fit != Fit::Cover) return {};
+    constexpr double kTime = 0.002 * kMicrosecond;
+    const double planes = request.palette.mixing == Mixing::Cover ? 2 : 4;
+    const auto values = static_cast<double>(request.image.header.pixels()) * planes;
+    return {values * sizeof(float), values * kTime};
+}
+
+/// Returns whether the request is for dots on both sides of the tonal scale, in several channels.
+bool has_channels(const HalftoneRequest& request) {
+    return request.dots == Dots::Both && request.palette.mixing != Mixing::Cover;
+}
+
+/// Returns the number of inks. For dots on both sides, the number of channels, which is 3 for CMYK.
+double inks_of(const HalftoneRequest& request) {
+    const auto inks = static_cast<double>(request.palette.inks.size());
+    return request.dots == Dots::Both && is_cmyk(request.palette.inks) ? inks - 1 : inks;
+}
+
+/// Returns whether dots on both sides have several channels that are custom inks.
+bool has_ink_channels(const HalftoneRequest& request) {
+    return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
+}
+
+/// Returns the number of kinds of dots, for dots on both sides in several channels.
+double kinds_of_dots(const HalftoneRequest& request) {
+    const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
+    return static_cast<double>(std::min(kinds, kMaxInkKinds));
+}
+
+/// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
+double planned_cells(const HalftoneRequest& request, double sites) {
+    // Assumes that dots draw a quarter of the picture, like rough_radius().
+    constexpr double kShare = 0.25;
+    const ImageHeader& header = request.image.header;
+    const auto pixels = static_cast<double>(header.pixels());
+    if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
+        // Upper bound. There are about 50 cells per dot; but where cells would be less than two pixels wide, pixels are
+        // used instead, which makes up to four times as many.
+        constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
+        return std::min(pixels, kCellsPerDot * sites + kFewest);
+    }
+    const double radius = std::sqrt(kShare * pixels / (std::numbers::pi * std::max(sites, 1.0)));
+    const CellGrid cells = resolved_cells(static_cast<int>(header.width), static_cast<int>(header.height), radius);
+    return static_cast<double>(cells.columns) * cells.rows;
+}
+
+/// Estimates the division of the picture into white and black ground, and the planning of dots on both.
+Estimate grounds_cost(const HalftoneRequest& request, double sites) {
+    constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
+    constexpr Estimate kInk{48, 0.5 * kMicrosecond}, kKind{8, 0.05 * kMicrosecond}, kInks{80, 1.5 * kMicrosecond};
+    constexpr double kReading = 8;
+    const Estimate cell = has_ink_channels(request) ? kInk * inks_of(request) + kKind * kinds_of_dots(request) + kInks
+                          : has_channels(request)   ? kColour
+                                                    : kGrey;
+    // Upper bound: two tables for each possible combination of grounds.
+    constexpr Estimate kTable{1.4e6, 5'000 * kMicrosecond};
+    const Estimate tables = has_ink_channels(request) ? kTable * std::exp2(inks_of(request) + 1) : Estimate{};
+    return cell * planned_cells(request, sites) + tables +
+           Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
+}
+
+/// Estimates the fitting of the sizes of dots on both sides of the tonal scale.
+Estimate dot_sizes_cost(const HalftoneRequest& request, double sites) {
+    constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
+    constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
+    if (request.dots != Dots::Both) return {};
+    if (has_channels(request)) {
+        const double channels = std::max(inks_of(request) / 3, 1.0);
+        return (kPixelOfChannels * planned_cells(request, sites) + kSiteOfChannels * sites) * channels;
+    }
+    return kPixel * planned_cells(request, sites) + kSite * sites;
+}
+
+/// Estimates the sharpening of the coverage, one ink at a time. For dots on both sides of the tonal scale, the planning
+/// of dots takes its place.
+Estimate sharpening_cost(const HalftoneRequest& request, double sites) {
+    if (request.dots == Dots::Both) return grounds_cost(request, sites);
+    if (!(request.detail > 0)) return {};
+    constexpr double kTime = 0.05 * kMicrosecond;
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    return {pixels * (inks_of(request) * 8 + 20), pixels * inks_of(request) * kTime};
+}
+
+/// Estimates decoding and separation. If inks mix, there are planes of red, green, blue and alpha, three planes of
+/// light, and the coverage of each ink.
+Estimate decoding_cost(const HalftoneRequest& request) {
+    if (request.palette.mixing == Mixing::Cover) return decoding_cost(request.image);
+    constexpr double kSeparating = 0.2 * kMicrosecond;
+    if (has_channels(request) && !has_ink_channels(request))
+        return decoding_cost(request.image, 28 + 4 * inks_of(request));
+    // For a picture that has all colours, filling the table of separations takes as long as separating this number of
+    // pixels, times the square of the number of inks.
+    constexpr double kTable = 60'000;
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    return decoding_cost(request.image, 28 + 4 * inks_of(request)) +
+           Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
+}
+
+/// Estimates the density grids: one for each ink or kind of dots. If there are several, there is also one for their
+/// sum.
+Estimate densities_cost(const HalftoneRequest& request, double sites) {
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    if (has_channels(request)) return density_cost(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
+    const double inks = inks_of(request);
+    return density_cost(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
+}
+
+/// Estimates the steps of the polish that several inks need: pushes between dots of different inks, and the comparison
+/// of the printed appearance with the picture.
+Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options) {
+    if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
+    const auto sites = static_cast<double>(options.sites);
+    return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
+}
+
+/// Estimates the placing of the dots of all inks.
+Estimate placing_cost(const HalftoneRequest& request, double sites) {
+    Options options = request.run;
+    options.sites = static_cast<std::size_t>(sites);
+    return methods().front().cost(options, false) + ink_polish_cost(request, options);
+}
+
+/// Returns the size of the picture as stored. Decoding may rotate it by 90 degrees.
+PictureSize header_size(const HalftoneRequest& request) {
+    return {static_cast<int>(request.image.header.width), static_cast<int>(request.image.header.height)};
+}
+
+/// Returns the maximum number of pixels of the output. If the server chooses the scale, there are at most 16 million.
+double drawn_pixels(const HalftoneRequest& request, const Limits& limits) {
+    const auto pixels = static_cast<double>(request.image.header.pixels());
+    const auto most = static_cast<double>(limits.max_pixels);
+    const auto [width, height] = header_size(request);
+    const auto drawn = [&](PictureSize picture) {
+        const auto canvas = settled_canvas(request, drawn_part(request, picture), limits);
+        return canvas ? static_cast<double>(canvas->width) * canvas->height : 0.0;
+    };
+    const double settled = std::max(drawn({width, height}), drawn({height, width}));
+    if (settled > 0) return std::min(settled, most);
+    return std::min({pixels * kLargestScale * kLargestScale, kMaxCanvasPixels, most});
+}
+
+double shorter_side(const HalftoneRequest& request) {
+    return static_cast<double>(std::min(request.image.header.width, request.image.header.height));
+}
+
+double longer_side(const HalftoneRequest& request) {
+    return static_cast<double>(std::max(request.image.header.width, request.image.header.height));
+}
+
+/// Returns whether the shorter side of the picture is below two spacings of the dots.
+bool is_thin(const HalftoneRequest& request, std::size_t dots) {
+    const double density = static_cast<double>(dots) / static_cast<double>(request.image.header.pixels());
+    return shorter_side(request) < 2 * hexagonal_spacing(density);
+}
+
+/// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a solid
+/// picture: the total area of these dots, which overlap, is twice the area of the picture.
+double max_dots(const HalftoneRequest& request, const Limits& limits) {
+    if (request.sites) return static_cast<double>(*request.sites);
+    const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
+    const auto usual = static_cast<double>(usual_sites(request, header_size(request), ink, 1, limits));
+    if (!request.dot) return usual;
+    const auto filling = [&](double pixels, double radius) {
+        constexpr double kOverlaps = 2;
+        const double area = std::max(std::numbers::pi * radius * radius, kMinDotArea);
+        return std::clamp(kOverlaps * pixels / area, 1.0, static_cast<double>(limits.max_sites));
+    };
+    const double radius = request.dot->length;
+    if (request.dot->millimetres) return filling(ink, radius / *request.drawing.width_mm * shorter_side(request));
+    if (request.scale) return filling(ink, radius / *request.scale);
+    if (request.on_screen || request.width || request.height)
+        return filling(drawn_pixels(request, limits) * inks_of(request), radius);
+    // If the server chooses the scale, the usual number of dots has a radius below this limit, in output pixels.
+    constexpr double kLargest = 6;
+    return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
+}
+
+/// Returns the requested radius, in output pixels.
+std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pixels) {
+    if (!request.dot || !request.dot->millimetres)
+        return request.dot ? std::optional(request.dot->length) : std::nullopt;
+    const double scale = std::sqrt(drawn_pixels / static_cast<double>(request.image.header.pixels()));
+    return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
+}
+
+/// Estimates the supersampling of small dots, which is done band by band. A scale that the server chooses for the dots
+/// needs no supersampling.
+Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
+    constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
+    const double samples = std::min(sites * kEach, kMaxSamples);
+    const bool by_dots = !(request.on_screen || request.width || request.height || request.scale || request.dot);
+    if (by_dots || samples < pixels) return {};
+    return {sites * 16, samples * 0.02 * kMicrosecond};
+}
+
+/// Estimates the drawing of dots. The rasters of inks that mix are kept until they are combined.
+Estimate rasters_cost(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
+    const Estimate one =
+        raster_cost(sites, pixels, radius_of(request, pixels), antialias) + supersampling_cost(request, sites, pixels);
+    if (request.palette.mixing == Mixing::Cover) return one;
+    const double inks = inks_of(request);
+    return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
+}
+
+/// Returns the maximum radius of dots in millimetres. It is the radius for a solid picture: the total area of the dots,
+/// which overlap, is then twice the area of the picture.
+double largest_radius(const HalftoneRequest& request, double sites) {
+    if (request.dot && request.dot->millimetres) return request.dot->length;
+    const double width = request.drawing.width_mm.value_or(1);
+    const double height = width * longer_side(request) / shorter_side(request);
+    return std::sqrt(2 * width * height / (std::numbers::pi * sites));
+}
+
+Estimate writing_cost(const HalftoneRequest& request, double sites, const Limits& limits) {
+    const PointFormat& format = *request.format;
+    if (!format.is_drawn()) return format.per_site * sites;
+    const double pixels = drawn_pixels(request, limits);
+    const bool antialias = request.antialias || format.raster() == nullptr;
+    return drawing_cost(format, rasters_cost(request, sites, pixels, antialias), sites, pixels) +
+           turns_cost(format, request.drawing, sites, largest_radius(request, sites));
+}
+
+}  // namespace
+
+Cost cost_of(const HalftoneRequest& request, const Limits& limits) {
+    const double sites = max_dots(request, limits);
+    const Estimate read =
+        then(decoding_cost(request) + levels_cost(request) + cropping_cost(request), sharpening_cost(request, sites));
+    const Estimate placed =
+        densities_cost(request, sites) + placing_cost(request, sites) + dot_sizes_cost(request, sites);
+    Cost all = total_cost(then(then(read, placed), writing_cost(request, sites, limits)));
+    all.answer = request.sites.value_or(0) * request.format->least;
+    return all;
+}
+
+std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
+                        const Limits& limits) {
+    constexpr double kMaxSeconds = 2, kFewest = 4096, kMany = 1e6;
+    // Time per dot for a thin picture, relative to other pictures. The mesh of a thin picture is mostly border.
+    constexpr double kThin = 4;
+    const double in_time = kMaxSeconds / placing_cost(request, kMany).seconds * kMany;
+    const auto max_dots_in = [&](double dots) {
+        const auto most = static_cast<std::size_t>(std::max(dots, kFewest));
+        const std::size_t limit = std::min(most, limits.max_sites);
+        if (!request.on_screen) return default_sites(ink, fineness, limit);
+        const Canvas canvas = *settled_canvas(request, part, limits);
+        return sites_of_drawing(ink, fineness, canvas.scale, static_cast<double>(canvas.width) * canvas.height, limit);
+    };
+    const std::size_t usual = max_dots_in(in_time);
+    return is_thin(request, usual) ? std::min(usual, max_dots_in(in_time / kThin)) : usual;
+}
+
+std::size_t size_of(const HalftoneRequest& request) {
+    return bytes_of(request.image);
+}
+
+}  // namespace ccdt::api

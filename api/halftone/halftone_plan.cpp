@@ -1,0 +1,535 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/halftone/halftone_plan.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "api/halftone/drawing_size.h"
+#include "api/halftone/halftone_cost.h"
+#include "api/image/image_codec.h"
+#include "api/image/ink_set.h"
+#include "api/output/plot.h"
+#include "api/output/point_drawing.h"
+#include "api/run/deadline.h"
+#include "core/halftone/crop.h"
+#include "core/halftone/dot_plan.h"
+#include "core/halftone/fineness.h"
+#include "core/halftone/levels.h"
+#include "core/halftone/pixel_ranges.h"
+#include "core/halftone/reduction.h"
+#include "core/halftone/separation.h"
+#include "core/halftone/tone.h"
+
+namespace ccdt::api {
+namespace {
+
+struct SeparatedPicture {
+    PictureSize size;
+    CellGrid cells;       ///< cells of the separation, as fine as the dots can show
+    Separation inks;      ///< the light is missing for a single ink that covers
+    double fineness = 0;  ///< result of fineness() for the picture
+
+    double cell_area() const {
+        return static_cast<double>(size.width) * size.height / (static_cast<double>(cells.columns) * cells.rows);
+    }
+};
+
+double sum(const std::vector<float>& values, Executor& executor) {
+    return sum_of_pixels(executor, values.size(), [&](std::size_t i) { return static_cast<double>(values[i]); });
+}
+
+double all_pixels(PictureSize size) {
+    return static_cast<double>(size.width) * size.height;
+}
+
+tl::unexpected<Error> about_image(const Error& error, const HalftoneRequest& request) {
+    return failure(error.code, error.message, request.image_field);
+}
+
+/// Returns the requested radius, in pixels of the picture.
+/// @param scale  output pixels per pixel of the picture
+double picture_radius(const HalftoneRequest& request, PictureSize size, double scale) {
+    return request.dot->millimetres ? request.dot->length / *request.drawing.width_mm * size.width
+                                    : request.dot->length / scale;
+}
+
+/// Returns whether the radius of the largest dots follows from the size of the drawing. The number of dots then follows
+/// from this radius.
+bool has_screen_radius(const HalftoneRequest& request) {
+    return request.on_screen && request.dots == Dots::Both && !request.sites && !request.dot;
+}
+
+/// Returns the radius that follows from the size of the drawing, in pixels of the picture.
+double screen_radius(const Canvas& canvas, double fineness) {
+    return radius_of_drawing(static_cast<double>(canvas.width) * canvas.height, fineness) / canvas.scale;
+}
+
+/// Estimates the radius of dots, in pixels of the picture.
+/// @param ink  area that dots cover, in pixels of the picture
+double rough_radius(const HalftoneRequest& request, PictureSize size, double ink, double fineness,
+                    const Limits& limits) {
+    const double pixels = all_pixels(size);
+    const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
+    // The area that dots on both sides draw depends on the cells in which the area is measured, and so is not known
+    // yet. It is assumed that dots draw a quarter of the picture. The small dots of darker and lighter pictures need no
+    // finer cells.
+    constexpr double kShare = 0.25;
+    const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
+    const auto canvas = settled_canvas(request, size, limits);
+    if (has_screen_radius(request)) return screen_radius(*canvas, fineness);
+    if (request.sites || !request.dot) return std::sqrt(drawn / (std::numbers::pi * static_cast<double>(usual)));
+    const double chosen = default_scale(ink, static_cast<std::size_t>(pixels), usual);
+    return picture_radius(request, size, canvas ? canvas->scale : chosen);
+}
+
+/// Returns the side of the squares of pixels that decoding may replace with their mean. This is an estimate, since the
+/// picture is not decoded yet: if ink covers at least a quarter of it, the dots cannot show the difference. Returns 1
+/// if a step before the separation is not linear in the light of the pixels.
+int reducible(const HalftoneRequest& request, const Limits& limits) {
+    constexpr double kMinPixels = 4e6;  // fewer pixels take little time
+    constexpr double kInk = 0.25;
+    const auto width = static_cast<int>(request.image.header.width);
+    const auto height = static_cast<int>(request.image.header.height);
+    const PictureSize part = drawn_part(request, {width, height});
+    const double pixels = all_pixels(part);
+    const bool is_linear =
+        request.levels == Levels{} && (request.palette.mixing != Mixing::Cover || request.tone != Tone::Perceptual);
+    if (!is_linear || pixels < kMinPixels || (request.dot && !request.sites)) return 1;
+    const std::size_t sites = request.sites ? *request.sites : usual_sites(request, part, pixels, 1, limits);
+    const double radius = std::sqrt(kInk * pixels / (std::numbers::pi * static_cast<double>(sites)));
+    const CellGrid cells = resolved_cells(part.width, part.height, radius);
+    int side = std::min({part.width / cells.columns, part.height / cells.rows, Reading::kMaxReduced});
+    while (width % side != 0 || height % side != 0) --side;
+    return side;
+}
+
+/// The drawn part of a decoded picture, and the side of the squares whose means are its pixels.
+template <class AnyPicture>
+struct Decoded {
+    Decoded(AnyPicture decoded, const HalftoneRequest& request, int reduced) : picture(std::move(decoded)) {
+        const auto pixels = static_cast<std::uint64_t>(picture.width) * static_cast<std::uint64_t>(picture.height);
+        const auto squares = static_cast<std::uint64_t>(reduced) * static_cast<std::uint64_t>(reduced);
+        if (pixels * squares == request.image.header.pixels()) side = reduced;
+        const PictureSize part = drawn_part(request, {picture.width, picture.height});
+        if (part.width < picture.width || part.height < picture.height)
+            picture = middle_of(picture, part.width, part.height);
+    }
+
+    PictureSize size() const { return {side * picture.width, side * picture.height}; }
+    CellGrid cells() const { return {picture.width, picture.height}; }
+
+    /// Returns whether averaging squares did not change the dots: the separation needs no finer cells than the squares,
+    /// and the lost detail would not change the number of dots.
+    bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
+        if (side == 1) return true;
+        if (wanted.columns > picture.width || wanted.rows > picture.height) return false;
+        if (request.sites || request.on_screen) return true;
+        return usual_sites(request, size(), ink, 0, limits) == usual_sites(request, size(), ink, 1, limits);
+    }
+
+    /// Returns the fineness of the picture. Returns 0 if averaged squares have lost detail, except for drawings on
+    /// screens, which would not show this detail.
+    double detail(const HalftoneRequest& request, Executor& executor) const {
+        return side > 1 && !request.on_screen ? 0 : fineness(picture, executor);
+    }
+
+    AnyPicture picture;
+    int side = 1;
+};
+
+/// Sums over all cells the share of a cell that dots draw. For dots on both sides, this share is that of the ink or
+/// that of the paper, whichever is smaller.
+double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
+                   Executor& executor) {
+    if (request.dots == Dots::Both) return minority_area(coverage, executor);
+    double ink = 0;
+    for (const auto& each : coverage) ink += sum(each, executor);
+    return ink;
+}
+
+/// @returns  none if the squares are too coarse
+std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
+                                              const Limits& limits, Executor& executor) {
+    const Picture& picture = decoded.picture;
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, executor)};
+    std::vector<std::vector<float>> all = {ink_coverage(picture, request.tone, request.dots == Dots::Paper, executor)};
+    const double ink = drawn_share(all, request, executor) * decoded.side * decoded.side;
+    std::vector<float>& coverage = all.front();
+    const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
+    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
+    if (separated.cells != CellGrid{picture.width, picture.height})
+        coverage = reduced(coverage, picture.width, picture.height, separated.cells, executor);
+    separated.inks.coverage = std::move(all);
+    return separated;
+}
+
+/// Returns whether dots on both sides of the tonal scale flip channels of light. The alternative is that they flip the
+/// custom inks of the option `palette`.
+bool flips_light(const HalftoneRequest& request) {
+    return request.dots == Dots::Both && (request.palette.mixing != Mixing::Multiply || is_cmyk(request.palette.inks));
+}
+
+/// Separates a picture into inks, or into channels of light if flips_light().
+Separation separate(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
+    const InkSet inks = ink_set(request.palette);
+    if (flips_light(request)) return {channel_coverage(picture, inks, request.tone, *control.executor), {}};
+    return separate(picture, inks, request.tone, control.stop, *control.executor);
+}
+
+/// Estimates the area that dots of all inks draw, from a small copy of the picture.
+double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
+    constexpr int kSide = 64;
+    const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
+    const Separation small = separate(reduced(picture, cells, *control.executor), request, control);
+    const double ink = drawn_share(small.coverage, request, *control.executor);
+    return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
+}
+
+/// @returns  none if the squares are too coarse
+std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
+                                                 const Limits& limits, const Control& control) {
+    Executor& executor = *control.executor;
+    ColourPicture& picture = decoded.picture;
+    SeparatedPicture separated{decoded.size(), {}, {}, decoded.detail(request, executor)};
+    const double ink = rough_ink(picture, request, control) * decoded.side * decoded.side;
+    const double radius = rough_radius(request, separated.size, ink, separated.fineness, limits);
+    separated.cells = resolved_cells(separated.size.width, separated.size.height, radius);
+    if (!decoded.does_for(separated.cells, request, ink, limits)) return std::nullopt;
+    if (separated.cells != CellGrid{picture.width, picture.height})
+        picture = reduced(picture, separated.cells, executor);
+    separated.inks = separate(picture, request, control);
+    return separated;
+}
+
+/// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
+/// the memory of colours.
+/// @param reduce  side of the squares that decoding may replace with their mean
+/// @returns       none if the squares are too coarse
+Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
+                                                         const Decode& decode, const Control& control, int reduce) {
+    const ImageFile& file = request.image;
+    const Reading reading(limits.max_pixels, reduce);
+    if (request.palette.mixing == Mixing::Cover) {
+        auto picture = decode.grey(file.bytes, reading, control.stop);
+        if (!picture) return about_image(picture.error(), request);
+        picture = with_levels(*picture, request.levels, *control.executor);
+        return separate_grey({*std::move(picture), request, reduce}, request, limits, *control.executor);
+    }
+    auto picture = decode.colour(file.bytes, reading, control.stop);
+    if (!picture) return about_image(picture.error(), request);
+    picture = with_levels(*picture, request.levels, *control.executor);
+    auto separated = separate_colours({*std::move(picture), request, reduce}, request, limits, control);
+    if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
+    return separated;
+}
+
+/// Decodes a picture and separates it into inks, first with averaged squares where possible. Frees the decoded picture.
+Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                          const Control& control) {
+    const int reduce = reducible(request, limits);
+    auto separated = separate_picture(request, limits, decode, control, reduce);
+    if (separated && !*separated) separated = separate_picture(request, limits, decode, control, 1);
+    return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
+}
+
+/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere. If not, it has solid ink in
+/// some places.
+bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
+    if (request.dots != Dots::Both) return true;
+    const bool is_black = request.palette.mixing == Mixing::Add;
+    return std::ranges::all_of(coverage, [&](const std::vector<float>& each) {
+        return sum(each, executor) == (is_black ? static_cast<double>(each.size()) : 0);
+    });
+}
+
+tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
+    const std::string looks = request.palette.mixing != Mixing::Cover ? "like its paper"
+                              : request.dots == Dots::Paper           ? "black"
+                                                                      : "white";
+    return failure(ErrorCode::Unusable,
+                   "the image is " + looks + " or transparent everywhere: there is nothing to draw",
+                   request.image_field);
+}
+
+/// Returns the area of ink from which a scale is chosen. For dots on both sides, the area is doubled, because the
+/// largest dots have about twice the mean area. A lower bound keeps the scale from becoming large if dots have little
+/// to draw.
+double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
+    constexpr double kMean = 2, kMinShare = 0.1;
+    return request.dots == Dots::Both ? std::max(kMean * ink, kMinShare * static_cast<double>(pixels)) : ink;
+}
+
+/// Returns the canvas. If the server chooses the size, the canvas has at most limits.max_pixels. A requested size is
+/// not reduced.
+Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
+                           const Limits& limits) {
+    const auto canvas = settled_canvas(request, plan.picture, limits);
+    if (!canvas) return canvas_of(plan.box(), fitting_scale(plan.box(), preferred_scale, limits.max_pixels));
+    if (!request.format->is_drawn() || fits(*canvas, limits.max_pixels)) return *canvas;
+    const std::string option = size_option(request);
+    return failure(ErrorCode::LimitExceeded,
+                   option + " makes an output of " + std::to_string(canvas->width) + " x " +
+                       std::to_string(canvas->height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   option);
+}
+
+/// Returns the radius that the request gives, or that follows from the size of the drawing, in pixels of the picture.
+std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
+    if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
+    if (!request.dot) return std::nullopt;
+    return picture_radius(request, plan.picture, plan.canvas.scale);
+}
+
+/// Returns the requested number of sites, or the number of dots that follows from the radius.
+Result<std::size_t> sites_of(const std::optional<std::size_t>& requested, double dots, const Limits& limits) {
+    if (requested) return *requested;
+    const double sum = std::round(dots);
+    if (sum <= static_cast<double>(limits.max_sites)) return static_cast<std::size_t>(std::max(sum, 1.0));
+    return failure(ErrorCode::LimitExceeded,
+                   "the number of dots of this radius would exceed this server's limit (max-sites), which is " +
+                       std::to_string(limits.max_sites),
+                   "dot");
+}
+
+/// Returns whether the number of dots is proportional to the area that dots should cover, without regard to overlaps.
+/// This includes runs without iterations, because the overlaps of their random sites are not known.
+bool is_proportional(const HalftoneRequest& request) {
+    return request.tone == Tone::Density || request.run.iterations == 0;
+}
+
+/// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number that a plotter
+/// draws in this time.
+Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
+                             Executor& executor) {
+    if (!request.minutes) return limits.max_sites;
+    const double unit = *request.drawing.width_mm / picture.size.width;
+    PlotInk ink;
+    for (const std::vector<float>& coverage : picture.inks.coverage) {
+        ink.area += sum(coverage, executor);
+        ink.spread += sum_of_pixels(executor, coverage.size(),
+                                    [&](std::size_t i) { return std::sqrt(static_cast<double>(coverage[i])); });
+    }
+    const double cell = picture.cell_area() * unit * unit;
+    std::optional<double> radius;
+    if (request.dot && request.dot->millimetres) radius = request.dot->length;
+    const double dots = dots_in(60 * *request.minutes, {ink.area * cell, ink.spread * cell}, radius, request.drawing);
+    if (dots >= 1) return static_cast<std::size_t>(std::min(dots, static_cast<double>(limits.max_sites)));
+    return failure(ErrorCode::Unusable, "minutes is too small to draw this picture: give more minutes or a wider pen",
+                   request.field_of("minutes"));
+}
+
+/// Determines the number and the radius of the dots of each ink. Replaces the coverage of the picture with the density
+/// of dots.
+/// @param usual  number of sites to use unless the number follows from the radius
+/// @param most   maximum number of sites, from max_dots()
+Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
+                         std::span<const double> ink, std::size_t usual, std::size_t most, const Limits& limits,
+                         const Control& control) {
+    constexpr double kToneDigits = 1e4;
+    plan.radius = requested_radius(request, plan, picture.fineness);
+    if (is_proportional(request)) {
+        plan.sites = share_sites(ink, usual);
+        return {};
+    }
+    const double side = std::sqrt(picture.cell_area());
+    DotRequest wanted{request.sites, plan.radius, request.detail};
+    if (!plan.radius) wanted.sites = usual;
+    if (plan.radius) wanted.radius = *plan.radius / side;
+    // The number of dots if no dots overlapped. Overlaps make it larger.
+    const double fewest =
+        plan.radius ? std::reduce(ink.begin(), ink.end()) / std::numbers::pi / *plan.radius / *plan.radius : 0;
+    if (request.minutes && fewest > static_cast<double>(most)) wanted.sites = most;
+    DotPlan dots = plan_dots(std::move(picture.inks.coverage), picture.cells.columns, picture.cells.rows, wanted,
+                             control.stop, *control.executor);
+    if (auto going = check_stop(control.stop); !going) return going;
+    picture.inks.coverage = std::move(dots.density);
+    plan.radius = dots.radius * side;
+    const double needed = std::reduce(dots.dots.begin(), dots.dots.end());
+    const double drawn = request.minutes ? std::min(needed, static_cast<double>(most)) : needed;
+    const double share = drawn < needed ? drawn / needed : 1;
+    plan.tone = std::round(dots.tone * share * kToneDigits) / kToneDigits;
+    plan.samples = samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias);
+    auto sites = sites_of(wanted.sites, drawn, limits);
+    if (!sites) return tl::unexpected(sites.error());
+    plan.sites = share_sites(dots.dots, *sites);
+    return {};
+}
+
+/// Plans dots on both sides of the tonal scale. The dots flip channels, which are either inks or light.
+TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& picture, const TwoSidedOptions& options,
+                        const Control& control) {
+    auto coverage = std::move(picture.inks.coverage);
+    if (!flips_light(request)) {
+        return plan_two_sided({std::move(coverage), std::move(picture.inks.light)},
+                              toned(ink_set(request.palette), request.tone), picture.cells, options, control.stop,
+                              *control.executor);
+    }
+    for (std::vector<float>& channel : coverage) {
+        for_ranges(*control.executor, channel.size(), kPixelsOfTask, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) channel[i] = 1 - channel[i];
+        });
+    }
+    return plan_two_sided(std::move(coverage), picture.cells, options, control.stop, *control.executor);
+}
+
+/// Determines the grounds, and the number and sizes of dots on both sides of the tonal scale.
+/// @param minority  area that dots have to draw; 0 if the picture is only black and white, which the grounds draw
+///                  without dots
+Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
+                              double minority, std::size_t usual, const Limits& limits, const Control& control) {
+    // Smallest radii, in output pixels, that a raster draws well: kMinRadius without antialiasing, kMinSoftRadius
+    // with it.
+    constexpr double kMinRadius = 1.25, kMinSoftRadius = 0.6;
+    const double side = std::sqrt(picture.cell_area());
+    TwoSidedOptions options{request.sites, {}, request.detail, 0};
+    if (const auto radius = requested_radius(request, plan, picture.fineness)) options.radius = *radius / side;
+    if (!options.radius) options.sites = usual;
+    if (request.format->raster() != nullptr)
+        options.min_radius = (request.antialias ? kMinSoftRadius : kMinRadius) / plan.canvas.scale / side;
+    if (has_screen_radius(request))  // at most as many dots as in a picture of solid ink
+        options.max_sites = usual_sites(request, plan.picture, all_pixels(plan.picture), 1, limits);
+    plan.two_sides = plan_sides(request, picture, options, control);
+    if (auto going = check_stop(control.stop); !going) return going;
+    auto sites = sites_of(options.sites, plan.two_sides->dots, limits);
+    if (!sites) return tl::unexpected(sites.error());
+    const double dots = minority > 0 ? plan.two_sides->dots : 0;
+    std::vector<double> shares;
+    for (const KindOfDots& kind : plan.two_sides->kinds) shares.push_back(kind.share);
+    plan.sites = share_sites(shares, dots > 0 ? *sites : 0);
+    plan.radius = plan.two_sides->radius * side;
+    if (dots > 0) plan.tone = request.sites && request.dot ? static_cast<double>(*sites) / dots : 1;
+    plan.samples = dots > 0 ? samples_for(*plan.radius * plan.canvas.scale, plan.canvas, request.antialias) : 1;
+    return {};
+}
+
+/// Creates the target for the appearance of several inks together. Returns none if the polish does not need it.
+/// @param light  wanted light of each cell
+std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
+                                     const LightPlanes& light, Executor& executor) {
+    const bool polished = request.run.iterations > 0 && request.run.quality != Quality::Draft;
+    if (request.palette.mixing == Mixing::Cover || request.dots == Dots::Both || !polished || !plan.radius)
+        return std::nullopt;
+    const std::size_t sites = std::accumulate(plan.sites.begin(), plan.sites.end(), std::size_t{0});
+    return PrintProof(light, cells, plan.picture.width, plan.picture.height,
+                      toned(ink_set(request.palette), request.tone), *plan.radius, sites, executor);
+}
+
+/// Returns warnings about the request: only one frame of a file with several frames is drawn.
+std::vector<Warning> warnings_of(const HalftoneRequest& request) {
+    std::string frame = describe_frame(request.image.header);
+    if (frame.empty()) return {};
+    return {{request.image_field, std::move(frame)}};
+}
+
+/// Creates a density for each ink or kind of dots that has sites. Frees the coverage of each ink.
+Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedPicture& picture) {
+    std::vector<Density> densities(plan.sites.size(), Density::uniform());
+    for (std::size_t ink = 0; ink < plan.sites.size(); ++ink) {
+        const auto coverage = plan.two_sides ? std::vector<float>{} : std::exchange(picture.inks.coverage[ink], {});
+        if (plan.sites[ink] == 0) continue;
+        const std::span<const float> values = plan.two_sides ? plan.two_sides->kinds[ink].density : coverage;
+        auto density = Density::grid(picture.cells.columns, picture.cells.rows, values);
+        if (!density) return tl::unexpected(density.error());
+        densities[ink] = *std::move(density);
+    }
+    return densities;
+}
+
+/// Chooses the radii of dots on both sides, in pixels of the picture.
+std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftonePlan& plan,
+                                 std::span<const Distribution> placed, const Control& control) {
+    const CellGrid& cells = plan.two_sides->cells;
+    const double across = static_cast<double>(plan.picture.width) / cells.columns;
+    const double down = static_cast<double>(plan.picture.height) / cells.rows;
+    std::vector<std::vector<Point>> sites(placed.size());
+    for (std::size_t kind = 0; kind < placed.size(); ++kind) {
+        for (const Point& point : placed[kind].points) sites[kind].push_back({point.x / across, point.y / down});
+    }
+    const bool fit = !(request.sites && request.dot);
+    std::vector<SizedDots> dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.executor);
+    for (SizedDots& kind : dots) {
+        for (float& radius : kind.radii) radius *= static_cast<float>(std::sqrt(across * down));
+        if (request.palette.mixing != Mixing::Add) continue;
+        for (std::uint8_t& white : kind.white)
+            white ^= static_cast<std::uint8_t>(kinds_of(plan.two_sides->channels.size()));
+    }
+    return dots;
+}
+
+}  // namespace
+
+Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                   const Control& control) {
+    auto picture = separate_picture(request, limits, decode, control);
+    if (!picture) return tl::unexpected(picture.error());
+    Separation& separation = picture->inks;
+    HalftonePlan plan;
+    plan.picture = picture->size;
+    plan.warnings = warnings_of(request);
+    std::vector<double> ink;
+    for (const auto& each : separation.coverage) ink.push_back(sum(each, *control.executor) * picture->cell_area());
+    const double all_ink = drawn_share(separation.coverage, request, *control.executor) * picture->cell_area();
+    if (!(all_ink > 0) && is_paper(request, separation.coverage, *control.executor)) return nothing_to_draw(request);
+    const std::size_t pixels =
+        static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
+    for (const double each : ink) plan.cover.push_back(each / static_cast<double>(pixels));
+    const auto most = max_dots(request, *picture, limits, *control.executor);
+    if (!most) return tl::unexpected(most.error());
+    const std::size_t usual =
+        request.sites ? *request.sites
+                      : std::min(usual_sites(request, plan.picture, all_ink, picture->fineness, limits), *most);
+    const double scale = default_scale(ink_of_scale(request, all_ink, pixels), pixels, usual);
+    auto canvas = plan_canvas(request, plan, scale, limits);
+    if (!canvas) return tl::unexpected(canvas.error());
+    plan.canvas = *canvas;
+    const std::string option = size_option(request);
+    if (auto checked = request.format->check_side(*canvas, option, option); !checked)
+        return tl::unexpected(checked.error());
+    auto settled = request.dots == Dots::Both
+                       ? settle_two_sides(request, plan, *picture, all_ink, usual, limits, control)
+                       : settle_dots(request, plan, *picture, ink, usual, *most, limits, control);
+    if (!settled) return tl::unexpected(settled.error());
+    plan.proof = make_proof(request, plan, picture->cells, std::exchange(separation.light, {}), *control.executor);
+    auto densities = make_densities(plan, *picture);
+    if (!densities) return about_image(densities.error(), request);
+    plan.densities = *std::move(densities);
+    return plan;
+}
+
+Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control) {
+    const std::vector<Density> densities = std::exchange(plan.densities, {});
+    const auto domain = Domain::rectangle(plan.picture.width, plan.picture.height);
+    if (!domain) return tl::unexpected(domain.error());
+    PlacedDots placed;
+    if (plan.two_sides && std::ranges::all_of(plan.sites, [](std::size_t sites) { return sites == 0; })) {
+        placed.inks.resize(plan.sites.size());
+        for (Distribution& each : placed.inks) each.trace = {0};
+        placed.sized.resize(plan.sites.size());
+        return placed;
+    }
+    Retouch retouch;
+    if (plan.proof) {
+        retouch = [&](std::span<const std::vector<Point>> sites) {
+            return plan.proof->moves(sites, control.stop, *control.executor);
+        };
+    }
+    auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);
+    if (!dots) return about_image(dots.error(), request);
+    for (const Distribution& each : *dots) {
+        if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);
+    }
+    placed.inks = *std::move(dots);
+    if (plan.two_sides) placed.sized = size_dots(request, plan, placed.inks, control);
+    return placed;
+}
+
+}  // namespace ccdt::api

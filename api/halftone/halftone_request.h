@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/image/image_codec.h"
+#include "api/image/image_header.h"
+#include "api/input/drawing_options.h"
+#include "api/input/palette.h"
+#include "api/input/run_options.h"
+#include "api/output/formats.h"
+#include "api/run/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/halftone/levels.h"
+#include "core/halftone/tone.h"
+
+namespace ccdt::api {
+
+/// Radius of dots.
+struct DotRadius {
+    double length = 0;         ///< > 0
+    bool millimetres = false;  ///< unit of the length: millimetres, which require width_mm, or pixels of the output
+};
+
+/// Sides of the tonal scale on which dots are drawn.
+enum class Dots {
+    Both,   ///< where the picture is light, ink dots on white ground; where it is dark, dots of bare paper on black
+            ///< ground
+    Ink,    ///< ink dots on paper
+    Paper,  ///< dots for the light parts of the picture, on black
+};
+
+/// Ways to fit a picture into a drawing whose width and height are both given.
+enum class Fit {
+    Contain,  ///< the whole picture is drawn, as large as fits into both sides
+    Cover,    ///< the middle of the picture is drawn, with exactly these sides
+};
+
+/// Request to /halftone, with its options.
+struct HalftoneRequest {
+    ImageFile image;
+    std::string image_field;           ///< for Error::field; empty if the image is the body
+    std::optional<std::size_t> sites;  ///< none: chosen from the image
+    std::optional<double>
+        minutes;  ///< maximum drawing time of a plotter; limits the number of sites that the server chooses
+    Options run;  ///< seed, iterations, passes
+    std::optional<double> scale;   ///< output pixels per input pixel; none: chosen by the server
+    std::optional<int> width;      ///< of the drawing, in pixels; excludes `scale`
+    std::optional<int> height;     ///< of the drawing, in pixels; excludes `scale`
+    Fit fit = Fit::Contain;        ///< Cover requires width and height
+    bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
+    std::optional<DotRadius> dot;  ///< none: follows from the tone of the picture
+    double detail = 0.7;           ///< as in DotRequest; 0: the dots follow the density alone
+    Levels levels;                 ///< applied to the picture before all other steps
+    bool antialias = false;
+    bool may_be_scaled = false;  ///< whether browsers may show the drawing at another size: the request gives neither a
+                                 ///< size nor `antialias`
+    Dots dots = Dots::Ink;       ///< Paper requires a single ink that covers
+    Tone tone = Tone::Linear;
+    Palette palette;
+    const PointFormat* format = nullptr;  ///< never null in a parsed request
+    DrawingOptions drawing;
+    OnStop on_deadline = OnStop::Error;
+
+    /// Returns the field of errors about an option: its name or a JSON Pointer.
+    std::string field_of(std::string_view option) const;
+};
+
+}  // namespace ccdt::api

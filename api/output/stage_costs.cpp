@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/output/stage_costs.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "api/output/plot.h"
+
+namespace ccdt::api {
+
+Cost total_cost(const Estimate& estimate) {
+    constexpr double kFixedBytes = 6 << 20;
+    return {static_cast<std::size_t>(estimate.bytes + kFixedBytes), estimate.seconds};
+}
+
+Estimate decoding_cost(const ImageFile& file, double planes) {
+    constexpr double kTime = 0.03 * kMicrosecond;
+    const auto pixels = static_cast<double>(file.header.pixels());
+    const double decoder = static_cast<double>(file.header.decoder_bytes) + static_cast<double>(file.bytes.size());
+    return {pixels * planes + decoder, pixels * kTime};
+}
+
+Estimate density_cost(double cells) {
+    return {cells * 20, cells * 0.03 * kMicrosecond};
+}
+
+Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias) {
+    const double covered = sites * std::min(pixels, radius ? 4 * *radius * *radius : 0);
+    return {sites * 166 + pixels * 6, (pixels * (antialias ? 0.04 : 0.005) + covered * 0.001) * kMicrosecond};
+}
+
+Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius) {
+    const VectorWriter* const shapes = format.vector();
+    if (shapes == nullptr) return {};
+    const std::vector<Point> stroke =
+        dot_stroke(drawing.style, std::min(kMaxTurns * drawing.pen_mm, radius), drawing.pen_mm);
+    return shapes->per_turn_point * (static_cast<double>(stroke.size() - 1) * sites);
+}
+
+Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels) {
+    const Estimate writing = format.per_site * sites + format.per_pixel * pixels;
+    return format.raster() == nullptr ? then(raster, writing) : raster + writing;
+}
+
+std::size_t bytes_of(const ImageFile& file) {
+    return file.decoded ? file.decoded->size() : 0;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <stop_token>
+#include <vector>
+
+#include "api/image/image_codec.h"
+#include "api/run/options.h"
+#include "api/sample/sample_request.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/faults.h"
+#include "core/geometry/polygon.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Maximum number of corners of a mask's outline.
+inline constexpr std::size_t kMaxMaskCorners = 100'000;
+
+/// Areas, in the coordinates of a request, that are subtracted from its domain: no point may lie in them.
+struct Exclusions {
+    std::vector<Area>
+        avoided;  ///< on the globe, longitudes may differ from those of the domain by multiples of 360 degrees
+    std::vector<Area> masked;     ///< the dark area of the mask
+    std::vector<Repair> repairs;  ///< repairs of the avoided areas; fields are JSON Pointers
+};
+
+/// Computes the areas that a request avoids and those that its mask marks.
+/// @param box     bounding box of the domain, over which the mask is stretched
+/// @param decode  decodes the mask
+/// @param stop    polled from time to time
+/// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a mask whose outline has
+/// more than kMaxMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
+Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
+                                   const Decode& decode, const std::stop_token& stop);
+
+/// Subtracts exclusions from a domain, or from the area of a feature. The bounding box stays the same.
+/// Errors: Unusable if the remaining domain is empty; Stopped. Fields are JSON Pointers.
+Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const SampleRequest& request,
+                       const std::stop_token& stop);
+
+/// Erodes a domain in the plane by the buffer of a request. The bounding box stays the same.
+/// Errors: Unusable if the remaining domain is empty; Stopped. The field is that of the option `buffer`.
+Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop);
+
+}  // namespace ccdt::api

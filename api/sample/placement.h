@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "api/sample/sample_area.h"
+#include "api/sample/sample_request.h"
+#include "core/ccdt/ccdt.h"
+#include "core/density/density.h"
+#include "core/dotmap/dot_map.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Placed points.
+struct PlacedPoints {
+    /// [classes] of a dot map; otherwise all points. If the request has features, points are grouped by them.
+    std::vector<ClassDots> classes;
+    std::optional<double> pitch;           ///< only on the globe: square root of the area per point, in metres
+    std::vector<std::uint32_t> lost = {};  ///< features of the area in which the buffer on the globe leaves no area
+};
+
+/// Distributes the points of a request, groups them by features if the request has features, and orders them.
+/// Errors: those of run_sample() about the density and the options; LimitExceeded if the properties that points carry
+/// take too many bytes; Stopped.
+Result<PlacedPoints> place_points(const SampleRequest& request, const SampleArea& area, const Density& density,
+                                  const Control& control);
+
+}  // namespace ccdt::api

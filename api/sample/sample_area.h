@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "api/image/image_codec.h"
+#include "api/output/json_writer.h"
+#include "api/run/options.h"
+#include "api/sample/sample_request.h"
+#include "core/dotmap/dot_map.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/faults.h"
+#include "core/geometry/polygon.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Area in which the points of a request are placed. Its exclusions are subtracted.
+struct SampleArea {
+    Domain whole;                        ///< of a dot map: union of the features
+    std::vector<MapFeature> features;    ///< of a dot map: those that have an area, with the area; otherwise empty
+    std::vector<std::uint32_t> numbers;  ///< [features] index in the request
+    std::vector<Repair> repairs;         ///< fields are JSON Pointers in the request
+    std::vector<Warning> warnings;
+};
+
+/// Builds the area of a request. In the plane, the area is also eroded by the buffer.
+///
+/// @param decode  decodes the mask
+/// Errors: those of run_sample() about the domain. If a feature of a dot map is invalid, the error's field is a JSON
+/// Pointer to the feature.
+Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                             const std::stop_token& stop);
+
+/// Adds a warning for each feature of a dot map that lost its points because its exclusions leave no area.
+/// @param lost  indices into the features of the area
+/// Errors: Unusable if the request rejects invalid polygons.
+Result<void> warn_of_lost(const SampleRequest& request, std::span<const std::uint32_t> lost, SampleArea& area);
+
+/// Returns the parts of a feature of a request. On the globe, the parts are made continuous by unrolled().
+/// Errors: those of unrolled().
+Result<std::vector<PolygonPart>> parts_of(const SampleRequest& request, std::size_t feature);
+
+}  // namespace ccdt::api

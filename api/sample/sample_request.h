@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "api/image/image_header.h"
+#include "api/input/domain_reader.h"
+#include "api/input/drawing_options.h"
+#include "api/input/feature_counts.h"
+#include "api/input/feature_list.h"
+#include "api/input/method.h"
+#include "api/input/point_order.h"
+#include "api/input/polygon_reader.h"
+#include "api/output/formats.h"
+#include "api/run/deadline.h"
+#include "api/sample/threshold_mask.h"
+#include "core/ccdt/ccdt.h"
+
+namespace ccdt::api {
+
+/// Grid of densities, stretched over the bounding box of the domain. The first row is at the smallest y.
+struct DensityGrid {
+    int width = 0;
+    int height = 0;
+    std::vector<double> values;  ///< [width * height], finite, >= 0
+};
+
+/// Picture of densities, stretched over the bounding box of the domain. The first row is at the largest y. Dark pixels
+/// are dense.
+struct DensityImage {
+    ImageFile file;
+};
+
+/// Kind of coordinates.
+enum class Coordinates {
+    Plane,   ///< x and y
+    LonLat,  ///< longitude and latitude on WGS 84, degrees; points are spread evenly on the earth's surface
+};
+
+/// Ways to treat invalid polygons.
+enum class OnInvalid { Repair, Reject };
+
+/// Region in which points are placed.
+struct SampleRegion {
+    std::variant<PolygonInput, Rectangle> domain;
+    PolygonInput avoid{
+        {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
+    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark area is subtracted
+    double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
+    OnInvalid on_invalid = OnInvalid::Repair;
+    Coordinates coordinates = Coordinates::Plane;  ///< LonLat only with polygons
+
+    bool is_on_globe() const { return coordinates == Coordinates::LonLat; }
+
+    /// Returns whether parts of the domain are excluded.
+    bool has_exclusions() const { return !avoid.parts.empty() || mask || buffer > 0; }
+};
+
+/// Format and look of the answer.
+struct SampleOutput {
+    const PointFormat* format = nullptr;  ///< never null in a parsed request
+    DrawingOptions drawing;
+    std::optional<int> width;         ///< width of a drawing in pixels; none: follows from the number of sites
+    std::optional<double> dot;        ///< radius in units of the domain, > 0; none: a quarter of the pitch
+    std::optional<PointOrder> order;  ///< none: along a path in drawings of shapes, otherwise the order of placement
+};
+
+/// Request to /sample, with its options.
+struct SampleRequest {
+    std::optional<ThresholdMask> threshold_mask;  ///< if there is one, the request is for it, not for points
+    SampleRegion region;
+    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
+    Options run;
+    const Method* method = &methods().front();
+    OnStop on_deadline = OnStop::Error;
+    std::optional<FeatureList> features;  ///< features by which points are grouped; their parts are those of the domain
+    std::optional<FeatureCounts> counts;  ///< counts of a dot map, which also has features
+    SampleOutput output;
+    bool is_document = false;  ///< whether the body is GeoJSON or TopoJSON; options are then given as text
+
+    /// Returns the field of errors about an option: its name or a JSON Pointer.
+    std::string field_of(std::string_view option) const {
+        return is_document ? std::string(option) : pointer_below("", option);
+    }
+};
+
+}  // namespace ccdt::api

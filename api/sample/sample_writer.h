@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "api/output/body.h"
+#include "api/output/json_writer.h"
+#include "api/output/page.h"
+#include "api/run/options.h"
+#include "api/sample/sample_request.h"
+#include "core/ccdt/ccdt.h"
+#include "core/dotmap/dot_map.h"
+#include "core/geometry/domain.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Pixel size of a drawing if the request gives no width: the spacing of evenly spread dots, and the limits of the
+/// longer side.
+inline constexpr double kPixelPitch = 8;
+inline constexpr double kMinDrawingSide = 512;
+inline constexpr double kMaxDrawingSide = 16'384;
+
+/// Plans the page of a drawing. If the request gives no width, the page has at most limits.max_pixels. Errors:
+/// LimitExceeded for a requested width that makes more pixels.
+Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const Limits& limits);
+
+/// Writes the points of a sample in the requested format.
+///
+/// @param whole  domain of the points; of a dot map, the union of all features
+/// @param page   page, for drawings
+/// @param dots   [classes] of a dot map; otherwise one element with all points. If the request has features, the points
+///               are grouped by them.
+/// Errors: those of the format's writer; Stopped.
+Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
+                          std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);
+
+}  // namespace ccdt::api

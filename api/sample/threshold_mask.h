@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "api/input/domain_reader.h"
+#include "api/input/file_formats.h"
+#include "api/run/estimate.h"
+#include "api/run/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Format of a threshold mask: a tile of grey values in which all values are equally frequent. For any threshold, the
+/// pixels below it are spread evenly.
+struct MaskFormat {
+    FileFormat file;
+    int bits;  ///< bits of each grey value
+};
+
+/// Returns the formats of masks that /sample offers as values of the option `format`.
+std::span<const MaskFormat* const> mask_formats();
+
+/// Limits on the side of a mask, in pixels.
+inline constexpr int kMinMaskSide = 8;
+inline constexpr int kMaxMaskSide = 1'024;
+
+/// Request to /sample for a threshold mask.
+struct ThresholdMask {
+    const MaskFormat* format;
+    Rectangle torus = {};  ///< its sides are the size in pixels
+    std::uint64_t seed = 0;
+};
+
+/// Checks that the domain of a mask is a torus whose sides are integers within the limits.
+/// @param format_field  field of the option `format`
+/// Errors: Malformed, with a JSON Pointer.
+Result<void> check_mask(const Rectangle* domain, const std::string& format_field);
+
+/// Answers a request for a mask. Errors: Stopped; Internal if memory runs out. Same request, same bytes.
+Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timings& timings);
+
+Estimate cost_of_mask(const ThresholdMask& mask);
+
+}  // namespace ccdt::api

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/point.h"
+#include "core/halftone/blur_pyramid.h"
+#include "core/halftone/pixel_ranges.h"
+#include "core/halftone/reduction.h"
+#include "core/halftone/sized_dots.h"
+#include "core/halftone/two_sided_plan.h"
+#include "core/parallel/executor.h"
+
+namespace ccdt {
+
+/// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on how colours
+/// mix.
+///
+/// The error of the drawing is measured on a grid that may be coarser than the cells of the plan: the error at a dot is
+/// a mean over the local spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
+class FittedDots {
+public:
+    /// @param sites  [kinds][sites]; dots are numbered in this order
+    FittedDots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor);
+
+    std::size_t count() const { return sites_.size(); }
+    Point site(std::size_t dot) const { return sites_[dot]; }
+    unsigned flips(std::size_t dot) const { return flips_[dot]; }
+    float area(std::size_t dot) const { return areas_[dot]; }
+    std::span<const float> areas() const { return areas_; }
+    double radius(std::size_t dot) const { return std::sqrt(static_cast<double>(areas_[dot]) / std::numbers::pi); }
+
+    /// Returns the share that dots of the kind are planned to cover around a dot.
+    float planned_share(std::size_t dot) const { return planned_[dot] / ground_per_dot_[dot]; }
+
+    /// Returns whether the boundary of a ground may cross a dot. If not, the dot lies on one ground, even if its area
+    /// changes.
+    bool is_near_boundary(std::size_t dot) const { return near_boundary_[dot] != 0; }
+
+    /// Finds the pairs of dots that may overlap, given the current areas.
+    std::vector<std::array<std::uint32_t, 2>> close_pairs() const;
+
+    /// Returns an image of the error without dots.
+    /// @param values  [cells of the plan]
+    std::vector<float> error_image(const std::vector<float>& values) const;
+
+    /// Adds light to an image of the error: at a position, or of a disc.
+    /// @param amount  light multiplied by its area
+    void add_light(Point place, float amount, std::vector<float>& image) const;
+    void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
+
+    /// Changes the area of each dot. The change is the error of the local mean of the drawing, multiplied by the area
+    /// of ground per dot and by the dot's gain. One round removes errors of long wavelength. Errors whose wavelength is
+    /// about one spacing take several rounds.
+    ///
+    /// @param bases  [channels] results of error_image()
+    /// @param draw   draw(channel, image) adds the light of all dots to an image
+    /// @param gain   gain(dot, channel) returns the change of a dot's area per unit of error
+    template <class Draw, class Gain>
+    void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
+        constexpr float kStep = 0.85f, kSmallest = 0.25f, kNoise = 0.004f;
+        std::ranges::fill(changes_, 0.0f);
+        for (std::size_t c = 0; c < bases.size(); ++c) {
+            image_ = bases[c];
+            draw(c, image_);
+            means_.assign(image_, executor_);
+            for_pixels(executor_, count(), [&](std::size_t dot) {
+                const float mean = means_.at(samples_[dot]) * ground_per_dot_[dot];
+                const float excess = std::max(std::abs(mean) - kNoise * planned_[dot], 0.0f);
+                changes_[dot] -= kStep * gain(dot, c) * std::copysign(excess, mean);
+            });
+        }
+        for (std::size_t dot = 0; dot < count(); ++dot)
+            areas_[dot] = std::clamp(areas_[dot] + changes_[dot], kSmallest * planned_[dot], kLargest * planned_[dot]);
+    }
+
+private:
+    static constexpr float kLargest = 2.5f;  // largest area relative to the planned area
+
+    void add(const KindOfDots& kind, std::span<const Point> sites);
+    void choose_grid();
+    void find_near_boundary();
+
+    const TwoSidedPlan& plan_;
+    Executor& executor_;
+    std::vector<Point> sites_;                 ///< [dots]
+    std::vector<std::uint8_t> flips_;          ///< [dots] channels, as bits
+    std::vector<float> planned_;               ///< [dots] area
+    std::vector<float> areas_;                 ///< [dots]
+    std::vector<float> ground_per_dot_;        ///< [dots] local area of ground per dot of the kind
+    std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels, as bits
+    CellGrid grid_;                            ///< grid of the error
+    Point scale_;                              ///< cells of the grid per cell of the plan, along each axis
+    BlurPyramid means_;
+    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
+    std::vector<float> image_, changes_;        ///< memory of improve()
+};
+
+/// Fits the areas of dots in rounds, and returns the sizes of the dots.
+///
+/// @param sizes  a fit with the functions improve(), find_cut(), dots(), white_channels() and cut_channels()
+/// @param sites  [kinds][sites]; the fit numbers the dots in this order
+/// @param fit    false: the areas stay as planned
+/// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
+template <class Fit>
+std::vector<SizedDots> fit_in_rounds(Fit& sizes, std::span<const std::vector<Point>> sites, bool fit,
+                                     const std::stop_token& stop) {
+    constexpr int kRounds = 14, kRoundsOfCut = 4;
+    for (int round = 0; fit && round < kRounds && !stop.stop_requested(); ++round) {
+        if (round > 0 && round % kRoundsOfCut == 0) sizes.find_cut();
+        sizes.improve();
+    }
+    sizes.find_cut();
+    std::vector<SizedDots> dots(sites.size());
+    std::size_t dot = 0;
+    for (std::size_t kind = 0; kind < sites.size(); ++kind) {
+        for (std::size_t i = 0; i < sites[kind].size(); ++i, ++dot) {
+            dots[kind].radii.push_back(static_cast<float>(sizes.dots().radius(dot)));
+            dots[kind].white.push_back(static_cast<std::uint8_t>(sizes.white_channels(dot)));
+            dots[kind].cut.push_back(static_cast<std::uint8_t>(sizes.cut_channels(dot)));
+        }
+    }
+    return dots;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/jobs/job.h"
+
+namespace ccdt::server {
+
+/// A job that clients follow: its latest known state, and its iterations so far. Thread-safe.
+class FollowedJob {
+public:
+    /// Updates the state, unless a later state is known.
+    void advance(const Job& job);
+
+    /// Notes that the store may have a newer state.
+    void mark_stale();
+
+    /// Notes that the job no longer exists.
+    void mark_gone();
+
+private:
+    friend class JobWatch;
+
+    std::mutex mutex_;  ///< guards all other members
+    std::condition_variable changed_;
+    Job job_;
+    std::vector<JobProgress> steps_;
+    bool stale_ = false;
+    bool gone_ = false;
+};
+
+/// Follows a job's progress, for one client.
+class JobWatch {
+public:
+    /// Asks the store for the state of a job, which another server may run.
+    using LookUp = std::function<void(const std::string& id, FollowedJob& job)>;
+
+    JobWatch(std::shared_ptr<FollowedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
+
+    /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last one
+    /// the end. If another server runs the job, some iterations may be skipped.
+    /// @returns  none if there is no new state by `until`
+    std::optional<Job> next(std::chrono::steady_clock::time_point until);
+
+    /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
+    void look_again() { job_->mark_stale(); }
+
+    /// Whether there will be no further states: the job has ended or no longer exists.
+    bool is_over() const { return over_; }
+
+private:
+    std::shared_ptr<FollowedJob> job_;
+    LookUp look_up_;
+    std::optional<std::size_t> seen_;  ///< number of iterations
+    bool over_ = false;
+};
+
+/// The jobs that clients follow. Thread-safe.
+class FollowedJobs {
+public:
+    /// Returns a job, which is followed as long as the caller keeps it.
+    std::shared_ptr<FollowedJob> follow(const std::string& id);
+
+    /// Updates the state of a job if it is followed: see FollowedJob::advance.
+    void advance(const Job& job) const;
+    void mark_stale(const std::string& id) const;
+    void mark_all_stale() const;
+
+private:
+    std::shared_ptr<FollowedJob> find(const std::string& id) const;
+
+    mutable std::mutex mutex_;  ///< guards the member below
+    std::map<std::string, std::weak_ptr<FollowedJob>> jobs_;
+};
+
+}  // namespace ccdt::server

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "core/result.h"
+#include "server/jobs/followed_jobs.h"
+#include "server/jobs/job_limits.h"
+#include "server/jobs/job_runs.h"
+#include "server/jobs/job_store.h"
+#include "server/work/computation.h"
+#include "server/work/worker_pool.h"
+
+namespace ccdt::server {
+
+/// Claims jobs of a store, and runs them in the pool.
+///
+/// A job waits in the queue of the store, which is fair between clients. When the job is next and the pool can accept
+/// it, the job is claimed and passed to the pool. In the pool, jobs compete with requests whose clients wait.
+/// Thread-safe.
+class JobRunner {
+public:
+    using Logger = std::function<void(const JobEnd&)>;
+
+    /// Longest time until the server notices that the lease of another server has expired, or that the store can be
+    /// reached again.
+    static constexpr std::chrono::milliseconds kPollInterval{1000};
+
+    /// The parameters are those of Jobs.
+    JobRunner(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger,
+              FollowedJobs& followed);
+
+    /// Stops all runs.
+    ~JobRunner();
+
+    JobRunner(const JobRunner&) = delete;
+    JobRunner& operator=(const JobRunner&) = delete;
+
+    void start() { runs_.start(); }
+
+    /// Stops all runs: see Jobs::drain.
+    void drain();
+    bool is_draining() const { return runs_.is_draining(); }
+
+    /// Fails all jobs that no server runs.
+    void fail_all();
+
+    /// Looks for jobs to claim.
+    void claim() { runs_.wake_claimer(); }
+
+    /// Gives up the run of a job that was cancelled, if there is one.
+    void drop(const std::string& id);
+
+    /// Stores the progress of all runs, and looks for jobs to claim.
+    void refresh();
+
+    /// Adds progress that the store does not have yet.
+    void add_latest(Job& job) const;
+
+    JobRuns::Counts counts() const { return runs_.counts(); }
+
+private:
+    using Run = JobRuns::Run;
+    class ResultWriter;
+
+    void claim_jobs(const std::stop_token& closing);
+    bool claim_next();
+    void submit(Job job);
+    void run(const Run& run, const std::stop_token& stop);
+    bool begin(const Run& run);
+    std::optional<JobRun::End> compute(const Run& run, const std::stop_token& stop);
+    JobRun::End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
+    void note(const Run& run, const Progress& progress);
+    bool cancel_in_pool(const Run& run);
+    void give_up(const Run& run, JobStore::Owned owned);
+    void requeue(const Run& run);
+    void settle(const Run& run, JobRun::End end);
+    Result<std::optional<Time>> store_end(JobRun::End& end);
+    void keep_time(const std::stop_token& closing);
+    void renew_leases();
+    void store_remaining_ends();
+
+    const JobLimits limits_;
+    JobStore& store_;
+    const bool survives_;
+    WorkerPool& pool_;
+    const Compute compute_;
+    const Logger logger_;
+    FollowedJobs& followed_;
+    const std::chrono::milliseconds renewal_interval_;
+    JobRuns runs_;
+
+    std::jthread claimer_;     ///< claims jobs; the two threads come last, because they use all other members
+    std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
+};
+
+}  // namespace ccdt::server

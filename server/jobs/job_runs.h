@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/ccdt/ccdt.h"
+#include "server/jobs/job.h"
+#include "server/jobs/job_store.h"
+#include "server/work/worker_pool.h"
+
+namespace ccdt::server {
+
+/// A finished job, for the log and the metrics.
+struct JobEnd {
+    Job job;
+    Stages stages;
+    std::optional<Computed> computed;
+    std::string cause;  ///< cause of an internal failure
+};
+
+/// A job that this server has claimed. Thread-safe.
+class JobRun {
+public:
+    using Clock = std::chrono::steady_clock;
+
+    /// The end of a job, to be stored.
+    struct End {
+        std::string result;
+        JobEnd summary;
+        JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
+    };
+
+    /// Why a run is stopped.
+    enum class Stop { None, Deadline, Shutdown, Gone };
+
+    /// What to do with a run: begin or settle it, requeue its job, or nothing.
+    enum class Next { Proceed, Requeue, Nothing };
+
+    explicit JobRun(Job job) : job_(std::move(job)) {}
+
+    Job job() const;
+    bool is_gone() const;
+
+    /// A token that is stopped once nobody needs the result.
+    std::stop_token unneeded() const { return unneeded_.get_token(); }
+
+    /// Id of the job in the pool; none: not in the pool.
+    std::optional<WorkerPool::JobId> pool_id() const;
+
+    /// Passes the job to the pool by a function that returns its id there. A run cannot be stopped meanwhile.
+    void enter_pool(const std::function<WorkerPool::JobId()>& submit);
+
+    /// Marks the run as begun. Its lease was renewed, unless the store failed.
+    Next begin(const Result<JobStore::Renewal>& renewal, Clock::duration timeout);
+
+    /// Records progress.
+    /// @returns  whether the store had the latest progress until now
+    bool note(const Progress& progress);
+
+    /// Notes that the computation has ended. If it was not stopped, `whole` is true.
+    Next finish(bool whole);
+
+    /// Notes that the run has to stop.
+    /// @returns  false if the end of the job is being stored, or the run was given up
+    bool stop(Stop why);
+
+    /// Gives up the run, because this server does not own the job any more.
+    /// @returns  false as stop()
+    bool give_up(JobStore::Owned owned);
+
+    /// Reserves the storing of the job's end for the calling thread.
+    /// @returns  false if another thread stores it
+    bool start_settling();
+
+    /// Keeps an end that could not be stored.
+    void keep_end(End end);
+    bool has_end() const;
+    std::optional<End> take_end();
+
+    bool is_overdue() const;
+
+    /// Returns the next time at which is_overdue() or take_due() may change.
+    /// @param interval  pause between renewals of the lease
+    Clock::time_point next_due(Clock::duration interval) const;
+
+    /// Returns the state to be stored, if the lease has to be renewed or the progress has to be stored.
+    std::optional<Job> take_due(Clock::duration interval);
+
+    /// Notes that the state was passed to the store, which may have failed.
+    void renewed(bool stored);
+
+    /// Notes that the store may not have the latest progress.
+    void forget_stored_progress();
+
+    /// Adds progress that the store does not have yet to the job that it has.
+    void add_latest(Job& job) const;
+
+private:
+    Clock::time_point next_renewal_locked(Clock::duration interval) const;
+
+    std::stop_source unneeded_;
+
+    mutable std::mutex mutex_;  ///< guards the members below
+    Job job_;
+    std::optional<WorkerPool::JobId> pool_id_;
+    std::optional<Clock::time_point> deadline_;
+    Stop stop_ = Stop::None;
+    Clock::time_point renewed_ = Clock::now();  ///< time of the latest attempt to renew the lease
+    bool progress_stored_ = true;               ///< the store has the latest progress
+    bool settling_ = false;                     ///< the end of the job is being stored
+    std::optional<End> end_;                    ///< an end that could not be stored yet
+};
+
+/// The jobs that this server has claimed. Thread-safe.
+class JobRuns {
+public:
+    using Clock = JobRun::Clock;
+    using Run = std::shared_ptr<JobRun>;
+
+    /// Events of this server's runs.
+    struct Counts {
+        std::uint64_t lost = 0;      ///< runs given up because another server had claimed the job
+        std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
+    };
+
+    /// @param at_once  limit of jobs in the pool at a time
+    explicit JobRuns(std::size_t at_once) : at_once_(at_once) {}
+
+    void start();
+
+    /// Lets no more jobs into the pool.
+    /// @returns  all runs at the first call; none later
+    std::vector<Run> drain();
+    bool is_draining() const;
+
+    /// Whether another job may be claimed.
+    bool may_claim() const;
+
+    /// Adds a run.
+    /// @param for_pool  whether the job is to be passed to the pool
+    /// @returns         whether it may be passed to the pool; the caller must then call leave_pool() later
+    bool add(const Run& run, bool for_pool);
+    void leave_pool();
+    void wait_until_pool_is_left();
+
+    void erase(const Run& run);
+
+    /// @returns  null if this server has not claimed the job
+    Run find(const std::string& id) const;
+    std::vector<Run> all() const;
+
+    void count_lost();
+    Counts counts() const;
+
+    /// Makes wait_for_work() return.
+    void wake_claimer();
+
+    /// Waits until there may be a job to claim, or until a pause has passed.
+    void wait_for_work(const std::stop_token& closing, Clock::duration pause);
+
+    /// Makes wait_for_change() return.
+    void wake_timekeeper();
+    void wait_for_change(const std::stop_token& closing, Clock::time_point until);
+
+private:
+    const std::size_t at_once_;
+
+    mutable std::mutex mutex_;  ///< guards the members below; locked before those of runs
+    std::condition_variable_any wake_;
+    bool has_work_ = false;  ///< there may be a job to claim
+    bool changed_ = false;   ///< runs have changed since wait_for_change() returned
+    std::map<std::string, Run> runs_;
+    std::size_t in_pool_ = 0;  ///< number of jobs in the pool
+    Counts counts_;
+    bool started_ = false;
+    bool draining_ = false;
+};
+
+}  // namespace ccdt::server

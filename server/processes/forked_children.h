@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <sys/types.h>
+
+#include "server/processes/unique_fd.h"
+
+namespace ccdt::server {
+
+/// The children of a process with one thread that forks a child for each order of the server.
+///
+/// Each child has a socket to the process that waits for it. The end of the child is reported there. Once the other end
+/// of this socket is closed, the child is killed.
+class ForkedChildren {
+public:
+    /// Reports the end of a child to the process that waits for it.
+    /// @param status  status of waitpid
+    using ReportEnd = void (*)(const UniqueFd& socket, int status);
+
+    using Files = std::array<UniqueFd, 3>;
+
+    /// @param orders  socket for orders, which preserves message boundaries
+    ForkedChildren(UniqueFd orders, ReportEnd report_end);
+
+    /// Whether the ends of children can be noticed; false if the system has no more descriptors.
+    explicit operator bool() const { return static_cast<bool>(ends_); }
+
+    int orders() const { return orders_.get(); }
+
+    /// Waits for an order. Meanwhile reports the ends of children, kills children that nobody waits for any more, and
+    /// replies to probes.
+    /// @param order    receives the message
+    /// @param prepare  prepares for the order; called once, when there is no child or nothing has happened for 5 ms
+    /// @returns        files of the order, of which any may be missing; none once the server has ended
+    std::optional<Files> wait_for_order(std::span<std::byte> order, const std::function<void()>& prepare = {});
+
+    /// Forks a process. In the new process, no signal is blocked, and the sockets of this object are closed.
+    /// @returns  as fork
+    pid_t fork();
+
+    /// Adds a process that fork() has returned. A process that is not added is only reaped.
+    void add(pid_t process, UniqueFd socket) { children_.push_back({process, std::move(socket)}); }
+
+private:
+    struct Child {
+        pid_t process = 0;
+        UniqueFd socket;
+    };
+
+    static void kill(Child& child);
+    void reap();
+
+    UniqueFd orders_;
+    UniqueFd ends_;  ///< readable once a child has ended
+    const ReportEnd report_end_;
+    std::vector<Child> children_;
+};
+
+}  // namespace ccdt::server
