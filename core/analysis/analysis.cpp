@@ -298,9 +298,9 @@ std::vector<Ring> measure_rings(const Frame& frame, const Plan& plan, const Spec
 /// Returns the anisotropy of a ring in dB. Lower bounds keep the result finite where there is almost no power, as
 /// between the peaks of a lattice.
 double anisotropy(const Ring& ring) {
-    constexpr double kLeastVariance = 1e-30, kLeastPower = 1e-15;
-    const double power = std::max(ring.mean, kLeastPower);
-    return 10 * std::log10(std::max(ring.variance, kLeastVariance) / (power * power));
+    constexpr double kMinVariance = 1e-30, kMinPower = 1e-15;
+    const double power = std::max(ring.mean, kMinPower);
+    return 10 * std::log10(std::max(ring.variance, kMinVariance) / (power * power));
 }
 
 void fill_curves(const Frame& frame, const Plan& plan, Analysis& analysis) {

@@ -24,13 +24,13 @@ EqualCells::EqualCells(std::vector<Point> samples, std::span<const Point> sites,
                        const std::stop_token& stop)
     : images_(images), capacity_(samples.size() / sites.size()), radii_(sites.size()), changed_(sites.size(), 0) {
     for (const Point& site : sites) sites_.push_back(images.in_box(site));
-    if (!deal(samples, stop)) return;
-    for (std::uint32_t i = 0; i < sites_.size(); ++i) settle(i);
+    if (!assign_samples(samples, stop)) return;
+    for (std::uint32_t i = 0; i < sites_.size(); ++i) update_site(i);
 }
 
 /// Assigns each sample to the nearest site with free capacity, in an order spread evenly over the domain.
 /// @returns  false after a stop
-bool EqualCells::deal(std::span<const Point> samples, const std::stop_token& stop) {
+bool EqualCells::assign_samples(std::span<const Point> samples, const std::stop_token& stop) {
     constexpr std::size_t kStopStride = 16384;
     if (stop.stop_requested()) return false;
     samples_.resize(samples.size());
@@ -69,10 +69,10 @@ bool EqualCells::sweep(const std::stop_token& stop) {
 }
 
 bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
-    constexpr double kLeastGain = 1e-9;  // relative to the squared distance of the sites; less is a rounding error
+    constexpr double kMinGain = 1e-9;  // relative to the squared distance of the sites; less is a rounding error
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
-    const double least = kLeastGain * squared;
+    const double least = kMinGain * squared;
     // A sample gains no more than a sample would at the rim of the cell's circle, on the side of the other site.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);
@@ -85,8 +85,8 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     for (std::size_t i = 0; i < most && first_offers_[i].gain + second_offers_[i].gain > least; ++i) {
         std::swap(samples_[first_offers_[i].sample], samples_[second_offers_[i].sample]);
     }
-    settle(first);
-    settle(second);
+    update_site(first);
+    update_site(second);
     return true;
 }
 
@@ -129,7 +129,7 @@ void EqualCells::find_offers(std::uint32_t site, const std::vector<double>& gain
     });
 }
 
-void EqualCells::settle(std::uint32_t site) {
+void EqualCells::update_site(std::uint32_t site) {
     const Point before = sites_[site];
     Point sum;
     for (const Point& p : cell(site)) sum = sum + images_.shortest(p - before);

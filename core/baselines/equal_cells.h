@@ -50,14 +50,14 @@ private:
         std::uint32_t sample;
     };
 
-    bool deal(std::span<const Point> samples, const std::stop_token& stop);
+    bool assign_samples(std::span<const Point> samples, const std::stop_token& stop);
     bool has_changed_lately(std::uint32_t site) const { return changed_[site] + 1 >= sweeps_; }
     bool swap(std::uint32_t first, std::uint32_t second);
     double find_gains(std::uint32_t from, std::uint32_t to, std::vector<double>& gains) const;
     bool is_clear_of_seams(std::uint32_t from, std::uint32_t to) const;
     void find_offers(std::uint32_t site, const std::vector<double>& gains, double least,
                      std::vector<Offer>& offers) const;
-    void settle(std::uint32_t site);
+    void update_site(std::uint32_t site);
 
     PeriodicImages images_;
     std::size_t capacity_;

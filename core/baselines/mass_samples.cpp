@@ -61,16 +61,16 @@ Point Sampler::draw_in(const Part& part) {
 /// Draws the samples of a part, recursing into halves if it contains more than one share.
 /// @param begin, end  range of the part in the sequence of shares
 void Sampler::divide(const Part& part, double begin, double end, int depth) {
-    constexpr int kDeepest = 100;
+    constexpr int kMaxDepth = 100;
     constexpr double kThin = 0.25;  // relative to the part's mean density; a sparser point does not represent the part
     constexpr std::size_t kStopStride = 4096;
     if (stopped_) return;
     while (samples_.size() < count_ && next_middle() < end) {
-        if (end - begin > 1 && depth < kDeepest) return halve(part, begin, end, depth);
+        if (end - begin > 1 && depth < kMaxDepth) return halve(part, begin, end, depth);
         const Point p = draw_in(part);
         const double area = 0.5 * cross(part.corners[1] - part.corners[0], part.corners[2] - part.corners[0]);
         const bool is_thin = bisection_.at(p) * area < kThin * (end - begin) * share_;
-        if (is_thin && depth < kDeepest) return halve(part, begin, end, depth);
+        if (is_thin && depth < kMaxDepth) return halve(part, begin, end, depth);
         samples_.push_back(p);
         if (samples_.size() % kStopStride == 0) stopped_ = stop_.stop_requested();
     }

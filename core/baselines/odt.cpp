@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/baselines/site_mesh.h"
+#include "core/mesh/flips.h"
 
 namespace ccdt {
 
@@ -53,7 +54,7 @@ bool Circumcentres::step() {
         if (site % kStopStride == 0 && stop_.stop_requested()) break;
         moves |= move(site);
     }
-    mesh_.restore_delaunay();
+    restore_delaunay(mesh_);
     return moves;
 }
 
@@ -108,11 +109,11 @@ Point Circumcentres::way_to_mean() const {
 /// Whether every triangle keeps at least a tenth of its area and does not become a needle.
 bool Circumcentres::fits(Point by) const {
     constexpr double kKeptArea = 0.1;
-    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
+    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     return std::ranges::all_of(around_, [&](const Corner& corner) {
         const Point from = corner.from - by, to = corner.to - by;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
-        const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
+        const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
         const double before = cross(corner.from, corner.to);
         return cross(from, to) >= std::max(kKeptArea * before, std::min(least, before));
     });

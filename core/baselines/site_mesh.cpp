@@ -10,7 +10,10 @@
 #include "core/baselines/periodic_images.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/start.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt {
 
@@ -47,7 +50,7 @@ Result<SiteMesh> SiteMesh::create(const Domain& domain, const Density& density, 
     if (auto error = place_sites(sites.mesh_, {}, start, {}, options.seed, domain.resolution(), stop)) {
         return tl::unexpected(*error);
     }
-    sites.mesh_.trim();
+    trim(sites.mesh_);
     return sites;
 }
 
@@ -56,7 +59,7 @@ bool SiteMesh::move(std::span<const Point> wanted) {
     const std::span<const Point> from{before.points().data(), wanted.size()};
     for (std::size_t i = 0; i < wanted.size(); ++i) mesh_.points()[i] = end_of_way(from[i], wanted[i]);
     if (is_sound()) {
-        mesh_.restore_delaunay();
+        restore_delaunay(mesh_);
         if (keeps_margin()) return true;
     }
     if (insert_all(from, wanted)) return true;
@@ -73,14 +76,14 @@ Point SiteMesh::end_of_way(Point from, Point to) const {
 
 /// Whether no triangle is inverted, flat, or outside the range in which positions on a torus are exact.
 bool SiteMesh::is_sound() const {
-    constexpr double kLeastShape = 1e-6;  // doubled area relative to the longest edge squared
-    constexpr double kFarthest = 1.25;
+    constexpr double kMinShape = 1e-6;  // doubled area relative to the longest edge squared
+    constexpr double kMaxCoordinate = 1.25;
     for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
         const auto [a, b, c] = mesh_.places(t);
         const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-        if (!(cross(b - a, c - a) > kLeastShape * longest)) return false;
+        if (!(cross(b - a, c - a) > kMinShape * longest)) return false;
     }
-    const auto far = [](Point p) { return std::max(std::abs(p.x), std::abs(p.y)) > kFarthest; };
+    const auto far = [](Point p) { return std::max(std::abs(p.x), std::abs(p.y)) > kMaxCoordinate; };
     return std::ranges::none_of(sites(), far);
 }
 
@@ -105,7 +108,7 @@ bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to
         return std::ranges::all_of(step, [&](auto site) { return insert(mesh, site, from[site], to[site]); });
     };
     if (!for_insertion_steps(to.size(), insert_step)) return false;
-    mesh.trim();
+    trim(mesh);
     mesh_ = std::move(mesh);
     return true;
 }
@@ -116,7 +119,7 @@ bool SiteMesh::insert(Triangulation& mesh, std::uint32_t site, Point from, Point
     const Point way = end_of_way(from, to) - from;
     double share = 1;
     for (int i = 0; i < kHalvings; ++i, share /= 2) {
-        if (mesh.insert(site, images.in_box(from + share * way), domain_->resolution())) return true;
+        if (insert_site(mesh, site, images.in_box(from + share * way), domain_->resolution())) return true;
     }
     return false;
 }

@@ -88,11 +88,11 @@ void VoronoiCells::Integration::find_near(const Part& part) {
 /// @param begin  start of the sites near the part in near_
 void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;
-    constexpr int kDeepest = 60;
+    constexpr int kMaxDepth = 60;
     if (stopped_ || !(part.mass() > 0)) return;
     const std::size_t end = near_.size();
     narrow_down(part, begin);
-    const bool is_tiny = part.mass() < tiny_ || depth == kDeepest;
+    const bool is_tiny = part.mass() < tiny_ || depth == kMaxDepth;
     if (near_.size() - end > kFew && is_tiny) near_.resize(end + 1);
     if (near_.size() - end <= kFew) {
         clip(part, end);

@@ -186,14 +186,14 @@ void CapacityIntegral::sum_flows(const Triangulation& mesh, const std::stop_toke
                 later[begin / kRange].emplace_back(triangle, part);
             }
         };
-        constexpr std::size_t kFew = 64;  // number of triangles whose edges are listed at a time
+        constexpr std::size_t kTrianglesAtOnce = 64;  // number of triangles whose edges are listed at a time
         const auto is_first = [](std::uint32_t h, std::uint32_t twin) { return twin >= h; };
         const auto stays = [&](std::uint32_t h) { return !leaves_box(mesh, h); };
-        std::array<std::uint32_t, 3 * kFew> edges;
-        std::array<Segment, 3 * kFew> segments;
-        std::array<Sweep, 3 * kFew> sweeps;
-        for (std::size_t few = begin; few < end; few += kFew) {
-            const std::size_t count = list_edges(mesh, few, std::min(few + kFew, end), edges, is_first);
+        std::array<std::uint32_t, 3 * kTrianglesAtOnce> edges;
+        std::array<Segment, 3 * kTrianglesAtOnce> segments;
+        std::array<Sweep, 3 * kTrianglesAtOnce> sweeps;
+        for (std::size_t few = begin; few < end; few += kTrianglesAtOnce) {
+            const std::size_t count = list_edges(mesh, few, std::min(few + kTrianglesAtOnce, end), edges, is_first);
             const auto last = edges.begin() + static_cast<std::ptrdiff_t>(count);
             const auto middle = mesh.is_torus() ? std::partition(edges.begin(), last, stays) : last;
             const auto inside = static_cast<std::size_t>(middle - edges.begin());

@@ -95,9 +95,9 @@ Result<void> InkConstructions::start() {
 }
 
 void InkConstructions::iterate() {
-    while (std::ranges::any_of(constructions_, &Construction::goes_on)) {
+    while (std::ranges::any_of(constructions_, &Construction::has_next_iteration)) {
         for (Construction* construction : constructions_) {
-            if (!construction->goes_on()) continue;
+            if (!construction->has_next_iteration()) continue;
             construction->iterate();
         }
         if (!stopping()) report();

@@ -10,6 +10,9 @@
 #include "core/ccdt/fixed_choice.h"
 #include "core/ccdt/placement.h"
 #include "core/ccdt/resettlement.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt {
 
@@ -100,7 +103,7 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     placed->mesh.set_executor(executor_);
     placed->mesh.fix_last(fixed_.places.size());
     for (std::size_t i = 0; i < fixed_.places.size(); ++i)
-        placed->mesh.insert(static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
+        insert_site(placed->mesh, static_cast<std::uint32_t>(options_.sites + i), fixed_.places[i]);
     // In the paper, sites are drawn independently; so with Start::Random, sites are not divided among parts.
     const bool shares_out =
         placed->mesh.part_count() > 1 && options_.start != Start::Random && first.empty() && fixed_.sites == 0;
@@ -112,7 +115,7 @@ Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     if (stopping()) return stopped_at_start();
     first = std::vector<Point>();
     start_.reset();
-    placed->mesh.trim();
+    trim(placed->mesh);
     return placed;
 }
 
@@ -158,7 +161,7 @@ bool Construction::is_exact(int iteration) const {
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
 }
 
-bool Construction::goes_on() const {
+bool Construction::has_next_iteration() const {
     if (stopping() || result_.iterations >= options_.iterations) return false;
     return !(options_.tolerance && variation() < *options_.tolerance);
 }
@@ -191,7 +194,7 @@ bool Construction::iterate() {
         relaxation.pass(options_.passes, stop_);
     }
     goals_ = relaxation.take_goals();
-    if (!stopping()) mesh.restore_delaunay(stop_);
+    if (!stopping()) restore_delaunay(mesh, stop_);
     double variation = measure(mesh);
     if (stopping()) return false;
     if (resettles() && Resettlement(mesh, goals_, domain_.resolution()).even_out() > 0) {
@@ -200,7 +203,7 @@ bool Construction::iterate() {
     }
     result_.trace.push_back(variation);
     ++result_.iterations;
-    if (goes_on()) return true;
+    if (has_next_iteration()) return true;
     relaxation_.reset();
     goals_ = {};
     return true;
@@ -226,7 +229,7 @@ bool Construction::resettles() const {
 
 void Construction::separate(std::span<const std::array<std::uint32_t, 2>> pairs) {
     Triangulation& mesh = placed_->mesh;
-    mesh.restore_delaunay(stop_);
+    restore_delaunay(mesh, stop_);
     measure(mesh);
     if (stopping()) return;
     Resettlement resettlement(mesh, goals_, domain_.resolution());
@@ -235,7 +238,7 @@ void Construction::separate(std::span<const std::array<std::uint32_t, 2>> pairs)
 
 void Construction::equalise(int passes) {
     Triangulation& mesh = placed_->mesh;
-    mesh.restore_delaunay(stop_);
+    restore_delaunay(mesh, stop_);
     measure(mesh);
     if (stopping()) return;
     relaxation().prepare(std::move(goals_), stop_);
@@ -247,7 +250,7 @@ Result<void> Construction::finish() {
     if (stopping()) return {};
     polish_->release_memory();
     Triangulation& mesh = placed_->mesh;
-    mesh.restore_delaunay(stop_);
+    restore_delaunay(mesh, stop_);
     if (auto cleared = clear_gaps(); !cleared) return cleared;
     if (stopping()) return {};
     const double variation = measure(mesh);

@@ -25,8 +25,9 @@ Result<void> check(const Options& options);
 /// Whether a polish follows the iterations.
 bool has_polish(const Options& options);
 
-/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() while goes_on(); the
-/// rounds of a polish, which the caller runs; finish(). After the start, collect() returns the current state.
+/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() while
+/// has_next_iteration(); the rounds of a polish, which the caller runs; finish(). After the start, collect() returns
+/// the current state.
 class Construction {
 public:
     /// @param domain, density  must outlive this
@@ -39,7 +40,7 @@ public:
     Result<void> start();
 
     /// Whether there is another iteration to run.
-    bool goes_on() const;
+    bool has_next_iteration() const;
     /// Runs the geometry passes of one iteration and its triangulation phase.
     /// @returns  false after a stop
     bool iterate();

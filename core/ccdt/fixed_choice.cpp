@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/ccdt/thinned_points.h"
+#include "core/mesh/insertion.h"
 
 namespace ccdt {
 
@@ -16,7 +17,7 @@ FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std
         if (const auto near = kept.near(points[i])) {
             chosen.weights[*near] += weights[i];
             if (!others.near(points[i])) others.add(points[i]);
-        } else if (trial.insert(i, points[i], kFromBorder * spacing)) {
+        } else if (insert_site(trial, i, points[i], kFromBorder * spacing)) {
             kept.add(points[i]);
             chosen.weights.push_back(weights[i]);
         } else if (!others.near(points[i])) {

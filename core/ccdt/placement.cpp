@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/ccdt/interior_sampler.h"
+#include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
+#include "core/mesh/inside.h"
 #include "core/random.h"
 
 namespace ccdt {
@@ -27,7 +29,7 @@ public:
     bool place(std::span<const std::uint32_t> sites, const std::stop_token& stop) {
         const auto draw = [this](std::uint32_t site, int attempt) { return this->draw(site, attempt); };
         if (vacancies_.empty()) {
-            const auto left = mesh_.insert_all(sites, draw, kAttempts, margin_, stop);
+            const auto left = insert_sites(mesh_, sites, draw, kAttempts, margin_, stop);
             return std::ranges::all_of(left, [&](auto site) { return stop.stop_requested() || place_anywhere(site); });
         }
         return std::ranges::all_of(sites, [&](auto site) { return stop.stop_requested() || place(site); });
@@ -65,9 +67,10 @@ private:
     }
 
     bool insert(std::uint32_t site, Point p) {
-        if (vacancies_.empty()) return mesh_.insert(site, p, margin_);
-        const std::uint32_t part = mesh_.part_at(p);
-        if (part == Triangulation::kNone || vacancies_[part] == 0 || !mesh_.insert(site, p, margin_)) return false;
+        if (vacancies_.empty()) return insert_site(mesh_, site, p, margin_);
+        const std::uint32_t part = part_at(mesh_, p);
+        if (part == Triangulation::kNone || vacancies_[part] == 0 || !insert_site(mesh_, site, p, margin_))
+            return false;
         --vacancies_[part];
         return true;
     }
@@ -76,7 +79,7 @@ private:
     bool place_in(std::uint32_t part, std::uint32_t site) {
         constexpr int kTries = 1000;
         constexpr std::uint64_t kStream = 0x616e797768657265;  // makes these random numbers differ from the start's
-        if (!interior_ || part_ != part) interior_.emplace(mesh_.inside_triangles(part_ = part));
+        if (!interior_ || part_ != part) interior_.emplace(inside_triangles(mesh_, part_ = part));
         Random random(seed_ ^ kStream, site);
         for (int attempt = 0; attempt < kTries; ++attempt) {
             if (insert(site, interior_->draw(random))) return true;

@@ -14,10 +14,10 @@ namespace ccdt {
 
 namespace {
 
-// With any kKeptArea > 0, triangles stay counter-clockwise. kLeastShape must be well above 1e-16, the rounding error of
+// With any kKeptArea > 0, triangles stay counter-clockwise. kMinShape must be well above 1e-16, the rounding error of
 // an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps in a move
-constexpr double kLeastShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
+constexpr double kKeptArea = 0.1;   ///< least share of its area that a triangle keeps in a move
+constexpr double kMinShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
 /// Doubled area relative to the mean, below which a triangle takes the general path.
 constexpr double kSmall = 1e-2;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
@@ -53,6 +53,77 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
     const double scale = goal.share == 1 ? 1 : 1 / std::sqrt(goal.share);
     return {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
 }
+
+/// The one-rings of sites that are moved at once, by two triangles of each site per vector. A triangle between a
+/// neighbour and the repetition of this neighbour is flat and contributes nothing.
+template <std::size_t kPairs, class Lanes>
+struct Relaxation::Rings {
+    using Pairs = typename Lanes::Pairs;
+
+    CCDT_INLINE Rings(const Point* points, const Records<Lanes>& records) {
+        const auto place = [&](std::size_t i) CCDT_INLINE {
+            std::array<Pair, Lanes::kCount> places;
+            for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) places[lane] = load(points[records[lane][i]]);
+            return Lanes::join(places);
+        };
+        const Pairs here = place(0);
+        for (std::size_t i = 0; i < kPairs; ++i) {
+            const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
+            x[i] = Lanes::firsts(p, q);
+            y[i] = Lanes::seconds(p, q);
+        }
+        x[kPairs] = x[0];
+        y[kPairs] = y[0];
+        for (std::size_t i = 0; i < kPairs; ++i) {
+            area[i] = x[i] * next_y(i) - y[i] * next_x(i);
+            a[i] = y[i] - next_y(i);
+            b[i] = next_x(i) - x[i];
+        }
+    }
+
+    /// Positions of the neighbours after those in x[i] and y[i].
+    CCDT_INLINE Pairs next_x(std::size_t i) const { return Lanes::shifted(x[i], x[i + 1]); }
+    CCDT_INLINE Pairs next_y(std::size_t i) const { return Lanes::shifted(y[i], y[i + 1]); }
+
+    /// Whether triangles keep enough area when the sites move, for each triangle of a pair.
+    /// @param least  least doubled area
+    CCDT_INLINE auto fit(typename Lanes::Numbers by_x, typename Lanes::Numbers by_y, double least) const {
+        const Pairs move_x = Lanes::twice(by_x), move_y = Lanes::twice(by_y);
+        auto fits = move_x == move_x;
+        for (std::size_t i = 0; i < kPairs; ++i) {
+            const Pairs moved = area[i] + a[i] * move_x + b[i] * move_y;
+            fits &= (area[i] == Pairs{}) | ((moved >= kKeptArea * area[i]) & (moved >= least + Pairs{}));
+        }
+        return fits;
+    }
+
+    std::array<Pairs, kPairs + 1> x, y;    ///< positions of the neighbours relative to the site
+    std::array<Pairs, kPairs> area, a, b;  ///< doubled areas, and their derivatives along x and y
+};
+
+/// Normal equations of sites that are moved at once, as in NormalEquations.
+template <class Lanes>
+struct Relaxation::Equations {
+    using Pairs = typename Lanes::Pairs;
+    using Numbers = typename Lanes::Numbers;
+
+    /// Adds two triangles of each site.
+    /// @param a, b  derivatives of the residual along x and y
+    CCDT_INLINE void add(Pairs a, Pairs b, Pairs residual) {
+        xx += a * a;
+        xy += a * b;
+        yy += b * b;
+        x += residual * a;
+        y += residual * b;
+    }
+    CCDT_INLINE std::array<Numbers, 2> minimum() const {
+        return ccdt::minimum(Lanes::sum(xx) + stiffness, Lanes::sum(xy), Lanes::sum(yy) + stiffness,
+                             Lanes::sum(x) - pull_x, Lanes::sum(y) - pull_y);
+    }
+
+    Pairs xx{}, xy{}, yy{}, x{}, y{};
+    Numbers stiffness, pull_x, pull_y;  ///< sums over all springs
+};
 
 /// Normal equations of one vertex at its current position: half gradient and half Hessian of the energy.
 struct Relaxation::NormalEquations {
@@ -319,7 +390,7 @@ bool Relaxation::add_site(std::uint32_t site, Batches& batches, Fans& fans, std:
         return true;
     }
 
-    const std::size_t pairs = std::max((count + 1) / 2, kFewestPairs);
+    const std::size_t pairs = std::max((count + 1) / 2, kMinPairs);
     const bool plain = uniform_ && mesh_.is_free(largest);
     record[0] = site;
     for (std::size_t i = count; i <= 2 * pairs; ++i) around[i] = around[0];
@@ -417,7 +488,7 @@ void Relaxation::move_batch(const Group& group) {
     }
 }
 
-/// Whether a record contains a site among its neighbours.
+/// Whether a site is a neighbour of a record's site.
 template <std::size_t kPairs>
 bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) {
     bool found = false;
@@ -425,107 +496,80 @@ bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) 
     return found;
 }
 
-/// Moves one site as move_site() does, or several sites that are not neighbours, by two triangles of each site at a
-/// time. A triangle between a neighbour and the repetition of this neighbour is flat and contributes nothing. In plain
-/// records, the sums of a and b over a closed ring vanish, and so does the contribution of the common target. The fence
-/// is applied only with one lane.
-template <bool kPlain, std::size_t kPairs, class Lanes>
-CCDT_INLINE inline void Relaxation::move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records) {
+/// Returns the normal equations of plain sites. The sums of a and b over a closed ring vanish, and so does the
+/// contribution of the common target. All terms are divided by the squared weight.
+template <std::size_t kPairs, class Lanes>
+CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::plain_equations(const Rings<kPairs, Lanes>& rings,
+                                                                            const Records<Lanes>& records) const {
+    Equations<Lanes> equations;
+    typename Lanes::Pairs spring_x{}, spring_y{};
+    for (std::size_t i = 0; i < kPairs; ++i) {
+        equations.add(rings.a[i], rings.b[i], rings.area[i]);
+        spring_x += rings.x[i];
+        spring_y += rings.y[i];
+    }
+    std::array<double, Lanes::kCount> repetitions;  // the spring to a repeated first neighbour must not count
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane)
+        repetitions[lane] = records[lane][2 * kPairs] == records[lane][1] ? 1 : 0;
+    const auto repeated = Lanes::each(repetitions);
+    const double spring = options_.spring / plain_weight_;
+    equations.stiffness = spring * (2.0 * kPairs - repeated);
+    equations.pull_x = spring * (Lanes::sum(spring_x) - repeated * Lanes::first(rings.x[0]));
+    equations.pull_y = spring * (Lanes::sum(spring_y) - repeated * Lanes::first(rings.y[0]));
+    return equations;
+}
+
+/// Returns the normal equations of sites around which the triangles have goals of their own.
+template <std::size_t kPairs, class Lanes>
+CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::weighted_equations(const Rings<kPairs, Lanes>& rings,
+                                                                               const Records<Lanes>& records) const {
     using Pairs = typename Lanes::Pairs;
-    using Numbers = typename Lanes::Numbers;
-    constexpr std::size_t kLanes = Lanes::kCount, kAround = 2 * kPairs;
-    Point* const points = mesh_.points().data();
-    const auto place = [&](std::size_t i) CCDT_INLINE {
-        std::array<Pair, kLanes> places;
-        for (std::size_t lane = 0; lane < kLanes; ++lane) places[lane] = load(points[records[lane][i]]);
-        return Lanes::join(places);
-    };
-    const Pairs here = place(0);
-
-    std::array<Pairs, kPairs + 1> x, y;  // positions of the neighbours relative to the vertex
+    Equations<Lanes> equations;
+    Pairs spring_x{}, spring_y{}, springs{};
     for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pairs p = place(1 + 2 * i) - here, q = place(2 + 2 * i) - here;
-        x[i] = Lanes::firsts(p, q);
-        y[i] = Lanes::seconds(p, q);
-    }
-    x[kPairs] = x[0];
-    y[kPairs] = y[0];
-
-    Pairs xx{}, xy{}, yy{}, gx{}, gy{}, spring_x{}, spring_y{}, springs{};
-    std::array<Pairs, kPairs> area, a, b;
-    for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pairs to_x = Lanes::shifted(x[i], x[i + 1]), to_y = Lanes::shifted(y[i], y[i + 1]);
-        area[i] = x[i] * to_y - y[i] * to_x;
-        a[i] = y[i] - to_y;
-        b[i] = to_x - x[i];
-        if constexpr (kPlain) {
-            xx += a[i] * a[i];
-            xy += a[i] * b[i];
-            yy += b[i] * b[i];
-            gx += area[i] * a[i];
-            gy += area[i] * b[i];
-            spring_x += x[i];
-            spring_y += y[i];
-        } else {
-            std::array<Pair, kLanes> weights, targets, strengths;
-            for (std::size_t lane = 0; lane < kLanes; ++lane) {
-                const std::uint32_t* const triangles = records[lane] + 2 + kAround;
-                const Term even = term(triangles[2 * i]), odd = term(triangles[2 * i + 1]);
-                weights[lane] = Pair{even.weight, odd.weight};
-                targets[lane] = Pair{even.target, odd.target};
-                strengths[lane] = Pair{even.spring, odd.spring};
-            }
-            const Pairs weight = Lanes::join(weights), spring = Lanes::join(strengths);
-            const Pairs wa = weight * a[i], wb = weight * b[i];
-            const Pairs residual = weight * area[i] - Lanes::join(targets);
-            xx += wa * wa;
-            xy += wa * wb;
-            yy += wb * wb;
-            gx += residual * wa;
-            gy += residual * wb;
-            spring_x += spring * (x[i] + to_x);
-            spring_y += spring * (y[i] + to_y);
-            springs += spring;
+        std::array<Pair, Lanes::kCount> weights, targets, strengths;
+        for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
+            const std::uint32_t* const triangles = records[lane] + 2 + 2 * kPairs;
+            const Term even = term(triangles[2 * i]), odd = term(triangles[2 * i + 1]);
+            weights[lane] = Pair{even.weight, odd.weight};
+            targets[lane] = Pair{even.target, odd.target};
+            strengths[lane] = Pair{even.spring, odd.spring};
         }
+        const Pairs weight = Lanes::join(weights), spring = Lanes::join(strengths);
+        equations.add(weight * rings.a[i], weight * rings.b[i], weight * rings.area[i] - Lanes::join(targets));
+        spring_x += spring * (rings.x[i] + rings.next_x(i));
+        spring_y += spring * (rings.y[i] + rings.next_y(i));
+        springs += spring;
     }
-    Numbers stiffness, pull_x, pull_y;  // sums over all springs
-    if constexpr (kPlain) {
-        // All terms are divided by the squared weight. The spring to the repeated first neighbour must not count.
-        const double spring = options_.spring / plain_weight_;
-        std::array<double, kLanes> repetitions;
-        for (std::size_t lane = 0; lane < kLanes; ++lane)
-            repetitions[lane] = records[lane][kAround] == records[lane][1] ? 1 : 0;
-        const Numbers repeated = Lanes::each(repetitions);
-        stiffness = spring * (static_cast<double>(kAround) - repeated);
-        pull_x = spring * (Lanes::sum(spring_x) - repeated * Lanes::first(x[0]));
-        pull_y = spring * (Lanes::sum(spring_y) - repeated * Lanes::first(y[0]));
-    } else {
-        stiffness = options_.spring * Lanes::sum(springs);
-        pull_x = 0.5 * options_.spring * Lanes::sum(spring_x);
-        pull_y = 0.5 * options_.spring * Lanes::sum(spring_y);
-    }
-    const auto [to_x, to_y] = minimum(Lanes::sum(xx) + stiffness, Lanes::sum(xy), Lanes::sum(yy) + stiffness,
-                                      Lanes::sum(gx) - pull_x, Lanes::sum(gy) - pull_y);
-    Numbers by_x = options_.relaxation * to_x, by_y = options_.relaxation * to_y;
-    if constexpr (kLanes == 1) {
+    equations.stiffness = options_.spring * Lanes::sum(springs);
+    equations.pull_x = 0.5 * options_.spring * Lanes::sum(spring_x);
+    equations.pull_y = 0.5 * options_.spring * Lanes::sum(spring_y);
+    return equations;
+}
+
+/// Moves one site as move_site() does, or several sites that are not neighbours. The fence is applied only with one
+/// lane.
+template <bool kPlain, std::size_t kPairs, class Lanes>
+CCDT_INLINE inline void Relaxation::move_few(const Records<Lanes>& records) {
+    Point* const points = mesh_.points().data();
+    const Rings<kPairs, Lanes> rings(points, records);
+    const Equations<Lanes> equations =
+        kPlain ? plain_equations<kPairs, Lanes>(rings, records) : weighted_equations<kPairs, Lanes>(rings, records);
+    const auto [to_x, to_y] = equations.minimum();
+    typename Lanes::Numbers by_x = options_.relaxation * to_x, by_y = options_.relaxation * to_y;
+    if constexpr (Lanes::kCount == 1) {
         const Point by = fenced(records[0][0], {by_x, by_y});
         by_x = by.x;
         by_y = by.y;
     }
-
-    const Pairs move_x = Lanes::twice(by_x), move_y = Lanes::twice(by_y);
-    auto fits = move_x == move_x;
-    for (std::size_t i = 0; i < kPairs; ++i) {
-        const Pairs moved = area[i] + a[i] * move_x + b[i] * move_y;
-        fits &= (area[i] == Pairs{}) | ((moved >= kKeptArea * area[i]) & (moved >= small_ + Pairs{}));
-    }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    const auto fits = rings.fit(by_x, by_y, small_);
+    for (std::size_t lane = 0; lane < Lanes::kCount; ++lane) {
         const std::uint32_t vertex = records[lane][0];
         const Point by{Lanes::at(by_x, lane), Lanes::at(by_y, lane)};
         if ((fits[2 * lane] & fits[2 * lane + 1]) != 0) {
             points[vertex] = rounded(points[vertex] + by);
         } else {
-            move(vertex, by, {{records[lane] + 1, kAround}, nullptr}, kAround);
+            move(vertex, by, {{records[lane] + 1, 2 * kPairs}, nullptr}, 2 * kPairs);
         }
     }
 }
@@ -581,7 +625,7 @@ void Relaxation::move(std::uint32_t vertex, Point by, const Ring& ring, std::siz
         const double area = cross(from, to);
         const double change = (from.y - to.y) * by.x + (to.x - from.x) * by.y;
         const double longest = std::max({dot(from, from), dot(to, to), dot(to - from, to - from)});
-        const double least = std::max(kLeastShape * longest, options_.least_height * std::sqrt(longest));
+        const double least = std::max(kMinShape * longest, options_.least_height * std::sqrt(longest));
         const double kept = std::min(area, std::max(kKeptArea * area, least));
         if (area + share * change < kept) share = std::max(0.0, (kept - area) / change);
     }
@@ -660,7 +704,7 @@ inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRin
         const double area = cross(from, to);
         const double moved = area + ((from.y - to.y) * by.x + (to.x - from.x) * by.y);
         const double longest = 2 * (dot(from, from) + dot(to, to));  // squared upper bound of all edge lengths
-        fits &= moved >= kKeptArea * area && moved >= kLeastShape * longest && moved * moved >= flattest * longest &&
+        fits &= moved >= kKeptArea * area && moved >= kMinShape * longest && moved * moved >= flattest * longest &&
                 ring.triangles[i].vertex != site;
     }
     return fits;

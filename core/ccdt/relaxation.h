@@ -89,6 +89,13 @@ public:
 private:
     struct Term;
     struct NormalEquations;
+    template <std::size_t kPairs, class Lanes>
+    struct Rings;
+    template <class Lanes>
+    struct Equations;
+    /// Records of sites that are moved at once, one for each lane.
+    template <class Lanes>
+    using Records = std::array<const std::uint32_t*, Lanes::kCount>;
 
     /// Records of sites of one kind, for the fast path. A record holds the site and its neighbours counter-clockwise,
     /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, it also holds the 2 *
@@ -97,14 +104,14 @@ private:
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
     // goal (plain).
-    static constexpr std::size_t kFewestPairs = 2, kMaxPairs = 4;
-    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kFewestPairs + 1);
+    static constexpr std::size_t kMinPairs = 2, kMaxPairs = 4;
+    static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kMinPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
-        return static_cast<std::uint8_t>(2 * (pairs - kFewestPairs) + (plain ? 1 : 0));
+        return static_cast<std::uint8_t>(2 * (pairs - kMinPairs) + (plain ? 1 : 0));
     }
     static constexpr std::size_t stride(std::uint8_t kind) {
-        const std::size_t pairs = kind / 2 + kFewestPairs;
+        const std::size_t pairs = kind / 2 + kMinPairs;
         return 2 + 2 * pairs + (kind % 2 == 1 ? 0 : 2 * pairs);
     }
 
@@ -186,8 +193,12 @@ private:
     void move_batch(const Group& group);
     template <std::size_t kPairs>
     static bool has_neighbour(const std::uint32_t* record, std::uint32_t site);
+    template <std::size_t kPairs, class Lanes>
+    Equations<Lanes> plain_equations(const Rings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
+    template <std::size_t kPairs, class Lanes>
+    Equations<Lanes> weighted_equations(const Rings<kPairs, Lanes>& rings, const Records<Lanes>& records) const;
     template <bool kPlain, std::size_t kPairs, class Lanes>
-    void move_few(const std::array<const std::uint32_t*, Lanes::kCount>& records);
+    void move_few(const Records<Lanes>& records);
     NormalEquations equations_of(const Fans& fans, const Fan& fan) const;
     void move_site(const Fans& fans, const Fan& fan);
     void move_group_exactly(std::size_t level, std::size_t number);

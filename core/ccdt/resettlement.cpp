@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/mesh/relocation.h"
 
 namespace ccdt {
 
@@ -110,10 +111,10 @@ void Resettlement::sum_around() {
 /// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing amount.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
-    constexpr double kLeast = 0.5;  // in sites; smaller amounts are due to waves or noise
+    constexpr double kMin = 0.5;  // in sites; smaller amounts are due to waves or noise
     std::vector<Candidate> found;
     for (std::uint32_t v = 0; v < surplus_.size(); ++v) {
-        if (sign * around_[v] > kLeast && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
+        if (sign * around_[v] > kMin && sign * surplus_[v] > 0) found.push_back({sign * around_[v], v});
     }
     std::ranges::sort(found, {}, [&](const Candidate& candidate) {
         return std::tuple(mesh_.part_of(candidate.site), -candidate.sites, candidate.site);
@@ -197,16 +198,16 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
     constexpr double kThird = 1.0 / 3;
     if (!can_be_divided(triangle, kThird)) return false;
     const auto [a, b, c] = mesh_.places(triangle);
-    return mesh_.relocate(site, triangle, kThird * (a + b + c));
+    return relocate_site(mesh_, site, triangle, kThird * (a + b + c));
 }
 
 /// Whether a triangle is large enough to be divided.
 /// @param share  share of its area that the smallest of the three parts gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area of each part relative to the longest edge squared
+    constexpr double kMinShape = 1e-5;  // doubled area of each part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, least_height_ * std::sqrt(longest));
+    const double least = std::max(kMinShape * longest, least_height_ * std::sqrt(longest));
     return share * mesh_.doubled_area(triangle) >= least;
 }
 
@@ -302,7 +303,7 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
             if (!is_in_small_part(site) && move_away(site, least, clear)) return true;
         }
     }
-    return moved != kNone && mesh_.relocate(moved, best.triangle, best.point);
+    return moved != kNone && relocate_site(mesh_, moved, best.triangle, best.point);
 }
 
 /// Marks the data of a site, of its neighbours and of their neighbours as outdated.

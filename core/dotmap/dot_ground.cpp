@@ -12,6 +12,7 @@
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/start.h"
 #include "core/geometry/hexagonal_spacing.h"
+#include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
 #include "core/random.h"
 
@@ -38,7 +39,7 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t number, std::size_t featur
 std::optional<InteriorSampler> interior_of(const Domain& area) {
     const auto scaffold = triangulate(bare_border(area));
     if (!scaffold) return std::nullopt;
-    return InteriorSampler(Triangulation(0, *scaffold).inside_triangles());
+    return InteriorSampler(inside_triangles(Triangulation(0, *scaffold)));
 }
 
 /// Returns the position of a point along Morton's curve.
@@ -227,12 +228,12 @@ Result<void> DotGround::draw(std::uint32_t feature, std::uint64_t seed, const st
         std::optional<Point> place;
         for (int attempt = 0; attempt < kAttempts && !place; ++attempt) {
             const Point p = rounded(area.to_user(start.draw(site, attempt)));
-            if (attempt < kClearAttempts ? is_clear(feature, p) : may_be(feature, p)) place = p;
+            if (attempt < kClearAttempts ? is_clear(feature, p) : may_lie(feature, p)) place = p;
         }
         if (!place) {
             const auto accept = [&](Point p) {
                 p = rounded(p);
-                if (may_be(feature, p)) place = p;
+                if (may_lie(feature, p)) place = p;
                 return place.has_value();
             };
             if (auto drawn = draw_again(feature, seed + site, accept, interior); !drawn) return drawn;
@@ -293,7 +294,7 @@ double DotGround::around(Point p) const {
     return density;
 }
 
-bool DotGround::may_be(std::uint32_t feature, Point p) const {
+bool DotGround::may_lie(std::uint32_t feature, Point p) const {
     return map_.areas[feature].contains(p) && (is_uniform() || density(p) > 0);
 }
 

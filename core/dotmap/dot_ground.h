@@ -91,7 +91,7 @@ public:
     bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
 
     /// Whether a dot may lie at a position.
-    bool may_be(std::uint32_t feature, Point p) const;
+    bool may_lie(std::uint32_t feature, Point p) const;
 
     /// Whether a dot may start at a position. It must not be too close to a border beyond which the density is much
     /// lower.

@@ -16,15 +16,18 @@
 #include "core/dotmap/dot_error.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/predicates.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
 #include "core/mesh/insertion_steps.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt {
 
 namespace {
 
-constexpr double kLongestPush = 0.4;  ///< relative to a dot's radius: neighbours keep more than half of their distance
-constexpr double kKeptArea = 0.1;     ///< least share of its area that a triangle keeps, as in a relaxation
-constexpr double kSmall = 0.01;       ///< share of the wanted area below which a triangle may be a needle
+constexpr double kMaxPush = 0.4;   ///< relative to a dot's radius: neighbours keep more than half of their distance
+constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
+constexpr double kSmall = 0.01;    ///< share of the wanted area below which a triangle may be a needle
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
@@ -89,13 +92,13 @@ Result<void> DotLayer::start() {
     spacings_.resize(sites);
     for (std::size_t i = 0; i < fixed_.places.size(); ++i) {
         const std::size_t site = dots_.size() + i;
-        mesh().insert(static_cast<std::uint32_t>(site), fixed_.places[i]);
+        insert_site(mesh(), static_cast<std::uint32_t>(site), fixed_.places[i]);
         const double density = ground_.around(land_.to_user(fixed_.places[i]));
         radii_[site] = radius(density > 0 ? density : static_cast<double>(dots_.size()) / land_.area());
         before_[site] = fixed_.places[i];
     }
     if (auto inserted = insert_all(); !inserted) return inserted;
-    mesh().trim();
+    trim(mesh());
     result_.trace.push_back(measure());
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
     return {};
@@ -125,7 +128,7 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
     std::vector<std::uint32_t> kept, left;
     for (const std::uint32_t dot : dots) (keeps_place(dot) ? kept : left).push_back(dot);
-    const auto refused = mesh().insert_all(kept, draw, 1, land_.resolution(), stop_);
+    const auto refused = insert_sites(mesh(), kept, draw, 1, land_.resolution(), stop_);
     left.insert(left.end(), refused.begin(), refused.end());
     for (const std::uint32_t dot : left) {
         if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
@@ -138,13 +141,13 @@ Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
 bool DotLayer::keeps_place(std::uint32_t dot) const {
     const auto& [place, feature] = dots_[dot];
     const Point rounded = land_.to_user(land_.to_unit(place));
-    return rounded == place || ground_.may_be(feature, rounded);
+    return rounded == place || ground_.may_lie(feature, rounded);
 }
 
 Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     const auto accept = [&](Point user) {
         const Point p = land_.to_unit(user);
-        return ground_.may_be(dots_[dot].feature, land_.to_user(p)) && mesh().insert(dot, p, land_.resolution());
+        return ground_.may_lie(dots_[dot].feature, land_.to_user(p)) && insert_site(mesh(), dot, p, land_.resolution());
     };
     std::optional<InteriorSampler> interior;
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
@@ -217,7 +220,7 @@ void DotLayer::soften_borders() {
     });
 }
 
-bool DotLayer::goes_on() const {
+bool DotLayer::has_next_iteration() const {
     if (stopping() || result_.iterations >= options_.iterations) return false;
     return !(options_.tolerance && variation() < *options_.tolerance);
 }
@@ -229,7 +232,7 @@ Point DotLayer::fenced(std::uint32_t dot, Point to) const {
     const Point there = ground_.towards(dots_[dot].feature, place(dot), wanted);
     if (there == wanted) return to;
     const Point rounded = land_.to_unit(there);
-    return ground_.may_be(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
+    return ground_.may_lie(dots_[dot].feature, land_.to_user(rounded)) ? rounded : mesh().point(dot);
 }
 
 Relaxation& DotLayer::relaxation() {
@@ -250,7 +253,7 @@ void DotLayer::relax(int passes) {
     goals_ = relaxation().take_goals().release();
 }
 
-void DotLayer::ease(const PolishSettings& settings) {
+void DotLayer::polish_between(const PolishSettings& settings) {
     constexpr int kFirst = 2;  // in earlier iterations, dots are not near their final places
     if (result_.iterations < std::max(kFirst, options_.iterations - settings.early)) return;
     begin();
@@ -260,11 +263,11 @@ void DotLayer::ease(const PolishSettings& settings) {
 
 bool DotLayer::iterate() {
     relax(options_.passes);
-    if (!stopping()) mesh().restore_delaunay(stop_);
+    if (!stopping()) restore_delaunay(mesh(), stop_);
     if (stopping()) return false;
     result_.trace.push_back(measure());
     ++result_.iterations;
-    if (!goes_on()) relaxation_.reset();
+    if (!has_next_iteration()) relaxation_.reset();
     return true;
 }
 
@@ -282,7 +285,7 @@ void DotLayer::push_apart(double reach, double push, std::span<const Point> push
             const Point by = pushed.empty() ? Point{} : 1 / scale() * pushed[dot];
             moves_[dot] = by + push_off_neighbours(dot, reach, push);
             if (others_) moves_[dot] = moves_[dot] + push_off_others(dot, reach, push);
-            const double longest = kLongestPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
+            const double longest = kMaxPush * radii_[dot], squared = ccdt::dot(moves_[dot], moves_[dot]);
             if (squared > longest * longest) moves_[dot] = (longest / std::sqrt(squared)) * moves_[dot];
         }
     });
@@ -344,7 +347,7 @@ void DotLayer::even_out() {
 }
 
 void DotLayer::equalise(int passes) {
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     if (stopping()) return;
     measure();
     relax(passes);
@@ -379,12 +382,12 @@ void DotLayer::apply() {
 
 /// Whether a triangle has kept enough of its area and has not become a needle.
 bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
-    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
+    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     if (area < kKeptArea * areas_[triangle]) return false;
     if (aims_[triangle] > 0 && area >= kSmall * aims_[triangle]) return true;
     const auto [a, b, c] = mesh().places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, land_.resolution() * std::sqrt(longest));
+    const double least = std::max(kMinShape * longest, land_.resolution() * std::sqrt(longest));
     return area >= std::min(areas_[triangle], least) && orientation(a, b, c) > 0;
 }
 
@@ -414,7 +417,7 @@ void DotLayer::revert_moves() {
 }
 
 void DotLayer::restore() {
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     if (stopping()) return;
     find_aims();
     begin();
@@ -422,7 +425,7 @@ void DotLayer::restore() {
 
 void DotLayer::finish() {
     if (stopping()) return;
-    mesh().restore_delaunay(stop_);
+    restore_delaunay(mesh(), stop_);
     const double variation = measure();
     if (!stopping()) result_.polished = variation;
 }

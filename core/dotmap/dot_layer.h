@@ -24,9 +24,9 @@
 
 namespace ccdt {
 
-/// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while goes_on();
-/// then, if there is a polish, begin() and the steps of the polish. restore() follows large moves. After the start,
-/// collect() returns the current state.
+/// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while
+/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() follows large
+/// moves. After the start, collect() returns the current state.
 class DotLayer {
 public:
     /// @param ground   must outlive this
@@ -39,9 +39,9 @@ public:
     /// Draws and triangulates the initial dots. Errors: Unusable for a feature that is too thin; Stopped.
     Result<void> start();
 
-    bool goes_on() const;
+    bool has_next_iteration() const;
     /// Runs the polish steps that precede the next iteration: a push and an even round. Does nothing if there are none.
-    void ease(const PolishSettings& settings);
+    void polish_between(const PolishSettings& settings);
     /// @returns  false after a stop
     bool iterate();
 

@@ -133,10 +133,10 @@ Result<void> DotMap::start() {
 }
 
 void DotMap::iterate() {
-    while (std::ranges::any_of(used_, &DotLayer::goes_on)) {
+    while (std::ranges::any_of(used_, &DotLayer::has_next_iteration)) {
         for (DotLayer* layer : used_) {
-            if (!layer->goes_on()) continue;
-            if (settings_) layer->ease(*settings_);
+            if (!layer->has_next_iteration()) continue;
+            if (settings_) layer->polish_between(*settings_);
             layer->iterate();
         }
         if (!stopping()) report();

@@ -162,7 +162,7 @@ Point FeatureArea::towards(Point from, Point to) const {
     if (there == Place::Inside) return to;
     const bool is_free = place_of(from) == Place::Margin;
     if (is_free && there == Place::Margin) return to;
-    const auto may_be = [&](Point p) {
+    const auto may_lie = [&](Point p) {
         const Place place = place_of(p);
         return place == Place::Inside || (is_free && place == Place::Margin);
     };
@@ -171,9 +171,9 @@ Point FeatureArea::towards(Point from, Point to) const {
     if (border == nullptr) return from;
     const Point along = border->high - border->low, way = to - from;
     const Point slid = from + dot(way, along) / dot(along, along) * along;
-    if (may_be(slid)) return slid;
+    if (may_lie(slid)) return slid;
     const Point half = from + at / 2 * way;
-    return may_be(half) ? half : from;
+    return may_lie(half) ? half : from;
 }
 
 }  // namespace ccdt

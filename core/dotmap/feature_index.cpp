@@ -11,10 +11,10 @@ FeatureIndex::FeatureIndex(std::span<const FeatureArea> areas) : box_(areas.fron
         box_.include(area.bounds().min);
         box_.include(area.bounds().max);
     }
-    constexpr double kLeast = 1, kMax = 4096;
+    constexpr double kMin = 1, kMax = 4096;
     const double cells = static_cast<double>(areas.size()), shape = std::sqrt(box_.width() / box_.height());
-    columns_ = static_cast<std::size_t>(std::clamp(std::sqrt(cells) * shape, kLeast, kMax));
-    rows_ = static_cast<std::size_t>(std::clamp(std::sqrt(cells) / shape, kLeast, kMax));
+    columns_ = static_cast<std::size_t>(std::clamp(std::sqrt(cells) * shape, kMin, kMax));
+    rows_ = static_cast<std::size_t>(std::clamp(std::sqrt(cells) / shape, kMin, kMax));
     constexpr std::size_t kEach = 8;
     while (columns_ * rows_ > 1 && count_members(areas) > kEach * areas.size()) {
         columns_ = (columns_ + 1) / 2;

@@ -31,7 +31,8 @@ struct Charted {
     std::vector<Domain> degrees;
 };
 
-Result<Charted> lay_all(const Chart& chart, std::span<const MapFeature> features, const std::stop_token& stop) {
+Result<Charted> project_features(const Chart& chart, std::span<const MapFeature> features,
+                                 const std::stop_token& stop) {
     Charted charted;
     double pitch = kTurn;
     for (std::size_t i = 0; i < features.size(); ++i) {
@@ -76,7 +77,7 @@ Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features,
                        "the features cover the globe: on a map of dots some cap of 5 degrees must be free");
     }
     ChartedPart& part = parts->front();
-    auto charted = lay_all(part.chart, features, control.stop);
+    auto charted = project_features(part.chart, features, control.stop);
     if (!charted) return tl::unexpected(charted.error());
     std::vector<std::uint32_t> lost;
     if (buffer > 0) {

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Implements the transforms of line_set.h for the instruction set for which the including file compiles pocketfft.
+// Implements the transforms of line_set.h for the instruction set for which the including file compiles pocketfft. No
+// other file includes pocketfft.
 
+// Debian 12 has no package of pocketfft. It ships a copy of this header-only library among the third-party headers of
+// gemmi, a library for crystallography, which is not used otherwise.
 #define POCKETFFT_NO_MULTITHREADING
-// Without this macro, pocketfft calls aligned_alloc() with sizes that are not multiples of the alignment, which C
-// forbids.
+// pocketfft allocates with aligned_alloc(), and passes sizes that are not multiples of the alignment, which C forbids.
+// The only way to make it use malloc() instead is this macro, although its name is reserved for libc++.
 #define _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
-#include <gemmi/third_party/pocketfft_hdronly.h>  // Debian ships pocketfft in the package of gemmi
+#include <gemmi/third_party/pocketfft_hdronly.h>
+#undef _LIBCPP_HAS_NO_ALIGNED_ALLOCATION
 
 #include "core/fourier/line_set.h"
 

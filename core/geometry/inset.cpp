@@ -721,7 +721,7 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
 /// @returns          none if the border is too fine, and a coarse border is possible
 Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                                             double indifference, bool is_coarse, const std::stop_token& stop) {
-    constexpr double kCoarser = 10, kRadius = 0.25, kLargestRadius = 4, kSimplified = 0.5;  // of the indifference
+    constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // of the indifference
     if (is_coarse) indifference *= kCoarser;
     const double tolerance = is_coarse ? kSimplified * indifference : 0;
     const DiscAround enlarged = [&](Point p) {
@@ -734,7 +734,7 @@ Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscArou
     if (reaches.empty()) return domain;
     const double scale = std::max(domain.bounds().width(), domain.bounds().height());
     const double unit = border.is_whole() ? indifference / scale : 0;
-    const ReachTree tree(domain, std::move(reaches), is_coarse ? kRadius * unit : 0, kLargestRadius * unit, stop);
+    const ReachTree tree(domain, std::move(reaches), is_coarse ? kRadius * unit : 0, kMaxRadius * unit, stop);
     if (tree.is_too_fine()) return std::nullopt;
     auto left = is_coarse ? far_from_border(domain, tree, stop) : divided(domain, tree, stop);
     if (!left) return tl::unexpected(left.error());

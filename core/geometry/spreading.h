@@ -12,9 +12,8 @@
 namespace ccdt {
 
 /// Returns the values of a B-spline at the grid points around a position. Their sum is 1.
-/// @param f  position, in cells, in [0, 1]. For an odd degree, it is measured from the last grid point before the
-///           position. For degree 2, it is measured from the middle between the first and the second of the three grid
-///           points.
+/// @param f  offset of the position in its cell, in [0, 1] and in units of cells. For an odd degree, cells lie between
+///           grid points. For degree 2, grid points are at the centres of cells.
 template <int kDegree, class Number>
 CCDT_INLINE inline std::array<Number, kDegree + 1> b_spline(Number f) {
     static_assert(kDegree == 2 || kDegree == 3 || kDegree == 5);
@@ -46,22 +45,22 @@ CCDT_INLINE inline std::array<Number, kDegree + 1> b_spline(Number f) {
 /// Calls spread(row, column, factor * y[row] * x[column]) for all taps.
 /// @param x, y  values of the kernel along x and y
 template <class Number, std::size_t kTaps, class Spread>
-CCDT_INLINE inline void for_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y, Number factor,
-                                 Spread&& spread) {
+inline void for_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y, Number factor,
+                     Spread&& spread) {
     for (std::size_t row = 0; row < kTaps; ++row) {
         const Number share = factor * y[row];
         for (std::size_t column = 0; column < kTaps; ++column) spread(row, column, share * x[column]);
     }
 }
 
-/// Returns the sum over all taps of y[row] * x[column] * value(row, column).
-template <class Number, std::size_t kTaps, class Value>
-CCDT_INLINE inline Number sum_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y,
-                                   Value&& value) {
+/// Returns the sum over all taps of y[row] * x[column] * line(row)[column].
+template <class Number, std::size_t kTaps, class Line>
+inline Number sum_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y, Line&& line) {
     Number sum = 0;
     for (std::size_t row = 0; row < kTaps; ++row) {
-        Number part = x[0] * value(row, std::size_t{0});
-        for (std::size_t column = 1; column < kTaps; ++column) part += x[column] * value(row, column);
+        const Number* const values = line(row);
+        Number part = x[0] * values[0];
+        for (std::size_t column = 1; column < kTaps; ++column) part += x[column] * values[column];
         sum += y[row] * part;
     }
     return sum;

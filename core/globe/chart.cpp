@@ -41,8 +41,8 @@ double geodetic_tangent(double conformal) {
 
 /// Returns the tangent of the conformal latitude; finite even at a pole.
 double conformal_tangent(Direction direction) {
-    constexpr double kLeast = 1e-16;
-    return direction.z / std::max(std::hypot(direction.x, direction.y), kLeast);
+    constexpr double kMin = 1e-16;
+    return direction.z / std::max(std::hypot(direction.x, direction.y), kMin);
 }
 
 }  // namespace
@@ -73,8 +73,8 @@ Chart::Chart(Direction centre) : centre_(centre) {
 }
 
 Point Chart::to_plane(Direction direction) const {
-    constexpr double kLeast = 1e-12;  // the point opposite the centre maps to a point far out
-    const double scale = 2 / std::max(1 + dot(direction, centre_), kLeast);
+    constexpr double kMin = 1e-12;  // the point opposite the centre maps to a point far out
+    const double scale = 2 / std::max(1 + dot(direction, centre_), kMin);
     return {scale * dot(direction, right_), scale * dot(direction, up_)};
 }
 

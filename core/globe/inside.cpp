@@ -66,7 +66,7 @@ bool Inside::contains(Point p) const {
 }
 
 Point Inside::nearest(Point p, double stretch) const {
-    constexpr double kLeast = 1e-12, kMax = 1e-3;
+    constexpr double kMin = 1e-12, kMax = 1e-3;
     if (contains(p)) return p;
     const auto distance = [&](Point q) {
         const Point off{stretch * (q.x - p.x), q.y - p.y};
@@ -86,7 +86,7 @@ Point Inside::nearest(Point p, double stretch) const {
         foot = there;
         inward = normal;
     }
-    for (double nudge = kLeast; nudge <= kMax; nudge *= 4) {
+    for (double nudge = kMin; nudge <= kMax; nudge *= 4) {
         const Point there = foot + nudge * extent_ * inward;
         if (contains(there)) return there;
     }

@@ -25,13 +25,13 @@ struct Raster {
 /// Returns the number of cells along the longer side of a part's box. With this number, the scale of ground areas
 /// changes little between cells. The number is bounded by the number of sites along the side.
 int cells_for_ground(const Box& box, std::size_t sites) {
-    constexpr double kStep = 0.005, kPerSite = 8, kLeast = 16, kFew = 256, kMax = 1'024;
+    constexpr double kStep = 0.005, kPerSite = 8, kMin = 16, kFew = 256, kMax = 1'024;
     const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMax);
     const Point corner{std::max(std::abs(box.min.x), std::abs(box.max.x)),
                        std::max(std::abs(box.min.y), std::abs(box.max.y))};
     const double farthest = std::min(std::sqrt(dot(corner, corner)), 2.0);
     const double slope = farthest / (1 + farthest * farthest / 4);  // twice the slope of the scale's logarithm
-    return static_cast<int>(std::clamp(std::max(box.width(), box.height()) * slope / kStep, kLeast, most));
+    return static_cast<int>(std::clamp(std::max(box.width(), box.height()) * slope / kStep, kMin, most));
 }
 
 /// Reads a density at positions in degrees.

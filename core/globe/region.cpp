@@ -15,7 +15,7 @@ namespace ccdt {
 namespace {
 
 /// Least radius of curvature of the ellipsoid, in metres.
-constexpr double kLeastRadius = 6'335'439;
+constexpr double kMinRadius = 6'335'439;
 
 /// Tolerance of coordinates at the ends of their ranges, in degrees: ten micrometres.
 constexpr double kClose = 1e-10;
@@ -134,7 +134,7 @@ public:
     double pitch() const;
 
     /// Projects the region onto an existing chart.
-    Result<Domain> lay_on(const Chart& chart, double pitch);
+    Result<Domain> project_onto(const Chart& chart, double pitch);
 
 private:
     bool is_seam(Point a, Point b) const { return closes_ && a.x == b.x && (a.x == west_ || a.x == east_); }
@@ -161,8 +161,8 @@ private:
     void for_bent_edges(Visit visit) const;
     double tolerance(const Chart& chart) const;
     double error(double tolerance) const;
-    void lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
-    std::vector<Ring> lay_all(const Chart& chart, double tolerance) const;
+    void project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const;
+    std::vector<Ring> project_rings(const Chart& chart, double tolerance) const;
     Result<std::vector<ChartedPart>> on_one_chart(const Chart& chart) const;
     Result<std::vector<ChartedPart>> on_two_charts(const Far& far) const;
 
@@ -183,7 +183,7 @@ private:
 Charting::Charting(const Domain& degrees, std::size_t sites, double buffer, const std::stop_token& stop)
     : stop_(stop),
       sites_(static_cast<double>(sites)),
-      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kLeastRadius : 0),
+      buffer_(buffer > 0 ? std::max(buffer, kLeastBuffer) / kMinRadius : 0),
       west_(degrees.bounds().min.x),
       east_(degrees.bounds().max.x) {
     closes_ = east_ - west_ > kTurn - kClose;
@@ -315,8 +315,8 @@ std::optional<Chart> Charting::simple_chart() const {
 double Charting::pitch() const {
     double area = 0;
     for_edges([&](Point a, Point b) { area -= std::sin((a.y + b.y) / 2 * kDegree) * (b.x - a.x) * kDegree; });
-    constexpr double kLeast = 1e-20;
-    return std::sqrt(std::max(area, kLeast) / sites_);
+    constexpr double kMin = 1e-20;
+    return std::sqrt(std::max(area, kMin) / sites_);
 }
 
 /// Returns the deviation of an edge from a straight line on a chart, as a distance on the ground.
@@ -381,12 +381,12 @@ double Charting::tolerance(const Chart& chart) const {
 
 /// Returns the deviation of edges in metres, or 0 if it is negligible relative to the buffer.
 double Charting::error(double tolerance) const {
-    constexpr double kLargestRadius = 6'399'594;
-    return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kLargestRadius : 0;
+    constexpr double kMaxRadius = 6'399'594;
+    return buffer_ > 0 && tolerance > buffer_ / kBentTo ? tolerance * kMaxRadius : 0;
 }
 
 /// Appends the approximation of an edge on a chart, without the end point.
-void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
+void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point b, Ring& plane) const {
     constexpr double kMaxPieces = 1'000;
     for_chunks(a, b, [&](Point from, Point to) {
         plane.push_back(chart.to_plane(direction_of(from)));
@@ -399,7 +399,7 @@ void Charting::lay(const Chart& chart, double tolerance, Point a, Point b, Ring&
 }
 
 /// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the ring runs back and forth.
-std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const {
+std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
         Ring& plane = planes.emplace_back();
@@ -408,10 +408,10 @@ std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const 
             if (is_pole(a, b)) {
                 plane.push_back(chart.to_plane(direction_of(a)));
             } else if (!is_seam(a, b)) {
-                lay(chart, tolerance, a, b, plane);
+                project_edge(chart, tolerance, a, b, plane);
             } else {
                 for_pieces_of_seam(a, b, [&](std::size_t piece, Point from, Point to) {
-                    if (seam_sides_[piece] == 1) return lay(chart, tolerance, from, to, plane);
+                    if (seam_sides_[piece] == 1) return project_edge(chart, tolerance, from, to, plane);
                     plane.push_back(chart.to_plane(direction_of(from)));
                 });
             }
@@ -422,7 +422,7 @@ std::vector<Ring> Charting::lay_all(const Chart& chart, double tolerance) const 
 
 Result<std::vector<ChartedPart>> Charting::on_one_chart(const Chart& chart) const {
     const double tolerance = this->tolerance(chart);
-    auto domain = Domain::enclosed_by(lay_all(chart, tolerance), stop_);
+    auto domain = Domain::enclosed_by(project_rings(chart, tolerance), stop_);
     if (!domain) return tl::unexpected(domain.error());
     std::vector<ChartedPart> parts;
     parts.push_back({chart, *std::move(domain), 0, error(tolerance), coarsest_});
@@ -448,16 +448,16 @@ Ring circle(double angle) {
 
 /// @param far  inside the region
 Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
-    constexpr double kLargest = 20 * kDegree, kLeast = kDegree;
-    const double angle = std::min(kLargest, far.distance - 2 * step_ - buffer_);
-    if (angle < kLeast) {
+    constexpr double kMaxAngle = 20 * kDegree, kMinAngle = kDegree;
+    const double angle = std::min(kMaxAngle, far.distance - 2 * step_ - buffer_);
+    if (angle < kMinAngle) {
         return failure(ErrorCode::Unusable,
                        "the polygon is strewn over all of the globe: no place is some degrees from its border");
     }
     const Chart chart(-far.direction), opposite(far.direction);
     // Seen from the centre, the circle encloses everything except the hole, which is the second part.
     const double tolerance = this->tolerance(chart);
-    std::vector<Ring> rings = lay_all(chart, tolerance);
+    std::vector<Ring> rings = project_rings(chart, tolerance);
     rings.push_back(circle(std::numbers::pi - angle));
     auto most = Domain::enclosed_by(rings, stop_);
     if (!most) return tl::unexpected(most.error());
@@ -469,18 +469,18 @@ Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     return parts;
 }
 
-Result<Domain> Charting::lay_on(const Chart& chart, double pitch) {
+Result<Domain> Charting::project_onto(const Chart& chart, double pitch) {
     find_seam();
-    return Domain::enclosed_by(lay_all(chart, kTolerance * pitch), stop_);
+    return Domain::enclosed_by(project_rings(chart, kTolerance * pitch), stop_);
 }
 
 Result<std::vector<ChartedPart>> Charting::execute() {
-    constexpr double kLeastExtent = 1e-7;  // in degrees: a centimetre
+    constexpr double kMinExtent = 1e-7;  // in degrees: a centimetre
     find_seam();
     sample_border();
     if (stop_.stop_requested()) return failure(ErrorCode::Stopped, "stopped before the polygon was charted");
     const double distance = pitch();
-    if (distance * std::sqrt(sites_) < kLeastExtent * kDegree)
+    if (distance * std::sqrt(sites_) < kMinExtent * kDegree)
         return failure(ErrorCode::Unusable, "the polygon is too small on the globe");
     coarsest_ = kTolerance * distance;
     const Direction in_the_pacific = direction_of({-150, -30});
@@ -535,7 +535,7 @@ double ground_pitch(const Domain& degrees, std::size_t sites) {
 }
 
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop) {
-    return Charting(degrees, 1, 0, stop).lay_on(chart, pitch);
+    return Charting(degrees, 1, 0, stop).project_onto(chart, pitch);
 }
 
 }  // namespace ccdt

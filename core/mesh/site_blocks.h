@@ -15,9 +15,10 @@ namespace ccdt {
 /// alone.
 class SiteBlocks {
 public:
-    static constexpr std::size_t kFewest = 2048;  ///< least number of sites of a block, unless there is only one block
+    /// Least number of sites of a block, unless there is only one block.
+    static constexpr std::size_t kMinSites = 2048;
 
-    /// A block of some level.
+    /// A block, given by its level and its number on this level.
     struct Block {
         int level = 0;
         std::uint32_t number = 0;
@@ -27,7 +28,7 @@ public:
 
     explicit SiteBlocks(std::size_t sites)
         : sites_(sites),
-          bits_(static_cast<int>(std::bit_width(std::max<std::size_t>(sites / kFewest, 1))) - 1),
+          bits_(static_cast<int>(std::bit_width(std::max<std::size_t>(sites / kMinSites, 1))) - 1),
           share_(static_cast<double>(std::uint32_t{1} << bits_) /
                  static_cast<double>(std::max<std::size_t>(sites, 1))) {}
 

@@ -4,9 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <span>
-#include <stop_token>
 #include <vector>
 
 #include "core/geometry/delaunay.h"
@@ -30,7 +28,9 @@ struct Shift {
     }
 };
 
-/// A triangulation of a domain in flat arrays, updated by insertions, moves and flips.
+/// A triangulation of a domain in flat arrays. This class stores and navigates the mesh, and changes single triangles.
+/// The other files of this folder insert sites (insertion.h), make the mesh Delaunay (flips.h), move sites to distant
+/// triangles (relocation.h), and determine what lies inside the domain (inside.h).
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of triangle h / 4, whose edges run counter-clockwise. Vertices [0, sites) are
 /// sites, the others lie on the border. During construction, triangles outside the domain are part of the mesh. trim()
@@ -74,6 +74,7 @@ public:
     /// Number of sites that may move: the first ones. All sites may move unless fix_last() was called.
     std::size_t free_count() const { return free_; }
     bool is_free(std::uint32_t vertex) const { return vertex < free_; }
+    /// Declares that the last `count` sites never move.
     void fix_last(std::size_t count);
     /// Blocks of the free sites, which can be processed in parallel.
     const SiteBlocks& blocks() const { return blocks_; }
@@ -89,7 +90,7 @@ public:
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
     /// Whether a corner of the triangle is shifted relative to the others; only on a torus.
-    bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & kSeam) != 0; }
+    bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & Triangle::kSeam) != 0; }
 
     /// Periods by which the edge's target is shifted relative to its origin.
     Shift shift(std::uint32_t edge) const { return triangles_[edge / 4].shifts[edge % 4]; }
@@ -112,7 +113,7 @@ public:
     std::array<Point, 3> places(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
-        if ((t.flags & kSeam) == 0) return {points_[c[0]], points_[c[1]], points_[c[2]]};
+        if ((t.flags & Triangle::kSeam) == 0) return {points_[c[0]], points_[c[1]], points_[c[2]]};
         return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
     }
 
@@ -131,70 +132,31 @@ public:
         return cross(b - a, c - a);
     }
 
-    /// Inserts a site and restores the constrained Delaunay property around the site. Fastest near the previously
-    /// inserted site.
-    /// @param margin  least distance from the edges of the border
-    /// @param p       on a torus, rounded to a multiple of 2^-50
-    /// @returns       false, without inserting the site, if `p` is not strictly inside the domain, is too close to its
-    ///                border, or coincides with a vertex
-    bool insert(std::uint32_t site, Point p, double margin = 0);
-
-    /// Returns the position to try for a site at a given attempt. Called from several threads.
-    using Draw = std::function<Point(std::uint32_t site, int attempt)>;
-
-    /// Inserts sites, each at the first of several positions that insert() accepts.
-    /// @param sites     in ascending order and evenly spread; other calls insert the sites numbered in between
-    /// @param attempts  positions to try for each site
-    /// @param stop      polled regularly; after a stop the triangulation must not be used
-    /// @returns         the sites for which no position was accepted; they must be inserted before trim()
-    std::vector<std::uint32_t> insert_all(std::span<const std::uint32_t> sites, const Draw& draw, int attempts,
-                                          double margin, const std::stop_token& stop = {});
-
     /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
     /// Part in which a vertex lies; kNone for a vertex outside the domain. Before trim(), the four corners of the box
     /// are vertices outside.
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
-    /// Part in which a position lies; kNone outside the domain. Not for a torus, nor after trim().
-    std::uint32_t part_at(Point p);
-
-    /// Corners of the triangles inside the domain, or inside one part of it. Only before trim().
-    std::vector<std::array<Point, 3>> inside_triangles(std::uint32_t part = kNone) const;
-
-    /// Drops triangles outside the domain and renumbers the others in the order of the sites. All sites must have been
-    /// inserted.
-    void trim();
 
     /// Wraps sites of a torus that have left the box by a quarter of a period or more back into it.
     void wrap();
 
-    /// Flips edges until all edges that are not on the border are locally Delaunay, by exact predicates. Every triangle
-    /// must be counter-clockwise.
-    /// @param stop  polled regularly; a stop leaves a valid triangulation that is not Delaunay everywhere
-    /// @returns     the number of flips
-    std::size_t restore_delaunay(const std::stop_token& stop = {});
-
-    /// Removes a site and inserts it in another triangle. Wherever the mesh was Delaunay around both positions, it is
-    /// Delaunay afterwards. Not for a torus; only after trim().
-    /// @param p  strictly inside the triangle
-    /// @returns  false, without moving the site, if no edge can be flipped away from the site because of its
-    ///           neighbours' positions
-    bool relocate(std::uint32_t site, std::uint32_t triangle, Point p);
-
     /// Whether the last restore_delaunay() changed a triangle around the vertex.
     bool has_changed(std::uint32_t vertex) const { return changed_[vertex] != 0; }
 
-private:
-    // Bit 1 << i is set if edge i of the triangle is constrained.
-    static constexpr std::uint8_t kConstrained = 7;  ///< during construction
-    static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; during construction
-    static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
+    // The following members are for the algorithms of this folder.
 
+    /// A triangle. Edge i runs from corners[i] to corners[(i + 1) % 3].
     struct Triangle {
-        std::array<std::uint32_t, 3> corners{};
-        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
-        std::array<Shift, 3> shifts{};  ///< shifts along the edges
+        std::array<std::uint32_t, 3> corners{};                   ///< counter-clockwise
+        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};  ///< twins of the three half-edges
+        std::array<Shift, 3> shifts{};                            ///< shifts along the edges
         std::uint8_t flags = 0;
+
+        // Bit 1 << i is set if edge i of the triangle is constrained.
+        static constexpr std::uint8_t kConstrained = 7;  ///< during construction
+        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; during construction
+        static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
 
         bool is_inside() const { return (flags & kOutside) == 0; }
         bool is_constrained(std::uint32_t number) const { return (flags >> number & 1) != 0; }
@@ -208,78 +170,44 @@ private:
         }
     };
 
-    /// A triangle, and a point relative to the position of its first corner.
-    struct Location {
-        std::uint32_t triangle;
-        Point point;
-        Shift shift;  ///< shift of the point from its given position
-    };
+    std::vector<Triangle>& triangles() { return triangles_; }
+    const std::vector<Triangle>& triangles() const { return triangles_; }
 
-    /// A site still to be inserted.
-    struct Pending {
-        std::uint32_t number = 0;        ///< index in the batch
-        std::uint32_t triangle = kNone;  ///< triangle at which the walk to the site left a region
-    };
-
-    /// The part of the mesh that one task may change: the triangles with all vertices in one block.
-    struct Region {
-        std::uint32_t first = 0;     ///< first vertex of the block
-        std::uint32_t size = kNone;  ///< number of vertices; kNone for the last level's block, which has all vertices
-        std::uint32_t last = kNone;  ///< a triangle of the region, near the last insertion
-        std::vector<std::uint32_t> stack;  ///< edges that may need a flip
-        std::vector<std::uint32_t> edges;  ///< edges left for a larger region
-        std::vector<Pending> sites;        ///< sites to insert; afterwards the sites left for a larger region
-        std::size_t flips = 0;
-
-        bool has(std::uint32_t vertex) const { return vertex - first < size; }
-        bool is_whole() const { return size == kNone; }
-    };
-    struct Regions {
-        int first_level = 0;
-        std::vector<std::vector<Region>> levels;  ///< [levels][blocks], from the first level to the last
-
-        Region& of(SiteBlocks::Block block);
-    };
-    /// An edge that needs a flip, and the block of the four vertices around it.
-    struct Flip {
-        std::uint32_t edge;
-        SiteBlocks::Block block;
-    };
-    enum class Insertion { Done, Refused, Elsewhere };
-    struct Batch;
-
-    void reserve_triangles(std::size_t border);
-    /// First triangle of the border. The triangles of the sites come before it.
+    /// First triangle of the border. The triangles of the sites, two for each, come before it.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
-    void insert_first(std::uint32_t site, Point p);
-    void divide(std::uint32_t site, const Location& at, std::uint32_t u, std::uint32_t v);
-    std::vector<std::uint32_t> edges_around(std::uint32_t site) const;
-    bool isolate(std::uint32_t site);
-    bool is_within(std::uint32_t triangle, Point p) const;
-    bool locate(const Region& region, Location& at) const;
-    Location way_from(std::uint32_t triangle, Point p) const;
-    Insertion insert(Region& region, std::uint32_t site, Point p, double margin, Pending& pending);
-    void insert_in(Region& region, const Batch& batch);
-    Regions make_regions(std::size_t sites) const;
-    template <class Work>
-    Region work_upwards(Regions regions, Work&& work);
-    void join(std::uint32_t edge, std::uint32_t twin);
     bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
+
+    /// Makes two half-edges twins. `twin` may be kNone.
+    void join(std::uint32_t edge, std::uint32_t twin);
+    /// Splits a triangle into three at a site.
+    /// @param shift  shift of the site from its stored position to its position in the triangle
+    /// @param u, v   unused triangles
+    void divide(std::uint32_t site, std::uint32_t triangle, Shift shift, std::uint32_t u, std::uint32_t v);
+    /// Replaces the edge a-b of triangles (a, b, c) and (b, a, d) by d-c of (a, d, c) and (b, c, d).
+    void flip(std::uint32_t edge);
+    /// Sets the stored edge of its origin to this edge. Changes a vertex of the border only if the edge lies on the
+    /// border.
+    void keep_edge(std::uint32_t edge);
+    /// Sets has_changed() of all vertices to false.
+    void forget_changes() { changed_.assign(points_.size(), 0); }
+
+    /// Sets the part of each vertex, and the number of parts.
+    void set_parts(std::vector<std::uint32_t> part_of, std::size_t count);
+    void set_part(std::uint32_t vertex, std::uint32_t part) {
+        if (!part_of_.empty()) part_of_[vertex] = part;
+    }
+    /// Ends the construction, after the triangles outside the domain have been dropped.
+    void finish();
+
+    /// Triangle at which the next search for a position begins; kNone in an empty torus. Only before trim().
+    std::uint32_t search_start() const { return search_start_; }
+    void set_search_start(std::uint32_t triangle) { search_start_ = triangle; }
+
+private:
+    void reserve_triangles(std::size_t border);
     void set_twin(std::uint32_t edge, std::uint32_t twin) { triangles_[edge / 4].twins[edge % 4] = twin; }
     void set_constrained(std::uint32_t edge, bool on) { triangles_[edge / 4].set_constrained(edge % 4, on); }
     void flip_shifts(std::uint32_t edge);
-    bool wants_flip(std::uint32_t edge) const;
-    bool is_certain(std::uint32_t edge, std::uint32_t other) const;
-    void flip(std::uint32_t edge);
-    void legalise(Region& region);
-    void find_flips(std::size_t begin, std::size_t end, std::vector<Flip>& found) const;
-    void keep_edge(std::uint32_t edge);
-    void mark_inside();
-    void mark_parts();
-    void separate(std::span<const ConstrainedDelaunay::Branch> branches);
-    void drop_outside();
-    void number_along_sites();
-    void find_edges();
 
     std::size_t sites_;
     std::size_t free_ = sites_;
@@ -292,7 +220,7 @@ private:
     /// [vertices] whether the last restore_delaunay() changed a triangle around the vertex.
     std::vector<std::uint8_t> changed_;
     SiteBlocks blocks_;  ///< blocks of the free sites
-    Region whole_;
+    std::uint32_t search_start_ = kNone;
     Executor* executor_ = &inline_executor();
 };
 

@@ -34,7 +34,7 @@ constexpr double kStep = 0.7;   ///< share of the points that remain at the end 
 /// contains a subset of a third of its points without any two neighbours. Any further point is at 0.577 from the
 /// nearest point of that subset, in the units of this constant. A larger value forces the choice of half the points
 /// when about a third remain, and leaves more power.
-constexpr double kLeastDistance = 0.58;
+constexpr double kMinDistance = 0.58;
 
 /// Weight of the surplus around a point relative to its crowding. A larger weight leaves less power in long waves, and
 /// more power in waves of two or three spacings.
@@ -44,11 +44,11 @@ constexpr float kSurplusWeight = 0.5F;
 constexpr double kNodeDistance = 3;
 
 /// Largest ratio of reference points to remaining points. Above it, the remaining points become the reference.
-constexpr std::size_t kManyTimes = 8;
+constexpr std::size_t kMaxReferenceRatio = 8;
 
 /// Least number of remaining points in a region. A smaller region leaves too little choice and more noise; a larger one
 /// takes longer.
-constexpr std::size_t kLeastCrowd = 256;
+constexpr std::size_t kMinRegionPoints = 256;
 
 /// Number of neighbours whose distance measures the local density. It is large enough for a stable measure, and small
 /// enough for the neighbours to be near.
@@ -86,8 +86,8 @@ public:
         const auto last = squares_.begin() + static_cast<std::ptrdiff_t>(wanted) - 1;
         std::ranges::nth_element(squares_, last);
         // Coincident points have spacing 0, but the spacing must be usable as a divisor.
-        constexpr double kLeast = 1e-9;
-        return std::max(std::sqrt(*last * std::numbers::pi / static_cast<double>(wanted)), kLeast * usual_);
+        constexpr double kMinShare = 1e-9;
+        return std::max(std::sqrt(*last * std::numbers::pi / static_cast<double>(wanted)), kMinShare * usual_);
     }
 
 private:
@@ -114,7 +114,7 @@ public:
     /// Sorts points by region.
     /// @param order  permutation of the points; reordered such that the points of each region are successive
     Regions(std::span<const Point> places, std::vector<std::uint32_t>& order) {
-        while ((order.size() >> depth_) >= 2 * kLeastCrowd) ++depth_;
+        while ((order.size() >> depth_) >= 2 * kMinRegionPoints) ++depth_;
         sizes_.resize(std::size_t{2} << depth_);
         divide(places, order, 1, 0);
         left_ = sizes_;
@@ -123,7 +123,7 @@ public:
     /// Returns the depth of regions that have enough remaining points to choose from.
     int depth(std::size_t left) const {
         int depth = 0;
-        while (depth < depth_ && (left >> (depth + 1)) >= kLeastCrowd) ++depth;
+        while (depth < depth_ && (left >> (depth + 1)) >= kMinRegionPoints) ++depth;
         return depth;
     }
 
@@ -135,7 +135,7 @@ public:
 
     /// Returns the region of a depth that loses the next point. At each level, chooses the half with the larger share
     /// of remaining points.
-    std::size_t turn(int depth) const {
+    std::size_t next_region(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
             const std::size_t first = 2 * region, second = first + 1;
@@ -147,7 +147,7 @@ public:
     }
 
     /// Counts the removal of a point from a region of a depth, whether or not the region was the next in turn.
-    void take(int depth, std::size_t region) {
+    void count_removal(int depth, std::size_t region) {
         for (region += std::size_t{1} << depth; region > 0; region /= 2) --left_[region];
     }
 
@@ -191,28 +191,28 @@ public:
         : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
           y_(domain.unit_bounds().height(), distance, domain.is_torus()),
           wanted_(x_.nodes * y_.nodes),
-          there_(wanted_.size()) {
+          actual_(wanted_.size()) {
         const float per_reference = 1 / static_cast<float>(reference.size());
         for (const Point p : reference) add(around(p), per_reference, wanted_);
         around_.reserve(points.size());
         for (const Point p : points) {
             around_.push_back(around(p));
-            add(around_.back(), 1, there_);
+            add(around_.back(), 1, actual_);
         }
         join(wanted_);
-        join(there_);
+        join(actual_);
     }
 
     /// Returns the wanted smoothed number of points around a point, per point in all.
     float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
 
     /// Returns the actual smoothed number of points around a point.
-    float there(std::uint32_t point) const { return read(around_[point], there_); }
+    float actual(std::uint32_t point) const { return read(around_[point], actual_); }
 
     void remove(std::uint32_t point) {
         const Around& at = around_[point];
         const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
-        if (!repeats) return add(at, -1, there_);
+        if (!repeats) return add(at, -1, actual_);
         for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
                  [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
     }
@@ -258,8 +258,7 @@ private:
 
     float read(const Around& at, const std::vector<float>& nodes) const {
         const float* const first = nodes.data() + node(at);
-        return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y),
-                        [&](std::size_t j, std::size_t i) { return first[j * x_.nodes + i]; });
+        return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y), [&](std::size_t row) { return first + row * x_.nodes; });
     }
 
     /// Adds a multiple of the weights to the nodes around a position.
@@ -272,7 +271,7 @@ private:
     /// Subtracts from a node and from all nodes identical to it.
     void lower(std::size_t column, std::size_t row, float weight) {
         for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
-            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) there_[y * x_.nodes + x] -= weight;
+            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) actual_[y * x_.nodes + x] -= weight;
         }
     }
 
@@ -292,7 +291,7 @@ private:
 
     Axis x_, y_;
     std::vector<float> wanted_;   ///< [nodes] wanted smoothed number of points, per point in all
-    std::vector<float> there_;    ///< [nodes] actual smoothed number of points
+    std::vector<float> actual_;   ///< [nodes] actual smoothed number of points
     std::vector<Around> around_;  ///< nodes around each point
 };
 
@@ -342,7 +341,7 @@ public:
             for (auto k = static_cast<std::uint32_t>(begin); k < end && !stop.stop_requested(); ++k) {
                 find_near(k, 1, runs);
                 const float nearest = with_lanes([&](auto) CCDT_INLINE { return add(k, runs); });
-                if (nearest < kLeastSquare) find_pairs(k, pairs[begin / kRange]);
+                if (nearest < kMinSquare) find_pairs(k, pairs[begin / kRange]);
             }
         });
         for (const auto& each : pairs) pairs_.insert(pairs_.end(), each.begin(), each.end());
@@ -364,7 +363,7 @@ public:
 
 private:
     static constexpr std::size_t kRange = 4'096;  ///< points per task
-    static constexpr float kLeastSquare = static_cast<float>((kLeastDistance / kReach) * (kLeastDistance / kReach));
+    static constexpr float kMinSquare = static_cast<float>((kMinDistance / kReach) * (kMinDistance / kReach));
 
     void find_near(std::uint32_t k, double share, std::vector<CellList::Run>& runs) const {
         const std::uint32_t i = numbers_[k];
@@ -434,13 +433,13 @@ private:
 
     void find_pairs(std::uint32_t k, std::vector<Pair>& pairs) const {
         std::vector<CellList::Run> runs;
-        find_near(k, kLeastDistance / kReach, runs);
+        find_near(k, kMinDistance / kReach, runs);
         for (const auto [begin, end] : runs) {
             for (std::uint32_t each = begin; each < end; each += kLanes) {
                 Floats squares;
                 get_squares(k, each, end, squares);
                 for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
-                    if (squares[lane] < kLeastSquare && each + lane > k && pairs.size() < 3 * kRange)
+                    if (squares[lane] < kMinSquare && each + lane > k && pairs.size() < 3 * kRange)
                         pairs.push_back({squares[lane], numbers_[k], numbers_[each + lane]});
                 }
             }
@@ -515,7 +514,7 @@ private:
         crowd_.emplace(domain_, near_places_, reaches_, widest_, executor_, stop);
         next_pair_ = 0;
         is_there_.assign(left_.size(), 1);
-        if (reference_.size() > kManyTimes * left_.size()) {
+        if (reference_.size() > kMaxReferenceRatio * left_.size()) {
             sparse_ = near_places_;
             reference_ = sparse_;
         }
@@ -543,18 +542,18 @@ private:
     /// is one of these two. Otherwise it is the point with the largest excess in the region that is next in turn.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
-        const double least = kLeastDistance / kReach * std::sqrt(grown);
+        const double least = kMinDistance / kReach * std::sqrt(grown);
         const auto left = static_cast<float>(stay + 1);
         const std::span<const Crowd::Pair> pairs = crowd_->pairs();
         for (; next_pair_ < pairs.size() && pairs[next_pair_].square < least * least; ++next_pair_) {
             const auto [square, i, j] = pairs[next_pair_];
             if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i, left) > excess(j, left) ? i : j;
         }
-        const std::size_t region = regions_.turn(depth_);
+        const std::size_t region = regions_.next_region(depth_);
         return most_crowded(begins_[region], begins_[region + 1], left);
     }
 
-    float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->there(i); }
+    float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->actual(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
     /// Returns the point with the largest excess. bounds_ stores excesses without their wanted part. During a step such
@@ -600,7 +599,7 @@ private:
         crowd_->remove(i);
         surplus_->remove(i);
         const auto region = std::ranges::upper_bound(begins_, i) - begins_.begin() - 1;
-        regions_.take(depth_, static_cast<std::size_t>(region));
+        regions_.count_removal(depth_, static_cast<std::size_t>(region));
     }
 
     void keep_rest() {
@@ -653,14 +652,14 @@ std::vector<double> spacings_of(const Domain& domain, std::span<const Point> pla
 
 /// Clamps a coordinate, so that points opposite the chart's centre are not at infinity.
 double clamped(double coordinate) {
-    constexpr double kFarthest = 1'000;  // a circle of 13 km around the opposite point
-    return std::clamp(coordinate, -kFarthest, kFarthest);
+    constexpr double kMaxCoordinate = 1'000;  // a circle of 13 km around the opposite point
+    return std::clamp(coordinate, -kMaxCoordinate, kMaxCoordinate);
 }
 
 /// Added to the sum of directions, so that the sum has a direction even if points all over the globe cancel out.
 constexpr double kTilt = 1e-6;
 
-constexpr double kLeastSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide
+constexpr double kMinSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide
 
 /// Orders points of the unit frame.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,
@@ -715,7 +714,7 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
     }
     Box box{places.front(), places.front()};
     for (const Point p : places) box.include(p);
-    const double side = std::max({box.width(), box.height(), kLeastSide});
+    const double side = std::max({box.width(), box.height(), kMinSide});
     const Domain square = Domain::rectangle(side, side).value();
     for (Point& p : places) p = square.to_unit(p - box.min);
     return order_places(square, places, false, stop, executor);

@@ -24,7 +24,7 @@ constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values be
 constexpr int kMaxSweeps = 32;
 
 /// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
-constexpr double kFew = 1.0 / 16;
+constexpr double kSparseShare = 1.0 / 16;
 
 /// A pattern of set pixels on a torus, to be spread evenly.
 class PixelPattern {
@@ -103,10 +103,10 @@ private:
 
     /// Moves a set pixel to the least crowded neighbouring pixel.
     bool move(int x, int y) {
-        constexpr double kLeastGain = 1e-9;
+        constexpr double kMinGain = 1e-9;
         const std::size_t from = pixel(x, y);
         if (!is_set(from)) return false;
-        double least = crowding_[from] - 1 - kLeastGain;
+        double least = crowding_[from] - 1 - kMinGain;
         std::size_t to = from;
         for (int dy = -1; dy <= 1; ++dy) {
             for (int dx = -1; dx <= 1; ++dx) {
@@ -142,7 +142,7 @@ PixelPattern half_of(int width, int height, std::uint64_t seed, const std::stop_
 std::vector<std::uint32_t> order(PixelPattern pattern, const Domain& torus, const std::stop_token& stop) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < pattern.size(); ++i) count += pattern.is_set(i) ? 1 : 0;
-    const auto few = static_cast<std::size_t>(kFew * static_cast<double>(pattern.size()));
+    const auto few = static_cast<std::size_t>(kSparseShare * static_cast<double>(pattern.size()));
     std::vector<std::uint32_t> last = pattern.thin(count - few, stop);
 
     std::vector<std::uint32_t> pixels, ordered;

@@ -8,11 +8,11 @@ namespace ccdt {
 namespace {
 
 /// Number of points above which a cell gets a nested grid.
-constexpr std::uint32_t kCrowd = 32;
+constexpr std::uint32_t kMaxPerCell = 32;
 
 /// Limit on the depth of nested grids. Points closer than the size of the deepest cells nearly coincide. Rounding can
 /// reduce the width of cells to zero even at smaller depths.
-constexpr int kDeepest = 16;
+constexpr int kMaxDepth = 16;
 
 }  // namespace
 
@@ -83,7 +83,7 @@ void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, in
     cells_[last + 1].begin = end;
     for (std::size_t i = unsorted.size(); i-- > 0;) sorted_[--cells_[grid.cell(unsorted[i].place)].begin] = unsorted[i];
 
-    if (depth == kDeepest) return;
+    if (depth == kMaxDepth) return;
     const double width = box.width() / columns, height = box.height() / rows;
     for (int row = 0; row < rows; ++row) {
         for (int column = 0; column < columns; ++column) {
@@ -91,7 +91,7 @@ void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, in
             const std::uint32_t from = cells_[k].begin, to = cells_[k + 1].begin;
             const Point corner = box.min + Point{column * width, row * height};
             const Box inner{corner, corner + Point{width, height}};
-            if (to - from <= kCrowd || !(inner.width() > 0 && inner.height() > 0)) continue;
+            if (to - from <= kMaxPerCell || !(inner.width() > 0 && inner.height() > 0)) continue;
             cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
             divide(inner, from, to, depth + 1);
         }

@@ -46,17 +46,17 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
         }
     }
     const Point side{sides.x / static_cast<double>(columns), sides.y / static_cast<double>(rows)};
-    store(masses, side);
+    choose_stored(masses, side);
     double all = 0;
     for (const double mass : masses.values) all += mass;
     if (!(all > 0)) return;
     for (double& mass : masses.values) mass *= static_cast<double>(sites) / all;
-    want(masses, side);
+    spread_wanted(masses, side);
 }
 
 /// Determines which points of the grid to store: all points that spreading within the pieces can reach.
 /// @param side  size of the pieces
-void ErrorGrid::store(const CrossedCells& pieces, Point side) {
+void ErrorGrid::choose_stored(const CrossedCells& pieces, Point side) {
     constexpr double kMargin = 0.5;  // in pieces; rounding can move a point beyond the side of a piece
     struct Range {
         std::size_t first, end;
@@ -85,7 +85,7 @@ void ErrorGrid::store(const CrossedCells& pieces, Point side) {
 
 /// Spreads the pieces of areas, first along each row, then across the rows.
 /// @param side  size of the pieces
-void ErrorGrid::want(const CrossedCells& masses, Point side) {
+void ErrorGrid::spread_wanted(const CrossedCells& masses, Point side) {
     std::vector<double> line(columns_, 0);
     for (std::size_t number = 0; number < masses.rows.size(); ++number) {
         const CrossedCells::Row& row = masses.rows[number];
@@ -126,7 +126,7 @@ void ErrorGrid::measure(std::span<const Point> sites) {
 double ErrorGrid::at(Point site) const {
     const auto [column, row, fraction] = place(site);
     return sum_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y),
-                    [&](std::size_t j, std::size_t i) { return values_[number(column, row + j) + i]; });
+                    [&](std::size_t j) { return &values_[number(column, row + j)]; });
 }
 
 }  // namespace ccdt

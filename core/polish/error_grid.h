@@ -46,8 +46,8 @@ private:
     }
     /// Index of a stored grid point.
     std::size_t number(std::size_t column, std::size_t row) const { return numbers_[row] + column; }
-    void store(const CrossedCells& pieces, Point side);
-    void want(const CrossedCells& masses, Point side);
+    void choose_stored(const CrossedCells& pieces, Point side);
+    void spread_wanted(const CrossedCells& masses, Point side);
 
     double cell_;
     std::size_t columns_, rows_;

@@ -16,7 +16,7 @@ namespace {
 
 /// Longest push, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep more than half of
 /// their distance.
-constexpr double kLongestPush = 0.2;
+constexpr double kMaxPush = 0.2;
 /// Distance from the border that a push keeps, in spacings. Without it, sites get stuck together in needles. A larger
 /// value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. Pushes with a reach beyond the
 /// nearest neighbours would press sites against the border, where nothing pushes back. Such pushes keep the first row
@@ -70,7 +70,7 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
         corner = {whole(p.x / sides.x) * sides.x, whole(p.y / sides.y) * sides.y};
     }
     const Point place = p - corner;
-    const auto here = support_.here(place);
+    const auto here = support_.inset_in_cell(place);
     if (here == place) return p;
     return inside(corner + (here ? *here : support_.nearest(place, kReach * spacing())));
 }
@@ -258,7 +258,7 @@ void MeshPolish::measure_spacings(const Triangulation& mesh) {
     });
 }
 
-void MeshPolish::silence(Triangulation& mesh, const std::stop_token& stop) {
+void MeshPolish::remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop) {
     if (!stealth_) stealth_.emplace(domain_, mesh.site_count(), executor_);
     const std::span<const Point> sites = std::span<const Point>(mesh.points()).first(mesh.site_count());
     if (stealth_->displacements(sites, moves_, stop)) apply(mesh);
@@ -298,7 +298,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
     if (others_) push_off_others(mesh, half_reach, push);
     for_ranges(executor_, moves_.size(), kSites, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v) {
-            const double longest = kLongestPush * spacing_of(static_cast<std::uint32_t>(v)),
+            const double longest = kMaxPush * spacing_of(static_cast<std::uint32_t>(v)),
                          length = std::sqrt(dot(moves_[v], moves_[v]));
             if (length > longest) moves_[v] = (longest / length) * moves_[v];
         }
@@ -353,8 +353,8 @@ double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle
 /// Whether a triangle has kept enough of its area and has not become a needle.
 /// @param area  its current doubled area
 bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
-    constexpr double kSmall = 0.05;       // relative to the mean area; larger triangles are no needles
-    constexpr double kLeastShape = 1e-5;  // doubled area relative to the longest edge squared
+    constexpr double kSmall = 0.05;     // relative to the mean area; larger triangles are no needles
+    constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     const bool is_large = area >= kSmall * domain_.unit_area() / static_cast<double>(mesh.site_count());
     if (is_large && area >= kKeptArea * largest_area_) return true;
     const double before = area_before(mesh, triangle);
@@ -362,7 +362,7 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     if (is_large) return true;
     const auto [a, b, c] = mesh.places(triangle);
     const double longest = std::max({dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)});
-    const double least = std::max(kLeastShape * longest, domain_.resolution() * std::sqrt(longest));
+    const double least = std::max(kMinShape * longest, domain_.resolution() * std::sqrt(longest));
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 

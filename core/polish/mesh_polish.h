@@ -75,8 +75,8 @@ public:
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// Removes the power of low frequencies on a torus of uniform density that is wide enough and has no fixed sites.
-    /// Does nothing once the power of all low frequencies is negligible (Stealth::kSilence).
-    void silence(Triangulation& mesh, const std::stop_token& stop);
+    /// Does nothing once the power of all low frequencies is negligible (Stealth::kNegligiblePower).
+    void remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop);
 
     /// Moves the sites. @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);

@@ -62,7 +62,7 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Bounds on conductances, which needles can exceed. At an edge of the border, two triangles can give a negative
     // value, which counts as no conductance.
-    constexpr double kLeast = 1e-3, kMax = 2;
+    constexpr double kMin = 1e-3, kMax = 2;
     // Doubled area relative to squared sides. In thinner triangles, angles consist of rounding errors.
     constexpr double kThinnest = 1e-12;
     const auto owner = owners(mesh);
@@ -89,7 +89,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
                 const std::uint32_t a = owner[corners[i]], b = owner[corners[(i + 1) % 3]];
                 if (a == b || a == kNone || b == kNone || !passes(a, b)) continue;
                 const double other = twin == kNone ? 0 : cotangents[Triangulation::triangle_of(twin)][twin % 4];
-                list.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kLeast, kMax)});
+                list.push_back({a, b, std::clamp((cotangents[t][i] + other) / 2, kMin, kMax)});
             }
         }
     });
@@ -210,7 +210,7 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
 
 /// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
-    constexpr double kLongestMove = 0.35;  // in spacings; countries in core/README.md: .25 leaves 1 dB more in fjords
+    constexpr double kMaxMove = 0.35;  // in spacings; countries in core/README.md: .25 leaves 1 dB more in fjords
     for_ranges(executor_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             Point move;
@@ -218,7 +218,7 @@ void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spac
                 const double flow = conductance * (potential_[to] - potential_[v]);
                 move = move + (flow / 2) * (mesh.point(to) - mesh.point(v));
             }
-            const double longest = kLongestMove * spacings[v], distance = length(move);
+            const double longest = kMaxMove * spacings[v], distance = length(move);
             moves[v] = distance > longest ? (longest / distance) * move : move;
         }
     });

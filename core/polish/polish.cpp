@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/polish/polish.h"
+#include "core/mesh/flips.h"
 
 #include <algorithm>
 #include <cmath>
@@ -78,7 +79,7 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
     repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
     repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
     repeat(settings.stealth_rounds, stop, after,
-           [&](int) { layers_.front().steps->silence(*layers_.front().mesh, stop); });
+           [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
 }
 
 /// Calls function(layer, moves) for each ink until stopped; `moves` is empty if there is only one ink.
@@ -137,7 +138,7 @@ void Polish::push_again(const PolishSettings& settings, const std::function<void
 }
 
 void Polish::restore_meshes(const std::stop_token& stop) {
-    for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.mesh->restore_delaunay(stop); });
+    for_each(stop, [&](const Layer& layer, std::span<Point>) { restore_delaunay(*layer.mesh, stop); });
     begin();
 }
 

@@ -265,21 +265,21 @@ void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradi
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
     // With fewer points, sorting costs more than it gains. Also the size of a task.
-    constexpr std::size_t kFew = 8192;
+    constexpr std::size_t kPointsPerTask = 8192;
     std::vector<std::uint32_t> order;
-    if (points.size() <= kFew) {
+    if (points.size() <= kPointsPerTask) {
         for (std::size_t i = 0; i < points.size(); ++i) {
             if (counts(i)) order.push_back(static_cast<std::uint32_t>(i));
         }
         return add(order);
     }
     const std::size_t bands = static_cast<std::size_t>(rows_) / kRows + 1;
-    const std::size_t parts = (points.size() + kFew - 1) / kFew;
+    const std::size_t parts = (points.size() + kPointsPerTask - 1) / kPointsPerTask;
     const auto band_of = [&](std::size_t i) { return places<OneLane>({points[i]}).rows[0] / kRows; };
     // [parts][bands] position in the order for the next point of each band in a part.
     std::vector<std::uint32_t> next(parts * bands, 0);
-    for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
-        std::uint32_t* const count = &next[begin / kFew * bands];
+    for_ranges(executor_, points.size(), kPointsPerTask, [&](std::size_t begin, std::size_t end) {
+        std::uint32_t* const count = &next[begin / kPointsPerTask * bands];
         for (std::size_t i = begin; i < end; ++i) {
             if (counts(i)) ++count[band_of(i)];
         }
@@ -291,8 +291,8 @@ void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& a
         begins.push_back(begin);
     }
     order.resize(begins.back());
-    for_ranges(executor_, points.size(), kFew, [&](std::size_t begin, std::size_t end) {
-        std::uint32_t* const next_of = &next[begin / kFew * bands];
+    for_ranges(executor_, points.size(), kPointsPerTask, [&](std::size_t begin, std::size_t end) {
+        std::uint32_t* const next_of = &next[begin / kPointsPerTask * bands];
         for (std::size_t i = begin; i < end; ++i) {
             if (counts(i)) order[next_of[band_of(i)]++] = static_cast<std::uint32_t>(i);
         }

@@ -11,9 +11,10 @@ namespace ccdt {
 namespace {
 
 constexpr double kTau = 2 * std::numbers::pi;
-constexpr double kCells = 5;       ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
-constexpr double kFewestRows = 4;  ///< least width of a torus, in spacings
-constexpr double kLeft = 0.01;  ///< share of F that the steps of one round may leave; the next round squares this share
+constexpr double kCells = 5;    ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
+constexpr double kMinRows = 4;  ///< least width of a torus, in spacings
+/// Share of F that the steps of one round may leave. The next round squares this share.
+constexpr double kMaxRemainder = 0.01;
 constexpr int kMaxSteps = 40;
 constexpr std::size_t kSites = 8192;  ///< sites per task
 
@@ -33,7 +34,7 @@ int cells_for(double end, double side) {
 }  // namespace
 
 double Stealth::fewest_sites(Point sides) {
-    return kFewestRows * kFewestRows * (std::max(sides.x, sides.y) / std::min(sides.x, sides.y));
+    return kMinRows * kMinRows * (std::max(sides.x, sides.y) / std::min(sides.x, sides.y));
 }
 
 bool Stealth::fits(const Domain& torus, std::size_t sites) {
@@ -63,13 +64,13 @@ Stealth::Stealth(const Domain& torus, std::size_t sites, Executor& executor)
 }
 
 bool Stealth::displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop) {
-    if (!measure(sites, stop) || largest_power_ < kSilence) return false;
+    if (!measure(sites, stop) || largest_power_ < kNegligiblePower) return false;
     Coefficients left(waves_.size()), eased(waves_.size()), changed(waves_.size()), potential(waves_.size());
     std::ranges::transform(sums_, left.begin(), [](const auto& sum) { return -sum; });
     precondition(left, eased);
     Coefficients step = eased;
     double size = product(left, eased);
-    const double enough = kLeft * kLeft * size;
+    const double enough = kMaxRemainder * kMaxRemainder * size;
     for (int steps = 0; steps < kMaxSteps && size > enough; ++steps) {
         if (stop.stop_requested()) return false;
         find_moves(step, sites, moves);

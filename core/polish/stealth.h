@@ -32,7 +32,7 @@ public:
     /// Upper limit of the removed frequencies, in units of sqrt(sites / area).
     static constexpr double kLimit = 0.5;
     /// Power below which a frequency counts as removed. Random sites have power 1. Rounding leaves about 1e-18.
-    static constexpr double kSilence = 1e-12;
+    static constexpr double kNegligiblePower = 1e-12;
 
     /// Returns the least number of sites for which a torus is wide enough: at least four spacings in each direction,
     /// where the spacing is sqrt(area / sites).
@@ -51,7 +51,8 @@ public:
     /// @param sites  [sites] in the unit frame; any periodic copy
     /// @param moves  out [sites]
     /// @param stop   polled regularly
-    /// @returns      false after a stop, or if no low frequency has power above kSilence; the moves must not be used
+    /// @returns      false after a stop, or if no low frequency has power above kNegligiblePower; the moves must not be
+    /// used
     ///               then
     ///
     /// Deterministic. O(sites log sites).

@@ -15,7 +15,7 @@ Support::Support(const Domain& domain, const Density& density) : columns_(densit
     }
 }
 
-std::optional<Point> Support::here(Point p) const {
+std::optional<Point> Support::inset_in_cell(Point p) const {
     const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
     const int column = std::clamp(static_cast<int>(g.x), 0, columns_ - 1);
     const int row = std::clamp(static_cast<int>(g.y), 0, rows_ - 1);
@@ -27,7 +27,7 @@ std::optional<Point> Support::here(Point p) const {
 }
 
 Point Support::nearest(Point p, double reach) const {
-    if (const auto found = here(p)) return *found;
+    if (const auto found = inset_in_cell(p)) return *found;
     const Point g{p.x * to_grid_.x, p.y * to_grid_.y};
     const int column = std::clamp(static_cast<int>(g.x), 0, columns_ - 1);
     const int row = std::clamp(static_cast<int>(g.y), 0, rows_ - 1);

@@ -24,7 +24,7 @@ public:
     Point nearest(Point p, double reach) const;
 
     /// Returns p, moved away from the sides of its cell, if the cell has density; else none.
-    std::optional<Point> here(Point p) const;
+    std::optional<Point> inset_in_cell(Point p) const;
 
 private:
     bool has_density(int column, int row) const {

@@ -24,7 +24,7 @@ constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one c
 constexpr double kShortest = 0.95;
 /// Longest move, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep half of their
 /// distance.
-constexpr double kLongestMove = 0.25;
+constexpr double kMaxMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
 /// light, 8 bits give densities of 1 to 113, which with kCaution are 4.1 octaves.
 constexpr std::size_t kMaxOctaves = 6;
@@ -130,11 +130,9 @@ double Transport::octave_spacing(std::size_t octave) const {
 }
 
 void Transport::add_octave() {
-    constexpr int kFewestCells = 8;
+    constexpr int kMinCells = 8;
     const double spacing = octave_spacing(octaves_.size());
-    const auto cells = [&](double side) {
-        return std::max(kFewestCells, good_size(kCellsPerSpacing * side / spacing));
-    };
+    const auto cells = [&](double side) { return std::max(kMinCells, good_size(kCellsPerSpacing * side / spacing)); };
     octaves_.push_back({SplineGrid(torus_, sides_, cells(sides_.x), cells(sides_.y), executor_), {}});
     Octave& octave = octaves_.back();
     const SplineGrid& grid = octave.grid;
@@ -440,7 +438,7 @@ bool Transport::displacements(std::span<const Point> sites, std::span<Point> mov
         for (std::size_t i = begin; i < end; ++i) {
             const double spacing = this->spacing(sites[i]);
             const Point move = (scale * spacing * spacing) * moves[i];
-            const double longest = kLongestMove * spacing, distance = length(move);
+            const double longest = kMaxMove * spacing, distance = length(move);
             moves[i] = distance > longest ? (longest / distance) * move : move;
         }
     });

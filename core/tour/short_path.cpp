@@ -18,10 +18,10 @@ namespace {
 using Stop = std::uint32_t;  ///< a point, numbered along Hilbert's curve
 
 constexpr std::size_t kMaxNeighbours = 8;
-constexpr std::uint32_t kLongestChange = 25'000;  ///< number of stops that one improvement may move in memory
-constexpr std::uint32_t kLongestRun = 3;          ///< largest number of stops that are relocated together
-constexpr double kLeastGain = 1e-12;      ///< relative to the points' extent; smaller gains may be rounding errors
-constexpr std::size_t kStopStride = 256;  ///< stops between polls of the stop token
+constexpr std::uint32_t kMaxChange = 25'000;  ///< number of stops that one improvement may move in memory
+constexpr std::uint32_t kMaxRun = 3;          ///< largest number of stops that are relocated together
+constexpr double kMinGain = 1e-12;            ///< relative to the points' extent; smaller gains may be rounding errors
+constexpr std::size_t kStopStride = 256;      ///< stops between polls of the stop token
 
 /// Returns the position of a point of the unit square along Hilbert's curve, with 24 bits per coordinate.
 std::uint64_t hilbert_key(Point p) {
@@ -134,7 +134,7 @@ public:
             first = after;
             inner = size() - inner;
         }
-        if (inner > kLongestChange) return false;
+        if (inner > kMaxChange) return false;
         std::uint32_t i = places_[first];
         std::uint32_t j = places_[last];
         for (std::uint32_t k = 0; k < inner / 2; ++k) {
@@ -151,11 +151,11 @@ public:
     /// @param first  first stop of the run
     /// @param after  not in the run
     bool move(Stop first, std::uint32_t length, Stop after, bool turned) {
-        std::array<Stop, kLongestRun> run{};
+        std::array<Stop, kMaxRun> run{};
         for (std::uint32_t i = 0; i < length; ++i) run[i] = at(places_[first] + i);
         const std::uint32_t ahead = steps(run[length - 1], after);
         const std::uint32_t behind = size() - length - ahead;
-        if (std::min(ahead, behind) > kLongestChange) return false;
+        if (std::min(ahead, behind) > kMaxChange) return false;
         std::uint32_t place = places_[first];
         if (ahead <= behind) {
             for (std::uint32_t k = 0; k < ahead; ++k, place = wrapped(place + 1)) put(at(place + length), place);
@@ -260,7 +260,7 @@ private:
                 const double joined = way(a, c);
                 if (joined >= left) break;
                 const Stop d = beside(c);
-                if (left + way(c, d) - joined - way(b, d) < kLeastGain) continue;
+                if (left + way(c, d) - joined - way(b, d) < kMinGain) continue;
                 if (!(forward ? tour_.reverse(b, c) : tour_.reverse(a, d))) continue;
                 revisit({a, b, c, d});
                 return true;
@@ -274,7 +274,7 @@ private:
     bool relocate(Stop a) {
         Stop forward = a;
         Stop backward = a;
-        for (std::uint32_t length = 1; length <= kLongestRun && length + 2 < tour_.size(); ++length) {
+        for (std::uint32_t length = 1; length <= kMaxRun && length + 2 < tour_.size(); ++length) {
             if (relocate(a, a, forward, length)) return true;
             if (length > 1 && relocate(a, backward, a, length)) return true;
             forward = tour_.next(forward);
@@ -296,7 +296,7 @@ private:
             if (in_run(c)) continue;
             for (const bool ahead : {true, false}) {
                 const Stop d = ahead ? tour_.next(c) : tour_.previous(c);
-                if (in_run(d) || saved - joined - way(other, d) + way(c, d) < kLeastGain) continue;
+                if (in_run(d) || saved - joined - way(other, d) + way(c, d) < kMinGain) continue;
                 const bool turned = ahead ? a != first : a == first;
                 if (!tour_.move(first, length, ahead ? c : d, turned)) continue;
                 revisit({before, behind, a, other, c, d});

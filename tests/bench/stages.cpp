@@ -9,6 +9,8 @@
 #include "core/ccdt/placement.h"
 #include "core/ccdt/relaxation.h"
 #include "core/ccdt/start.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
 
 namespace ccdt::bench {
@@ -22,7 +24,7 @@ Stages time_stages(const Domain& domain, const Density& density, const Options& 
     stages.start = clock.lap();
     Triangulation mesh(options.sites, *triangulate(border));
     place_sites(mesh, {}, start, {}, options.seed, 0, {});
-    mesh.trim();
+    trim(mesh);
     stages.triangulate = clock.lap();
 
     std::vector<double> capacities;
@@ -38,7 +40,7 @@ Stages time_stages(const Domain& domain, const Density& density, const Options& 
         relaxation.prepare(goals);
         for (int pass = 0; pass < options.passes; ++pass) relaxation.pass();
         stages.geometry += clock.lap();
-        mesh.restore_delaunay();
+        restore_delaunay(mesh);
         stages.flips += clock.lap();
         measure();
     }

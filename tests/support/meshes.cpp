@@ -7,6 +7,7 @@
 #include "core/ccdt/placement.h"
 #include "core/ccdt/start.h"
 #include "core/geometry/delaunay.h"
+#include "core/mesh/inside.h"
 
 namespace ccdt::test {
 
@@ -40,7 +41,7 @@ StartMesh::StartMesh(Domain of, Density by, const Options& options)
       mesh(empty_mesh(domain, border, options.sites)) {
     const StartSites start(domain, density, options);
     if (place_sites(mesh, {}, start, {}, options.seed, 0, {})) throw std::runtime_error("sites cannot be placed");
-    mesh.trim();
+    trim(mesh);
 }
 
 double StartMesh::measure() {

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/insertion.h"
+#include "core/mesh/inside.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 
@@ -20,8 +22,8 @@ using test::StartMesh;
 /// Returns the triangulation of a domain with given sites.
 Triangulation mesh_of(const Domain& domain, const std::vector<Point>& sites) {
     Triangulation mesh(sites.size(), triangulate(bare_border(domain)).value());
-    for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
-    mesh.trim();
+    for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(insert_site(mesh, i, sites[i])) << i;
+    trim(mesh);
     return mesh;
 }
 

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
+#include "core/mesh/inside.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
 #include "tests/support/pictures.h"
@@ -44,7 +47,7 @@ void expect_descent(const Problem& problem) {
         }
         EXPECT_LE(before, first * (1 + 1e-12));
         ASSERT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
-        start.mesh.restore_delaunay();
+        restore_delaunay(start.mesh);
         ASSERT_EQ(test::count_not_delaunay(start.mesh), 0u) << "iteration " << iteration;
         ASSERT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
         ASSERT_EQ(test::count_bad_links(start.mesh), 0u) << "iteration " << iteration;
@@ -105,7 +108,7 @@ std::vector<Point> relaxed(const Domain& domain, const Density& density, std::si
         start.measure();
         relaxation.prepare(start.goals);
         for (int pass = 0; pass < 5; ++pass) relaxation.pass();
-        start.mesh.restore_delaunay();
+        restore_delaunay(start.mesh);
     }
     return start.mesh.points();
 }
@@ -142,7 +145,7 @@ double reached(const Domain& domain, const Density& density, bool exact) {
             }
             EXPECT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
         }
-        start.mesh.restore_delaunay();
+        restore_delaunay(start.mesh);
         EXPECT_EQ(test::count_inverted(start.mesh), 0u) << "iteration " << iteration;
         EXPECT_EQ(test::count_not_delaunay(start.mesh), 0u) << "iteration " << iteration;
         EXPECT_EQ(test::count_bad_links(start.mesh), 0u) << "iteration " << iteration;
@@ -186,8 +189,8 @@ TEST(Relaxation, RestsAtTheMinimumOfExactPasses) {
 TEST(Relaxation, MovesASingleSiteToTheCentre) {
     const Domain domain = domain_of(kSquare);
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
-    ASSERT_TRUE(mesh.insert(0, {0.3, 0.8}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.3, 0.8}));
+    trim(mesh);
     Relaxation relaxation(mesh, std::vector<bool>(4, true), false, {});
     relaxation.prepare(std::vector<TriangleGoal>(4, TriangleGoal{2, 1}));
     for (int pass = 0; pass < 60; ++pass) relaxation.pass();
@@ -200,8 +203,8 @@ TEST(Relaxation, DividesASquareByItsTargets) {
     // independently.
     const Domain domain = domain_of(kSquare);
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
-    ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));
+    trim(mesh);
     std::vector<TriangleGoal> goals(4);
     const Point wanted{0.375, 0.75};
     for (std::uint32_t t = 0; t < 4; ++t) {
@@ -226,8 +229,8 @@ double height_above_pieces(std::size_t pieces) {
     ring.insert(ring.end(), {{1, 0}, {1, 1}, {0, 1}});
     const Domain domain = domain_of({{ring, {}}});
     Triangulation mesh(1, triangulate(bare_border(domain)).value());
-    EXPECT_TRUE(mesh.insert(0, {0.5, 0.5}));
-    mesh.trim();
+    EXPECT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));
+    trim(mesh);
     std::vector<TriangleGoal> goals(mesh.triangle_count());
     for (std::uint32_t t = 0; t < goals.size(); ++t) {
         double width = 0;

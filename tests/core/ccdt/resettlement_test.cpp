@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "core/ccdt/relaxation.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/relocation.h"
 #include "tests/support/meshes.h"
 
 namespace ccdt {
@@ -39,7 +41,7 @@ void crowd(Triangulation& mesh, Point from, Point to, int count) {
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
             if (distance(middle(t), to) < distance(middle(triangle), to)) triangle = t;
         }
-        ASSERT_TRUE(mesh.relocate(site, triangle, middle(triangle)));
+        ASSERT_TRUE(relocate_site(mesh, site, triangle, middle(triangle)));
     }
 }
 
@@ -65,7 +67,7 @@ TEST(Resettlement, KeepsEvenSites) {
         Relaxation relaxation(start.mesh, start.border.corner, true, {});
         relaxation.prepare(start.goals);
         for (int pass = 0; pass < 5; ++pass) relaxation.pass();
-        start.mesh.restore_delaunay();
+        restore_delaunay(start.mesh);
     }
     const auto before = start.mesh.points();
     start.measure();
@@ -106,7 +108,7 @@ TEST(Resettlement, SeparatesTheOnlySitesOfTwoIslands) {
     for (std::uint32_t v = 0; v < 2; ++v) {
         start.mesh.points()[v] = {start.mesh.point(v).x < 0.5 ? 0.47 : 0.53, 0.1};
     }
-    start.mesh.restore_delaunay();
+    restore_delaunay(start.mesh);
     start.measure();
     EXPECT_TRUE(Resettlement(start.mesh, start.goals).separate({0, 1}));
     EXPECT_GT(std::abs(start.mesh.point(1).x - start.mesh.point(0).x), 0.25);

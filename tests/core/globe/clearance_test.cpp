@@ -76,7 +76,7 @@ TEST(KeepOffBorder, SimplifiesFineBorders) {
 
 TEST(KeepOffBorder, CutsOffDenseNeedles) {
     constexpr int kCorners = 60'000;
-    constexpr double kInner = 0.1, kPitch = 1e-2, kLargestRadius = 6'399'594;
+    constexpr double kInner = 0.1, kPitch = 1e-2, kMaxRadius = 6'399'594;
     for (const double length : {5e-4, 0.1}) {
         Ring ring;
         for (int i = 0; i < kCorners; ++i) {
@@ -88,7 +88,7 @@ TEST(KeepOffBorder, CutsOffDenseNeedles) {
                              1e-3 * kPitch};
             ASSERT_TRUE(keep_off_border(part, buffer));
             EXPECT_LT(part.domain.corner_count(), 5000U) << length << ' ' << buffer;
-            const double bare = kInner - buffer / kLargestRadius;
+            const double bare = kInner - buffer / kMaxRadius;
             EXPECT_GT(part.domain.area(), std::numbers::pi * std::pow(bare - kPitch / 8, 2)) << length << ' ' << buffer;
             for (const Ring& left : part.domain.rings()) {
                 for (const Point& unit : left) {

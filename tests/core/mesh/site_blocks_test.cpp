@@ -20,9 +20,9 @@ TEST(SiteBlocks, DivideAllSitesInOrder) {
         EXPECT_EQ(blocks.begin(count), sites);
         for (std::uint32_t block = 0; block < count; ++block) {
             const std::uint32_t begin = blocks.begin(block), end = blocks.begin(block + 1);
-            if (sites < 2 * SiteBlocks::kFewest) continue;
-            ASSERT_GE(end - begin, SiteBlocks::kFewest - 1) << block;
-            ASSERT_LE(end - begin, 2 * SiteBlocks::kFewest) << block;
+            if (sites < 2 * SiteBlocks::kMinSites) continue;
+            ASSERT_GE(end - begin, SiteBlocks::kMinSites - 1) << block;
+            ASSERT_LE(end - begin, 2 * SiteBlocks::kMinSites) << block;
             ASSERT_EQ(blocks.of(begin), block);
             ASSERT_EQ(blocks.of(end - 1), block);
         }

@@ -5,6 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/predicates.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
+#include "core/mesh/inside.h"
 #include "core/mesh/triangulation.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
@@ -23,8 +26,8 @@ Point period_of(double width, double height) {
 /// Returns the triangulation of a torus with given sites.
 Triangulation mesh_of(Point period, const std::vector<Point>& sites) {
     Triangulation mesh(sites.size(), period);
-    for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(mesh.insert(i, sites[i])) << i;
-    mesh.trim();
+    for (std::uint32_t i = 0; i < sites.size(); ++i) EXPECT_TRUE(insert_site(mesh, i, sites[i])) << i;
+    trim(mesh);
     return mesh;
 }
 
@@ -129,12 +132,12 @@ TEST(TorusTriangulation, MakesASingleSiteItsOwnNeighbour) {
 TEST(TorusTriangulation, RefusesCopiesOfAnOccupiedPosition) {
     const Point period = period_of(2, 1);
     Triangulation mesh(2, period);
-    ASSERT_TRUE(mesh.insert(0, {0.25, 0.125}));
-    EXPECT_FALSE(mesh.insert(1, {0.25, 0.125}));
-    EXPECT_FALSE(mesh.insert(1, {1.25, 0.125}));
-    EXPECT_FALSE(mesh.insert(1, {0.25, -0.375}));
-    EXPECT_TRUE(mesh.insert(1, {0.25, 0.125 + 0x1p-50}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.25, 0.125}));
+    EXPECT_FALSE(insert_site(mesh, 1, {0.25, 0.125}));
+    EXPECT_FALSE(insert_site(mesh, 1, {1.25, 0.125}));
+    EXPECT_FALSE(insert_site(mesh, 1, {0.25, -0.375}));
+    EXPECT_TRUE(insert_site(mesh, 1, {0.25, 0.125 + 0x1p-50}));
+    trim(mesh);
     EXPECT_EQ(count_inverted(mesh), 0u);
     EXPECT_EQ(count_bad_links(mesh), 0u);
     EXPECT_EQ(count_not_delaunay(mesh), 0u);
@@ -150,11 +153,11 @@ TEST(TorusTriangulation, IsDelaunayAgainAfterMoves) {
         for (int round = 0; round < 20; ++round) {
             test::stir(mesh, random);
             ASSERT_EQ(count_inverted(mesh), 0u);
-            flips += mesh.restore_delaunay();
+            flips += restore_delaunay(mesh);
             expect_valid(mesh);
         }
         EXPECT_GT(flips, 0u);
-        EXPECT_EQ(mesh.restore_delaunay(), 0u);
+        EXPECT_EQ(restore_delaunay(mesh), 0u);
     }
 }
 

@@ -10,6 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "core/ccdt/start.h"
+#include "core/mesh/flips.h"
+#include "core/mesh/insertion.h"
+#include "core/mesh/inside.h"
+#include "core/mesh/relocation.h"
 #include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "tests/support/meshes.h"
@@ -40,8 +44,8 @@ void expect_valid(const Triangulation& mesh, std::size_t parts, std::size_t hole
 
 TEST(Triangulation, SplitsASquareAtItsCentre) {
     Triangulation mesh = empty_mesh(kSquare, 1);
-    ASSERT_TRUE(mesh.insert(0, {0.5, 0.5}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));
+    trim(mesh);
     ASSERT_EQ(mesh.triangle_count(), 4u);
     EXPECT_EQ(mesh.vertex_count(), 5u);
     for (std::uint32_t t = 0; t < 4; ++t) EXPECT_DOUBLE_EQ(mesh.doubled_area(t), 0.5);
@@ -51,21 +55,21 @@ TEST(Triangulation, SplitsASquareAtItsCentre) {
 TEST(Triangulation, RefusesPositionsNotStrictlyInside) {
     const Parts ring{{test::box(0, 0, 4, 4), {test::box(1, 1, 2, 2)}}};
     Triangulation mesh = empty_mesh(ring, 1);
-    EXPECT_FALSE(mesh.insert(0, {0.5, 0.5})) << "in the hole";
-    EXPECT_FALSE(mesh.insert(0, {0.5, 0})) << "on the border";
-    EXPECT_FALSE(mesh.insert(0, {0.25, 0.5})) << "on the hole's border";
-    EXPECT_FALSE(mesh.insert(0, {0, 0})) << "on a corner";
-    EXPECT_TRUE(mesh.insert(0, {0.125, 0.5}));
-    mesh.trim();
+    EXPECT_FALSE(insert_site(mesh, 0, {0.5, 0.5})) << "in the hole";
+    EXPECT_FALSE(insert_site(mesh, 0, {0.5, 0})) << "on the border";
+    EXPECT_FALSE(insert_site(mesh, 0, {0.25, 0.5})) << "on the hole's border";
+    EXPECT_FALSE(insert_site(mesh, 0, {0, 0})) << "on a corner";
+    EXPECT_TRUE(insert_site(mesh, 0, {0.125, 0.5}));
+    trim(mesh);
     expect_valid(mesh, 1, 1);
 }
 
 TEST(Triangulation, RefusesAnOccupiedPosition) {
     Triangulation mesh = empty_mesh(kSquare, 2);
-    EXPECT_TRUE(mesh.insert(0, {0.25, 0.5}));
-    EXPECT_FALSE(mesh.insert(1, {0.25, 0.5}));
-    EXPECT_TRUE(mesh.insert(1, {0.25, std::nextafter(0.5, 1.0)}));
-    mesh.trim();
+    EXPECT_TRUE(insert_site(mesh, 0, {0.25, 0.5}));
+    EXPECT_FALSE(insert_site(mesh, 1, {0.25, 0.5}));
+    EXPECT_TRUE(insert_site(mesh, 1, {0.25, std::nextafter(0.5, 1.0)}));
+    trim(mesh);
     expect_valid(mesh, 1, 0);
 }
 
@@ -75,9 +79,9 @@ TEST(Triangulation, AcceptsSitesOnEdgesAndCircles) {
     Triangulation mesh = empty_mesh(kSquare, kSide * kSide);
     std::uint32_t site = 0;
     for (int j = 1; j <= kSide; ++j) {
-        for (int i = 1; i <= kSide; ++i) ASSERT_TRUE(mesh.insert(site++, {i / 32.0, j / 32.0}));
+        for (int i = 1; i <= kSide; ++i) ASSERT_TRUE(insert_site(mesh, site++, {i / 32.0, j / 32.0}));
     }
-    mesh.trim();
+    trim(mesh);
     expect_valid(mesh, 1, 0);
 }
 
@@ -86,9 +90,10 @@ TEST(Triangulation, AcceptsSitesCrowdedAtOnePosition) {
     Triangulation mesh = empty_mesh(kSquare, 500);
     for (std::uint32_t i = 0; i < 500; ++i) {
         const double distance = std::pow(10.0, -12 * random.uniform()), angle = 6.28 * random.uniform();
-        ASSERT_TRUE(mesh.insert(i, {0.5 + 0.4 * distance * std::cos(angle), 0.5 + 0.4 * distance * std::sin(angle)}));
+        ASSERT_TRUE(
+            insert_site(mesh, i, {0.5 + 0.4 * distance * std::cos(angle), 0.5 + 0.4 * distance * std::sin(angle)}));
     }
-    mesh.trim();
+    trim(mesh);
     expect_valid(mesh, 1, 0);
 }
 
@@ -127,11 +132,11 @@ TEST(Triangulation, InsertsAllSitesOnAnyNumberOfThreads) {
         mesh.set_executor(executor);
         for (const auto& sites : {coarse, fine}) {
             const auto draw = [&](std::uint32_t site, int attempt) { return start.draw(site, attempt); };
-            for (const std::uint32_t site : mesh.insert_all(sites, draw, 16, 0)) {
-                for (int attempt = 16; !mesh.insert(site, start.draw(site, attempt)); ++attempt) continue;
+            for (const std::uint32_t site : insert_sites(mesh, sites, draw, 16, 0)) {
+                for (int attempt = 16; !insert_site(mesh, site, start.draw(site, attempt)); ++attempt) continue;
             }
         }
-        mesh.trim();
+        trim(mesh);
         expect_valid(mesh, 1, 1);
         std::vector<std::array<std::uint32_t, 3>> corners;
         for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) corners.push_back(mesh.corners(t));
@@ -155,14 +160,14 @@ TEST(Triangulation, ReturnsSitesWithoutAPosition) {
         const double x = random.uniform(), y = random.uniform();
         return Point{site % 2 == 0 ? x : x + 1.5, y};
     };
-    const auto left = mesh.insert_all(sites, draw, 2, 0);
+    const auto left = insert_sites(mesh, sites, draw, 2, 0);
     ASSERT_EQ(left.size(), kSites / 2);
     for (const std::uint32_t site : left) {
         ASSERT_EQ(site % 2, 1u);
         const Point p = draw(site, 0);
-        ASSERT_TRUE(mesh.insert(site, {p.x - 1.5, p.y}));
+        ASSERT_TRUE(insert_site(mesh, site, {p.x - 1.5, p.y}));
     }
-    mesh.trim();
+    trim(mesh);
     expect_valid(mesh, 1, 0);
 }
 
@@ -174,25 +179,25 @@ TEST(Triangulation, IsDelaunayAgainAfterMoves) {
         test::stir(mesh, random);
         ASSERT_EQ(count_inverted(mesh), 0u);
         EXPECT_GT(count_not_delaunay(mesh), 0u);
-        EXPECT_GT(mesh.restore_delaunay(), 0u);
+        EXPECT_GT(restore_delaunay(mesh), 0u);
         expect_valid(mesh, 1, 0);
     }
-    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+    EXPECT_EQ(restore_delaunay(mesh), 0u);
 }
 
 TEST(Triangulation, StaysValidWhenFlippingIsStopped) {
     Triangulation mesh = empty_mesh(kSquare, 2);
-    ASSERT_TRUE(mesh.insert(0, {0.5, 0.4}));
-    ASSERT_TRUE(mesh.insert(1, {0.5, 0.6}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.4}));
+    ASSERT_TRUE(insert_site(mesh, 1, {0.5, 0.6}));
+    trim(mesh);
     mesh.points()[0] = {0.1, 0.45};
     mesh.points()[1] = {0.9, 0.55};
     ASSERT_GT(count_not_delaunay(mesh), 0u);
     std::stop_source source;
     source.request_stop();
-    EXPECT_EQ(mesh.restore_delaunay(source.get_token()), 0u);
+    EXPECT_EQ(restore_delaunay(mesh, source.get_token()), 0u);
     EXPECT_EQ(count_bad_links(mesh), 0u);
-    EXPECT_GT(mesh.restore_delaunay(), 0u);
+    EXPECT_GT(restore_delaunay(mesh), 0u);
     expect_valid(mesh, 1, 0);
 }
 
@@ -209,56 +214,56 @@ TEST(Triangulation, RelocatesSites) {
         if (std::ranges::count(mesh.corners(triangle), site) > 0) continue;
         const auto [a, b, c] = mesh.places(triangle);
         const Point to = 1.0 / 3 * (a + b + c);
-        ASSERT_TRUE(mesh.relocate(site, triangle, to));
+        ASSERT_TRUE(relocate_site(mesh, site, triangle, to));
         ASSERT_EQ(mesh.point(site), to);
         ASSERT_EQ(mesh.origin(mesh.edge_of(site)), site);
         ++relocated;
         expect_valid(mesh, 1, 1);
     }
     EXPECT_GT(relocated, 200);
-    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+    EXPECT_EQ(restore_delaunay(mesh), 0u);
 }
 
 TEST(Triangulation, RelocatesSitesWithinTheirOwnTriangles) {
     Triangulation mesh = empty_mesh({{test::circle({0.5, 0.5}, 0.5, 9), {}}}, 1);
-    ASSERT_TRUE(mesh.insert(0, {0.45, 0.55}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.45, 0.55}));
+    trim(mesh);
     for (std::uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
         const auto [a, b, c] = mesh.places(triangle);
         const Point to = 1.0 / 3 * (a + b + c);
-        ASSERT_TRUE(mesh.relocate(0, triangle, to));
+        ASSERT_TRUE(relocate_site(mesh, 0, triangle, to));
         ASSERT_EQ(mesh.point(0), to);
         expect_valid(mesh, 1, 0);
     }
-    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+    EXPECT_EQ(restore_delaunay(mesh), 0u);
 }
 
 /// On both diagonals of a square, flipping an edge away from the site would create a flat triangle.
 TEST(Triangulation, KeepsSitesWhoseEdgesCannotBeFlipped) {
     Triangulation mesh = empty_mesh({{test::box(0, 0, 0.5, 0.5), {}}, {test::box(0.75, 0, 0.25, 0.25), {}}}, 1);
-    ASSERT_TRUE(mesh.insert(0, {0.25, 0.25}));
-    mesh.trim();
+    ASSERT_TRUE(insert_site(mesh, 0, {0.25, 0.25}));
+    trim(mesh);
     std::uint32_t triangle = 0;
     while (mesh.part_of(mesh.corners(triangle)[0]) == mesh.part_of(0)) ++triangle;
     const auto [a, b, c] = mesh.places(triangle);
-    EXPECT_FALSE(mesh.relocate(0, triangle, 1.0 / 3 * (a + b + c)));
+    EXPECT_FALSE(relocate_site(mesh, 0, triangle, 1.0 / 3 * (a + b + c)));
     EXPECT_EQ(mesh.point(0), (Point{0.25, 0.25}));
     expect_valid(mesh, 2, 0);
 }
 
 TEST(Triangulation, ReportsVerticesChangedByFlips) {
     Triangulation mesh = empty_mesh(kSquare, 4);
-    ASSERT_TRUE(mesh.insert(0, {0.5, 0.3}));
-    ASSERT_TRUE(mesh.insert(1, {0.5, 0.7}));
-    ASSERT_TRUE(mesh.insert(2, {0.25, 0.5}));
-    ASSERT_TRUE(mesh.insert(3, {0.75, 0.5}));
-    mesh.trim();
-    EXPECT_EQ(mesh.restore_delaunay(), 0u);
+    ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.3}));
+    ASSERT_TRUE(insert_site(mesh, 1, {0.5, 0.7}));
+    ASSERT_TRUE(insert_site(mesh, 2, {0.25, 0.5}));
+    ASSERT_TRUE(insert_site(mesh, 3, {0.75, 0.5}));
+    trim(mesh);
+    EXPECT_EQ(restore_delaunay(mesh), 0u);
     for (std::uint32_t v = 0; v < 4; ++v) EXPECT_FALSE(mesh.has_changed(v));
     // The short diagonal of the four was 0-1 before the move and is 2-3 after it.
     mesh.points()[2] = {0.45, 0.5};
     mesh.points()[3] = {0.55, 0.5};
-    EXPECT_GE(mesh.restore_delaunay(), 1u);
+    EXPECT_GE(restore_delaunay(mesh), 1u);
     for (std::uint32_t v = 0; v < 4; ++v) EXPECT_TRUE(mesh.has_changed(v));
     expect_valid(mesh, 1, 0);
 }

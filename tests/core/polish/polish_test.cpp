@@ -10,6 +10,7 @@
 #include "core/analysis/analysis.h"
 #include "core/ccdt/capacity_integral.h"
 #include "core/ccdt/ccdt.h"
+#include "core/mesh/flips.h"
 #include "core/random.h"
 #include "tests/support/evenness.h"
 #include "tests/support/meshes.h"
@@ -51,7 +52,7 @@ void expect_sound(const Domain& domain, const Density& density, std::size_t site
         } else {
             EXPECT_EQ(test::count_outside(unit_parts(domain), at), 0u);
         }
-        mesh.restore_delaunay();
+        restore_delaunay(mesh);
         ASSERT_EQ(count_inverted(mesh), 0u) << "round " << round;
         ASSERT_EQ(test::count_not_delaunay(mesh), 0u) << "round " << round;
         ASSERT_EQ(test::count_bad_links(mesh), 0u) << "round " << round;

@@ -55,7 +55,7 @@ TEST(Stealth, LeavesNoPowerBelowTheLimit) {
          {std::pair(Point{1, 1}, 16U), {{1, 1}, 17U}, {{1, 1}, 300U}, {{3, 1}, 48U}, {{300, 5}, 1'000U}}) {
         const Domain torus = Domain::torus(sides.x, sides.y).value();
         const auto points = distributed(torus, sites, Quality::Stealthy);
-        EXPECT_LT(largest_power(torus, points), 2 * Stealth::kSilence) << sites;
+        EXPECT_LT(largest_power(torus, points), 2 * Stealth::kNegligiblePower) << sites;
         EXPECT_GT(largest_power(torus, distributed(torus, sites, Quality::Best)), 1e-9) << sites;
     }
 }

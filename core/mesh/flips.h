@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <stop_token>
+
+#include "core/mesh/regions.h"
+#include "core/mesh/triangulation.h"
+
+namespace ccdt {
+
+/// Flips edges until all edges that are not on the border are locally Delaunay, by exact predicates (Lawson's
+/// algorithm). Every triangle must be counter-clockwise.
+/// @param stop  polled regularly; a stop leaves a valid triangulation that is not Delaunay everywhere
+/// @returns     the number of flips
+std::size_t restore_delaunay(Triangulation& mesh, const std::stop_token& stop = {});
+
+/// Flips the edges on a region's stack, and edges around them, until all are Delaunay. Edges with a vertex in another
+/// region are left for a larger region.
+void legalise(Triangulation& mesh, Region& region);
+
+}  // namespace ccdt
