@@ -8,6 +8,7 @@
 #include "api/text/text.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/wire.h"
+#include "tests/server/reading.h"
 
 namespace ccdt::fuzz {
 namespace {
@@ -80,7 +81,7 @@ Outcome read_request(Connection& connection) {
         return {head.error().status, {}, {}};
     }
     if (!head->is_framed()) return {200, head->target, {}};
-    const auto body = connection.read_body(*head, kLargestBody);
+    const auto body = server::test::read_body(connection, *head, kLargestBody);
     if (!body) {
         check_problem(body.error());
         return {body.error().status, head->target, {}};
