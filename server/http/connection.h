@@ -75,6 +75,8 @@ public:
     /// @returns  their number, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not running
     ssize_t read_content(char* target, std::size_t size);
 
+    const Patience& patience() const { return patience_; }
+
     /// Whether the current request is the connection's first.
     bool is_on_first_request() const { return heads_ <= 1; }
 

@@ -113,18 +113,19 @@ private:
     bool failed_ = false;
 };
 
-void erase_header(httplib::Response& response, const char* name) {
-    response.headers.erase(name);
-}
-
-}  // namespace
-
-class HttpLibrary::Server : public httplib::Server {
+/// A server for one request.
+class RequestServer : public httplib::Server {
 public:
-    Server(Connection& connection, std::chrono::milliseconds idle, std::size_t requests) : connection_(connection) {
+    RequestServer(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle)
+        : connection_(connection),
+          stream_(connection, head_for_library(request)),
+          request_(request),
+          response_(response),
+          last_(last),
+          handle_(handle) {
         svr_sock_ = 0;  // Without a socket, the library would take itself for stopped, and send no streams.
-        set_keep_alive_max_count(requests);
-        set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(idle).count());
+        set_keep_alive_max_count(kRequestsPerConnection);
+        set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(connection.patience().idle).count());
         const auto answer_plain = [this](const httplib::Request&, httplib::Response& theirs) { answer(theirs, {}); };
         const auto answer_body = [this](const httplib::Request&, httplib::Response& theirs,
                                         const httplib::ContentReader& read) {
@@ -140,42 +141,36 @@ public:
             [this](const httplib::Request&, httplib::Response& theirs) { finish_headers(theirs); });
         // Memory has run out. The default handler would reveal the exception's text to the client.
         set_exception_handler([this](const httplib::Request&, httplib::Response& theirs, const std::exception_ptr&) {
-            response_->status = theirs.status = 500;
-            answered_ = *last_ = true;
+            response_.status = theirs.status = 500;
+            answered_ = last_ = true;
         });
     }
 
-    bool process(Request& request, Response& response, bool& last, const Handle& handle) {
-        CheckedStream stream(connection_, head_for_library(request));
-        request_ = &request;
-        response_ = &response;
-        last_ = &last;
-        handle_ = &handle;
-        stream_ = &stream;
-        answered_ = false;
+    bool process() {
         bool closed = false;
-        const bool written = process_request(stream, false, closed, [this](httplib::Request& theirs) { take(theirs); });
+        const bool written =
+            process_request(stream_, false, closed, [this](httplib::Request& theirs) { take(theirs); });
         connection_.decode_with({});
-        if (stream.failed()) response.status = kClientGone;
-        return written && !stream.failed();
+        if (stream_.failed()) response_.status = kClientGone;
+        return written && !stream_.failed();
     }
 
 private:
     /// Takes over what the library parsed, and leaves it what it needs for the rest: a path without traps for its
     /// regular expressions, and the framing of the body.
     void take(httplib::Request& theirs) const {
-        request_->method = theirs.method;
-        request_->headers = take_headers(theirs.headers);
+        request_.method = theirs.method;
+        request_.headers = take_headers(theirs.headers);
         theirs.path = "/";
         theirs.headers.clear();
-        if (request_->chunked) theirs.set_header("Transfer-Encoding", "chunked");
-        if (request_->content_length) theirs.set_header("Content-Length", std::to_string(*request_->content_length));
+        if (request_.chunked) theirs.set_header("Transfer-Encoding", "chunked");
+        if (request_.content_length) theirs.set_header("Content-Length", std::to_string(*request_.content_length));
     }
 
     void answer(httplib::Response& theirs, Connection::Decode decode, const HttpResult<void>& dispatched = {}) {
         answered_ = true;
         connection_.decode_with(std::move(decode));
-        (*handle_)(dispatched);
+        handle_(dispatched);
         fill(theirs);
     }
 
@@ -183,41 +178,41 @@ private:
     /// dispatch.
     HandlerResponse answer_refused(httplib::Response& theirs) {
         if (answered_) return HandlerResponse::Unhandled;
-        const bool expected = std::ranges::find(kMethods, request_->method) == kMethods.end();
+        const bool expected = std::ranges::find(kMethods, request_.method) == kMethods.end();
         answer(theirs, {}, expected ? HttpResult<void>() : problem(500, "cpp-httplib refused a checked request"));
         return HandlerResponse::Handled;
     }
 
     void fill(httplib::Response& theirs) {
-        if (response_->status == kClientGone) stream_->fail();
-        theirs.status = response_->status;
-        for (const auto& [name, value] : response_->headers) theirs.set_header(name, value);
-        if (!response_->stream || response_->length == 0) {
-            if (!response_->media_type.empty()) theirs.set_header("Content-Type", response_->media_type);
-            theirs.body = std::move(response_->body);
-        } else if (response_->length) {
-            theirs.set_content_provider(*response_->length, response_->media_type,
+        if (response_.status == kClientGone) stream_.fail();
+        theirs.status = response_.status;
+        for (const auto& [name, value] : response_.headers) theirs.set_header(name, value);
+        if (!response_.stream || response_.length == 0) {
+            if (!response_.media_type.empty()) theirs.set_header("Content-Type", response_.media_type);
+            theirs.body = std::move(response_.body);
+        } else if (response_.length) {
+            theirs.set_content_provider(*response_.length, response_.media_type,
                                         [this](std::size_t, std::size_t, httplib::DataSink& sink) {
-                                            return send_stream(sink, *response_->length);
+                                            return send_stream(sink, *response_.length);
                                         });
         } else {
             const auto send = [this](std::size_t, httplib::DataSink& sink) {
                 return send_stream(sink, std::numeric_limits<std::size_t>::max());
             };
-            if (request_->is_http_1_0)
-                theirs.set_content_provider(response_->media_type, send);
+            if (request_.is_http_1_0)
+                theirs.set_content_provider(response_.media_type, send);
             else
-                theirs.set_chunked_content_provider(response_->media_type, send);
+                theirs.set_chunked_content_provider(response_.media_type, send);
         }
     }
 
     void finish_headers(httplib::Response& theirs) const {
-        erase_header(theirs, "Accept-Ranges");
-        if (theirs.status == 204 || theirs.status == 304) erase_header(theirs, "Content-Length");
-        if (*last_) {
-            erase_header(theirs, "Keep-Alive");
+        theirs.headers.erase("Accept-Ranges");
+        if (theirs.status == 204 || theirs.status == 304) theirs.headers.erase("Content-Length");
+        if (last_) {
+            theirs.headers.erase("Keep-Alive");
             theirs.set_header("Connection", "close");
-        } else if (request_->is_http_1_0) {
+        } else if (request_.is_http_1_0) {
             theirs.set_header("Connection", "keep-alive");
         }
     }
@@ -227,43 +222,37 @@ private:
     /// @param left  bytes that may be sent
     /// @returns     false if not everything was sent, or the client did not receive all of it
     bool send_stream(httplib::DataSink& sink, std::size_t left) {
-        if (stream_->failed()) return false;
+        if (stream_.failed()) return false;
         const auto send = [&](std::string_view piece) {
-            if (piece.empty()) return !stream_->failed();  // an empty chunk would end the body
+            if (piece.empty()) return !stream_.failed();  // an empty chunk would end the body
             if (piece.size() > left || !sink.write(piece.data(), piece.size())) return false;
             left -= piece.size();
             return true;
         };
-        const bool whole = response_->stream(send, response_->record) && (!response_->length || left == 0);
-        if (!whole && !stream_->failed()) {
-            response_->status = response_->record.cause.empty() && connection_.client_gone() ? kClientGone : 500;
-            if (response_->length || request_->is_http_1_0) connection_.reset();
+        const bool whole = response_.stream(send, response_.record) && (!response_.length || left == 0);
+        if (!whole && !stream_.failed()) {
+            response_.status = response_.record.cause.empty() && connection_.client_gone() ? kClientGone : 500;
+            if (response_.length || request_.is_http_1_0) connection_.reset();
             return false;
         }
-        if (connection_.client_gone()) stream_->fail();
-        if (!response_->length && !stream_->failed()) sink.done();
-        return !stream_->failed();
+        if (connection_.client_gone()) stream_.fail();
+        if (!response_.length && !stream_.failed()) sink.done();
+        return !stream_.failed();
     }
 
     Connection& connection_;
-
-    // The request that is being processed:
-    Request* request_ = nullptr;
-    Response* response_ = nullptr;
-    bool* last_ = nullptr;
-    const Handle* handle_ = nullptr;
-    CheckedStream* stream_ = nullptr;
+    CheckedStream stream_;
+    Request& request_;
+    Response& response_;
+    bool& last_;
+    const Handle& handle_;
     bool answered_ = false;
 };
 
-HttpLibrary::HttpLibrary(Connection& connection, std::chrono::milliseconds idle, std::size_t requests)
-    : connection_(connection), idle_(idle), requests_(requests) {}
+}  // namespace
 
-HttpLibrary::~HttpLibrary() = default;
-
-bool HttpLibrary::process(Request& request, Response& response, bool& last, const Handle& handle) {
-    if (!server_) server_ = std::make_unique<Server>(connection_, idle_, requests_);
-    return server_->process(request, response, last, handle);
+bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle) {
+    return RequestServer(connection, request, response, last, handle).process();
 }
 
 }  // namespace ccdt::server

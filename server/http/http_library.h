@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <functional>
-#include <memory>
 
 #include "server/http/connection.h"
 #include "server/http/http.h"
 
 namespace ccdt::server {
 
-/// Processes requests with cpp-httplib 0.11.4, which is included in this class' source file only.
+/// Limit of requests on one connection.
+constexpr std::size_t kRequestsPerConnection = 10'000;
+
+/// Sets the response to a request, and whether the request is the connection's last one.
+/// @param dispatched  a problem if cpp-httplib refused a request that it should accept
+using Handle = std::function<void(const HttpResult<void>& dispatched)>;
+
+/// Processes a request with cpp-httplib 0.11.4, which is included in this function's source file only: calls `handle`
+/// once, then writes the response.
 ///
 /// The library parses the head, dispatches the request by its method, decodes the body and writes the answer. It never
 /// reads the socket. It reads the head that Connection has checked, rewritten so that the library parses it as
@@ -36,37 +42,13 @@ namespace ccdt::server {
 /// | listening: sockets.h | has a backlog of 5 clients; shares its port with any second server |
 /// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
 /// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
-class HttpLibrary {
-public:
-    /// Sets the response to a request, and whether the request is the connection's last one.
-    /// @param dispatched  a problem if the library refused a request that it should accept
-    using Handle = std::function<void(const HttpResult<void>& dispatched)>;
-
-    /// @param idle      time-out of the connection between two requests
-    /// @param requests  limit of requests on one connection
-    /// The connection must outlive this object.
-    HttpLibrary(Connection& connection, std::chrono::milliseconds idle, std::size_t requests);
-    ~HttpLibrary();
-
-    HttpLibrary(const HttpLibrary&) = delete;
-    HttpLibrary& operator=(const HttpLibrary&) = delete;
-
-    /// Processes a request whose head the connection has read: calls `handle` once, then writes the response.
-    ///
-    /// @param request   before `handle` is called, the library's view of its method and headers replaces the
-    ///                  connection's. Without a method, the request has no valid head
-    /// @param response  set by `handle`. Its body is moved out; its status becomes that of a failure to send it
-    /// @param last      set by `handle`, or if memory ran out and a 500 was written
-    /// @returns         false if the client did not receive the whole answer
-    bool process(Request& request, Response& response, bool& last, const Handle& handle);
-
-private:
-    class Server;
-
-    Connection& connection_;
-    const std::chrono::milliseconds idle_;
-    const std::size_t requests_;
-    std::unique_ptr<Server> server_;  ///< null before the first request, because many connections only wait
-};
+///
+/// @param request   a request whose head the connection has read; without a method: it has no valid head. Before
+/// `handle`
+///                  is called, the library's view of its method and headers replaces the connection's
+/// @param response  set by `handle`. Its body is moved out; its status becomes that of a failure to send it
+/// @param last      set by `handle`, or if memory ran out and a 500 was written
+/// @returns         false if the client did not receive the whole answer
+bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);
 
 }  // namespace ccdt::server

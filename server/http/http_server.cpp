@@ -26,8 +26,6 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr std::size_t kRequestsPerConnection = 10'000;
-
 /// Time-out of connections without a request if few slots are left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
 
@@ -198,8 +196,7 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     }
     contain([&] {
         Connection connection(socket.get(), patience_, &capacity_);
-        HttpLibrary library(connection, patience_.idle, kRequestsPerConnection);
-        answer(connection, library, {}, refusal(entry), true);
+        answer(connection, {}, refusal(entry), true);
     });
     ::shutdown(socket.get(), SHUT_WR);
     refused.add(std::move(socket));
@@ -215,7 +212,6 @@ void HttpServer::serve_socket(const UniqueFd& socket, ConnectionSlot& slot) {
 }
 
 void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) {
-    HttpLibrary library(connection, patience_.idle, kRequestsPerConnection);
     // A new connection is expected to send a request soon.
     auto longest = patience_.header;
     const auto should_stop = [&](milliseconds waited) {
@@ -226,7 +222,7 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
     if (proxies_.include(connection.peer()) && connection.wait_for_request(should_stop)) {
         const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
-            answer(connection, library, {}, told, true);
+            answer(connection, {}, told, true);
             return;
         }
     }
@@ -236,7 +232,7 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
         const auto received =
             request.and_then(check_request).and_then([&] { return take_client(*request, connection, slot); });
         const bool last = !received || left == 1;
-        if (!answer(connection, library, std::move(request).value_or(Request()), received, last)) break;
+        if (!answer(connection, std::move(request).value_or(Request()), received, last)) break;
         slot.count_by(counted_address(connection.peer()));
         longest = patience_.idle;
     }
@@ -259,14 +255,13 @@ std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }
 
-/// Has the library process a request, and logs it.
+/// Has cpp-httplib process a request, and logs it.
 /// @param last  whether this is the last request of the connection, regardless of the answer
 /// @returns     whether another request may follow
-bool HttpServer::answer(Connection& connection, HttpLibrary& library, Request request, const HttpResult<void>& received,
-                        bool last) {
+bool HttpServer::answer(Connection& connection, Request request, const HttpResult<void>& received, bool last) {
     const auto start = Clock::now();
     Response response;
-    const bool written = library.process(request, response, last, [&](const HttpResult<void>& dispatched) {
+    const bool written = process_request(connection, request, response, last, [&](const HttpResult<void>& dispatched) {
         response = handler_(request, received ? dispatched : received, connection);
         last = last || draining_ || response.status == kClientGone || !request.keep_alive || connection.in_reserve() ||
                !connection.between_requests() || (response.stream && !response.length && request.is_http_1_0);

@@ -18,7 +18,6 @@
 namespace ccdt::server {
 
 class ConnectionThreads;
-class HttpLibrary;
 class RefusedClients;
 
 /// A request and its response, for the log.
@@ -83,8 +82,7 @@ private:
     HttpResult<void> take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const;
     HttpResult<void> count(const Peer& client, ConnectionSlot& slot) const;
     std::string counted_address(const Peer& client) const;
-    bool answer(Connection& connection, HttpLibrary& library, Request request, const HttpResult<void>& received,
-                bool last);
+    bool answer(Connection& connection, Request request, const HttpResult<void>& received, bool last);
 
     const ListeningSocket listener_;
     const Patience patience_;

@@ -108,7 +108,7 @@ void check_answer(std::string_view answer, const Request& request, const std::st
 /// Serves one request.
 /// @param bytes  the bytes that the connection has not processed yet
 /// @returns      whether another request may follow
-bool serve_one(Connection& connection, server::HttpLibrary& library, Wire& wire, std::string_view bytes, Way way) {
+bool serve_one(Connection& connection, Wire& wire, std::string_view bytes, Way way) {
     const auto head = connection.read_head();
     const auto head_size = connection.bytes_in();
     const Request checked = head.value_or(Request());
@@ -117,17 +117,18 @@ bool serve_one(Connection& connection, server::HttpLibrary& library, Wire& wire,
     HttpResult<std::string> body;
     int calls = 0;
     bool last = true;
-    const bool written = library.process(request, response, last, [&](const HttpResult<void>& dispatched) {
-        ++calls;
-        CCDT_CHECK(dispatched);
-        const bool has_handler = may_have_body(checked) || checked.method == "GET" || checked.method == "HEAD" ||
-                                 checked.method == "DELETE" || checked.method == "OPTIONS";
-        if (has_handler) check_same(request, checked);
-        if (may_have_body(checked) && checked.is_framed()) body = connection.read_body(request, kLargestBody);
-        CCDT_CHECK(body || body.error().status != 500);
-        response = response_with(body ? *body : body.error().error.message, way);
-        last = !connection.between_requests() || way == Way::Stream;
-    });
+    const bool written =
+        server::process_request(connection, request, response, last, [&](const HttpResult<void>& dispatched) {
+            ++calls;
+            CCDT_CHECK(dispatched);
+            const bool has_handler = may_have_body(checked) || checked.method == "GET" || checked.method == "HEAD" ||
+                                     checked.method == "DELETE" || checked.method == "OPTIONS";
+            if (has_handler) check_same(request, checked);
+            if (may_have_body(checked) && checked.is_framed()) body = connection.read_body(request, kLargestBody);
+            CCDT_CHECK(body || body.error().status != 500);
+            response = response_with(body ? *body : body.error().error.message, way);
+            last = !connection.between_requests() || way == Way::Stream;
+        });
     CCDT_CHECK(calls == 1 && written);
     if (head && body && checked.is_framed() && may_have_body(checked)) {
         CCDT_CHECK(connection.between_requests());
@@ -152,10 +153,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     Wire wire;
     if (!bytes.empty()) wire.send(bytes);
     Connection connection(wire.server(), kPatience);
-    ccdt::server::HttpLibrary library(connection, std::chrono::seconds(1), 100);
     while (!bytes.empty() && connection.wait_for_request([](auto) { return true; })) {
         while (bytes.starts_with("\r\n")) bytes.remove_prefix(2);
-        if (!serve_one(connection, library, wire, bytes, way)) break;
+        if (!serve_one(connection, wire, bytes, way)) break;
         bytes.remove_prefix(connection.bytes_in());
     }
     return 0;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <string>
 #include <utility>
@@ -15,8 +14,7 @@ inline HttpResult<std::string> read_body(Connection& connection, Request head, s
     HttpResult<std::string> body;
     Response response;
     bool last = false;
-    HttpLibrary library(connection, std::chrono::seconds(1), 1);
-    library.process(head, response, last, [&](const HttpResult<void>& dispatched) {
+    process_request(connection, head, response, last, [&](const HttpResult<void>& dispatched) {
         body = dispatched.and_then([&] { return connection.read_body(head, limit); });
         response.status = kClientGone;
     });
