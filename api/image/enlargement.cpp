@@ -97,10 +97,10 @@ using Neighbourhood = std::array<std::uint8_t, 9>;
 float loss(const Curve& curve, const std::vector<float>& lights, const Neighbourhood& around) {
     const std::uint8_t own = around[4];
     float lost = 0;
-    for (const auto& [side, other, corner] : {std::array<std::size_t, 3>{1, 3, 0}, {1, 5, 2}, {7, 3, 6}, {7, 5, 8}}) {
+    for (const auto& at : {std::array<std::size_t, 3>{1, 3, 0}, {1, 5, 2}, {7, 3, 6}, {7, 5, 8}}) {
+        const std::uint8_t side = around[at[0]], other = around[at[1]], corner = around[at[2]];
         const auto mean = [&](const auto& value_of) {
-            return kOwn * value_of(own) + kSide * (value_of(around[side]) + value_of(around[other])) +
-                   kCorner * value_of(around[corner]);
+            return kOwn * value_of(own) + kSide * (value_of(side) + value_of(other)) + kCorner * value_of(corner);
         };
         const float light = mean([&](std::uint8_t value) { return curve.light(value); }) / kWeights;
         const int encoded = mean([&](std::uint8_t value) { return curve.shown(value); });

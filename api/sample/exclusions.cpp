@@ -23,7 +23,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr const char* kAvoid = "/avoid";
-constexpr const char* kMaskImage = "/mask/image";
+constexpr const char* kExcludedImage = "/exclude/image";
 
 /// Returns copies of an area on the globe, shifted by multiples of 360 degrees: one for each shift at which the area
 /// may overlap the box.
@@ -75,18 +75,18 @@ PixelSet dark_pixels(const Picture& picture) {
     return pixels;
 }
 
-/// Computes the area of the dark pixels of the mask, if there is one.
-Result<std::vector<Area>> masked_areas(const SampleRequest& request, const Box& box, const Limits& limits,
-                                       const Decode& decode, const std::stop_token& stop) {
-    if (!request.region.mask) return {};
-    const auto picture = decode.grey(request.region.mask->bytes, limits.max_pixels, stop);
-    if (!picture) return failure(picture.error().code, picture.error().message, kMaskImage);
-    auto outline = outline_of(dark_pixels(*picture), box, kMaxMaskCorners);
+/// Computes the area of the dark pixels of the excluded picture, if there is one.
+Result<std::vector<Area>> dark_areas(const SampleRequest& request, const Box& box, const Limits& limits,
+                                     const Decode& decode, const std::stop_token& stop) {
+    if (!request.region.exclude) return {};
+    const auto picture = decode.grey(request.region.exclude->bytes, limits.max_pixels, stop);
+    if (!picture) return failure(picture.error().code, picture.error().message, kExcludedImage);
+    auto outline = outline_of(dark_pixels(*picture), box, kMaxExcludedCorners);
     if (!outline)
-        return failure(
-            ErrorCode::LimitExceeded,
-            "the outline of the dark area in the mask has more than " + std::to_string(kMaxMaskCorners) + " corners",
-            kMaskImage);
+        return failure(ErrorCode::LimitExceeded,
+                       "the outline of the dark area of the excluded picture has more than " +
+                           std::to_string(kMaxExcludedCorners) + " corners",
+                       kExcludedImage);
     if (outline->empty()) return {};
     return std::vector<Area>{*std::move(outline)};
 }
@@ -119,9 +119,9 @@ Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box,
         found.avoided.push_back(std::move(avoided->rings));
         found.repairs = std::move(avoided->repairs);
     }
-    auto masked = masked_areas(request, box, limits, decode, stop);
-    if (!masked) return tl::unexpected(masked.error());
-    found.masked = *std::move(masked);
+    auto dark = dark_areas(request, box, limits, decode, stop);
+    if (!dark) return tl::unexpected(dark.error());
+    found.dark = *std::move(dark);
     return found;
 }
 
@@ -136,7 +136,7 @@ Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const
         }
     }
     return without(domain, avoided, kAvoid, stop).and_then([&](const Domain& allowed) {
-        return without(allowed, exclusions.masked, kMaskImage, stop);
+        return without(allowed, exclusions.dark, kExcludedImage, stop);
     });
 }
 

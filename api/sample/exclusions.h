@@ -15,23 +15,23 @@
 
 namespace ccdt::api {
 
-/// Maximum number of corners of a mask's outline.
-inline constexpr std::size_t kMaxMaskCorners = 100'000;
+/// Maximum number of corners of the outline of an excluded picture.
+inline constexpr std::size_t kMaxExcludedCorners = 100'000;
 
 /// Areas, in the coordinates of a request, that are subtracted from its domain: no point may lie in them.
 struct Exclusions {
     std::vector<Area>
         avoided;  ///< on the globe, longitudes may differ from those of the domain by multiples of 360 degrees
-    std::vector<Area> masked;     ///< the dark area of the mask
+    std::vector<Area> dark;       ///< the dark area of the excluded picture
     std::vector<Repair> repairs;  ///< repairs of the avoided areas; fields are JSON Pointers
 };
 
-/// Computes the areas that a request avoids and those that its mask marks.
-/// @param box     bounding box of the domain, over which the mask is stretched
-/// @param decode  decodes the mask
+/// Computes the areas that a request avoids and those that its excluded picture marks.
+/// @param box     bounding box of the domain, over which the excluded picture is stretched
+/// @param decode  decodes the excluded picture
 /// @param stop    polled from time to time
-/// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a mask whose outline has
-/// more than kMaxMaskCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
+/// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a picture whose outline has
+/// more than kMaxExcludedCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 

@@ -14,7 +14,7 @@ namespace ccdt::api {
 /// points of each class are distributed in each feature; a feature without area gets no points, and a warning if its
 /// count is not 0.
 ///
-/// @param decode   reads a density image or a mask
+/// @param decode   reads a density image or an excluded picture
 /// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
 /// @param timings  receives the times of the completed stages
 /// Errors: Unusable if the domain has no area, or none after exclusions and buffer; for an invalid polygon if the

@@ -43,9 +43,10 @@ Estimate buffer_cost(double corners) {
     return {corners * kBytes, corners * kTime};
 }
 
-/// Returns the maximum number of corners of the outline of a mask. Most outlines have less than a tenth of this number.
-std::size_t mask_corners(const SampleRequest& request) {
-    return request.region.mask ? std::min(kMaxMaskCorners, 4 * request.region.mask->header.pixels()) : 0;
+/// Returns the maximum number of corners of the outline of an excluded picture. Most outlines have less than a tenth of
+/// this number.
+std::size_t dark_corners(const SampleRequest& request) {
+    return request.region.exclude ? std::min(kMaxExcludedCorners, 4 * request.region.exclude->header.pixels()) : 0;
 }
 
 /// Estimates the creation of the domain: validating the polygons, validating the avoided areas, and subtracting the
@@ -54,9 +55,9 @@ Estimate domain_cost(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.region.domain), avoided = request.region.avoid.corner_count();
     const Estimate made = then(domain_cost(corners), domain_cost(avoided));
     const Estimate left = avoided == 0 ? made : then(made, domain_cost(corners + avoided));
-    const std::size_t masked = mask_corners(request);
-    const Estimate seen = masked == 0 ? left : then(left, domain_cost(corners + avoided + masked));
-    return request.region.buffer > 0 ? then(seen, buffer_cost(static_cast<double>(corners + avoided + masked))) : seen;
+    const std::size_t dark = dark_corners(request);
+    const Estimate seen = dark == 0 ? left : then(left, domain_cost(corners + avoided + dark));
+    return request.region.buffer > 0 ? then(seen, buffer_cost(static_cast<double>(corners + avoided + dark))) : seen;
 }
 
 /// Estimates the projection of a region onto the charts of the globe, and the densities on the charts.
@@ -66,7 +67,7 @@ Estimate charts_cost(const SampleRequest& request) {
     const bool is_even = std::holds_alternative<std::monostate>(request.density);
     const double cells = is_even ? kCells : kCellsOfDensity;
     return domain_cost(corners_of(request.region.domain) + request.region.avoid.corner_count() +
-                       mask_corners(request)) *
+                       dark_corners(request)) *
                2 +
            density_cost(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
@@ -78,7 +79,7 @@ Estimate exclusions_cost(const SampleRequest& request) {
     constexpr double kFeature = 60 * kMicrosecond, kCornerSeen = 0.01 * kMicrosecond, kBytes = 420;
     const auto features = static_cast<double>(request.counts->features());
     const std::size_t own = request.region.buffer > 0 ? corners_of(request.region.domain) : 0;
-    const auto corners = static_cast<double>(own + request.region.avoid.corner_count() + mask_corners(request));
+    const auto corners = static_cast<double>(own + request.region.avoid.corner_count() + dark_corners(request));
     return {corners * kBytes, features * (kFeature + corners * kCornerSeen)};
 }
 
@@ -201,7 +202,8 @@ Cost cost_of(const SampleRequest& request, const Limits& limits) {
     const Estimate made =
         then(then(placing, ordering_cost(request)), features_cost(request) + writing_cost(request, limits));
     const Estimate read = image != nullptr ? decoding_cost(image->file) : Estimate{};
-    Cost all = total_cost(then(request.region.mask ? then(decoding_cost(*request.region.mask), read) : read, made));
+    Cost all =
+        total_cost(then(request.region.exclude ? then(decoding_cost(*request.region.exclude), read) : read, made));
     all.answer = request.run.sites * request.output.format->least;
     return all;
 }
@@ -226,7 +228,7 @@ std::size_t size_of(const SampleRequest& request) {
     if (request.counts) size += request.counts->counts.size() * sizeof(std::size_t);
     if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
     if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
-    if (request.region.mask) size += bytes_of(*request.region.mask);
+    if (request.region.exclude) size += bytes_of(*request.region.exclude);
     return size;
 }
 

@@ -128,16 +128,16 @@ Result<void> read_density(const Input& input, const Limits& limits, Draft& draft
     return settle_density(input, std::move(density), draft.request);
 }
 
-/// Reads a mask: an image whose dark area is subtracted from the domain.
-Result<void> read_mask(const Input& input, const Limits& limits, Draft& draft) {
+/// Reads an excluded picture: an image whose dark area is subtracted from the domain.
+Result<void> read_exclude(const Input& input, const Limits& limits, Draft& draft) {
     static constexpr std::array<OptionRule<SampleRegion>, 1> kRules = {{
-        {"/mask/image",
-         [](const Input& i, const Limits& l, SampleRegion& r) { return assign(r.mask, read_embedded_image(i, l)); }},
+        {"/exclude/image",
+         [](const Input& i, const Limits& l, SampleRegion& r) { return assign(r.exclude, read_embedded_image(i, l)); }},
     }};
     const auto object = std::get<JsonValue>(input.value);
     SampleRegion& region = draft.request.region;
     if (auto read = read_members<SampleRegion>(kRules, object, input.field, limits, region); !read) return read;
-    if (!region.mask) return malformed(input, "must have the member image");
+    if (!region.exclude) return malformed(input, "must have the member image");
     return {};
 }
 
@@ -193,7 +193,7 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
     {"density", read_density},
     {"fixed", read_fixed},
-    {"mask", read_mask},
+    {"exclude", read_exclude},
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.avoid, read_areas(i)); }},
 }};
 
@@ -383,10 +383,10 @@ Result<void> check_exclusions(const Draft& draft) {
     if (draft.rectangle && draft.rectangle->periodic) {
         const auto refused = [](const char* field) {
             return failure(ErrorCode::Malformed,
-                           "avoid, mask and buffer need a domain with a border, which a torus does not have", field);
+                           "avoid, exclude and buffer need a domain with a border, which a torus does not have", field);
         };
         if (!request.region.avoid.parts.empty()) return refused("/avoid");
-        if (request.region.mask) return refused("/mask");
+        if (request.region.exclude) return refused("/exclude");
         if (request.region.buffer > 0) return refused("/buffer");
     }
     auto checked = check_size(request.region.avoid);

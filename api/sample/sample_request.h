@@ -49,7 +49,7 @@ struct SampleRegion {
     std::variant<PolygonInput, Rectangle> domain;
     PolygonInput avoid{
         {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
-    std::optional<ImageFile> mask;  ///< stretched over the bounding box; its dark area is subtracted
+    std::optional<ImageFile> exclude;  ///< stretched over the bounding box; its dark area is subtracted
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;  ///< LonLat only with polygons
@@ -57,7 +57,7 @@ struct SampleRegion {
     bool is_on_globe() const { return coordinates == Coordinates::LonLat; }
 
     /// Returns whether parts of the domain are excluded.
-    bool has_exclusions() const { return !avoid.parts.empty() || mask || buffer > 0; }
+    bool has_exclusions() const { return !avoid.parts.empty() || exclude || buffer > 0; }
 };
 
 /// Format and look of the answer.

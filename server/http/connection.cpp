@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdio>
 #include <utility>
 
 #include "server/http/proxy_protocol.h"
@@ -112,10 +113,29 @@ HttpResult<std::string> Connection::read_body(const Request& request, std::size_
     if (request.content_length.value_or(0) > limit) return too_large(limit);
     if (request.expects_continue && unread_.empty() && !write("HTTP/1.1 100 Continue\r\n\r\n"))
         return problem(400, "the client closed the connection");
-    body_ = {Clock::now(), Clock::now(), 0};
-    auto body = request.chunked ? read_chunked(limit) : read_plain(*request.content_length);
-    between_requests_ = body.has_value();
+    const auto announced = request.content_length.value_or(0);
+    body_.emplace(capacity_, request.chunked, announced, limit, bytes_in_);
+    std::string body;
+    const Receive receive = [&](std::string_view piece) {
+        if (body.size() > kTrustedBytes && body.capacity() < announced) body.reserve(announced);
+        body += piece;
+        return true;
+    };
+    const bool decoded = decode_ && decode_(receive);
+    const auto outcome = std::move(body_->outcome);
+    between_requests_ = decoded && outcome && body_->is_complete();
+    body_.reset();
+    if (!outcome) return tl::unexpected(outcome.error());
+    if (!between_requests_) return problem(500, "cpp-httplib did not read the whole body");
     return body;
+}
+
+ssize_t Connection::read_content(char* target, std::size_t size) {
+    if (!body_ || !body_->outcome) return -1;
+    const auto passed = pass_on(target, size);
+    if (passed) return static_cast<ssize_t>(*passed);
+    body_->outcome = tl::unexpected(passed.error());
+    return -1;
 }
 
 bool Connection::client_gone() const {
@@ -126,7 +146,7 @@ bool Connection::client_gone() const {
 bool Connection::write(std::string_view bytes) {
     CountedBytes held(capacity_);
     held.resize(bytes.size());
-    Transfer answer{Clock::now(), Clock::now(), 0};
+    Transfer answer;
     while (!bytes.empty() && !too_slow_) {
         const ssize_t sent = send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
         if (sent < 0 && errno == EINTR) continue;
@@ -223,13 +243,13 @@ Connection::Fill Connection::fill_head() {
     };
 }
 
-/// Receives more of a body. `body` is the part that has arrived.
-HttpResult<void> Connection::fill(const std::string& body, CountedBytes& held) {
-    body_.move_to(body.size());
-    held.resize(body.size());
-    if (body.size() > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
+/// Receives more of the body.
+HttpResult<void> Connection::fill_body() {
+    const auto passed = body_->progress.bytes;
+    body_->held.resize(passed);
+    if (passed > kFreeBytes && capacity_ != nullptr && capacity_->is_out_of_memory())
         return busy(503, "too many bodies are being sent at once", std::chrono::seconds(1));
-    return fill([this] { return deadline(body_); });
+    return fill([this] { return deadline(body_->progress); });
 }
 
 /// Consumes received bytes.
@@ -260,69 +280,66 @@ HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t
 }
 
 /// Reads a line of the body's framing, without its CRLF. The view is valid until more bytes are received.
-HttpResult<std::string_view> Connection::read_line(const Fill& fill_up) {
-    const auto end = find_line_end(0, kLongestLine, fill_up);
+HttpResult<std::string_view> Connection::read_line() {
+    const auto end = find_line_end(0, kLongestLine, [this] { return fill_body(); });
     if (!end) return tl::unexpected(end.error());
     if (*end == std::string_view::npos) return problem(400, "a line of the chunked body is too long");
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-HttpResult<void> Connection::append(std::string& body, std::uint64_t size, const Fill& fill_up) {
-    while (size > 0) {
-        if (unread_.empty()) {
-            if (body.size() > kTrustedBytes) body.reserve(body.size() + size);
-            if (auto filled = fill_up(); !filled) return filled;
-        }
-        const auto part = use(std::min<std::uint64_t>(size, unread_.view().size()));
-        body += part;
-        size -= part.size();
+/// Passes on framing, or content that has arrived. Waits, counts memory and checks the clock only if nothing has
+/// arrived, because chunks may be small.
+HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
+    Body& body = *body_;
+    if (body.is_complete()) return 0;
+    if (body.framing.empty() && body.left == 0) {
+        if (auto begun = begin_chunk(); !begun) return tl::unexpected(begun.error());
     }
-    return {};
+    if (!body.framing.empty()) {
+        const auto count = body.framing.copy(target, size);
+        body.framing.erase(0, count);
+        return count;
+    }
+    if (unread_.empty()) {
+        if (auto filled = fill_body(); !filled) return tl::unexpected(filled.error());
+    }
+    const auto part = use(std::min<std::uint64_t>({size, body.left, unread_.view().size()}));
+    body.left -= part.size();
+    body.progress.move_to(body.progress.bytes + part.size());
+    return part.copy(target, size);
 }
 
-HttpResult<std::string> Connection::read_plain(std::uint64_t size) {
-    std::string body;
-    CountedBytes held(capacity_);
-    if (auto read = append(body, size, [&] { return fill(body, held); }); !read) return tl::unexpected(read.error());
-    return body;
-}
-
-/// Reads chunks. Chunks that have arrived already are read without waiting, counting memory or checking the clock,
-/// because chunks may be small.
-HttpResult<std::string> Connection::read_chunked(std::size_t limit) {
-    std::string body;
-    CountedBytes held(capacity_);
-    const Fill fill_up = [&] { return fill(body, held); };
-    const auto before = bytes_in_;
-    while (true) {
-        const auto size = read_line(fill_up).and_then(parse_chunk_size);
-        if (!size) return tl::unexpected(size.error());
-        if (*size == 0) break;
-        if (*size > limit - body.size()) return too_large(limit);
-        const auto read = append(body, *size, fill_up).and_then([&] { return skip_chunk_end(fill_up); });
-        if (!read) return tl::unexpected(read.error());
-        if (bytes_in_ - before > body.size() * (1 + kMaxFraming) + kLargestHead)
+/// Reads the framing between two chunks, or before or after all of them.
+HttpResult<void> Connection::begin_chunk() {
+    Body& body = *body_;
+    const auto passed = body.progress.bytes;
+    if (passed > 0) {
+        const auto end = find_line_end(0, 0, [this] { return fill_body(); });
+        if (!end) return tl::unexpected(end.error());
+        if (*end != 0) return problem(400, "a chunk is longer than its size");
+        use(kLineEnd.size());
+        body.framing = kLineEnd;
+        if (bytes_in_ - body.begin > passed * (1 + kMaxFraming) + kLargestHead)
             return problem(400, "the chunks are too small for their framing");
     }
-    if (auto skipped = skip_trailers(fill_up); !skipped) return tl::unexpected(skipped.error());
-    return body;
-}
-
-HttpResult<void> Connection::skip_chunk_end(const Fill& fill_up) {
-    while (true) {
-        const auto found = unread_.view().substr(0, kLineEnd.size());
-        if (!kLineEnd.starts_with(found)) return problem(400, "a chunk is longer than its size");
-        if (found == kLineEnd) break;
-        if (auto filled = fill_up(); !filled) return filled;
+    const auto size = read_line().and_then(parse_chunk_size);
+    if (!size) return tl::unexpected(size.error());
+    if (*size > body.limit - passed) return too_large(body.limit);
+    if (*size == 0) {
+        if (auto skipped = skip_trailers(); !skipped) return skipped;
     }
-    use(kLineEnd.size());
+    char line[20];
+    body.framing.append(line, static_cast<std::size_t>(std::snprintf(line, sizeof(line), "%zx\r\n", *size)));
+    if (*size == 0) body.framing += kLineEnd;
+    body.left = *size;
+    body.at_end = *size == 0;
     return {};
 }
 
 /// Skips trailers, which are not used. Their total length is limited.
-HttpResult<void> Connection::skip_trailers(const Fill& fill_up) {
+HttpResult<void> Connection::skip_trailers() {
     for (std::size_t skipped = 0; skipped <= kLongestLine;) {
-        const auto line = read_line(fill_up);
+        const auto line = read_line();
         if (!line) return tl::unexpected(line.error());
         if (line->empty()) return {};
         if (auto checked = check_trailer(*line); !checked) return checked;

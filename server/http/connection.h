@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -52,12 +55,27 @@ public:
     /// Problems: 400 malformed, 408 too slow, 431 too large. Afterwards the connection is unusable.
     HttpResult<Request> read_head();
 
+    /// Takes a piece of a body; returns false to stop.
+    using Receive = std::function<bool(std::string_view piece)>;
+    /// Decodes a body, which it takes from read_content(). Returns false if it failed or was stopped.
+    using Decode = std::function<bool(const Receive& receive)>;
+
+    /// Sets the function that decodes the body of the current request; null: the body cannot be read.
+    void decode_with(Decode decode) { decode_ = std::move(decode); }
+
     /// Reads the body of `request`, whose head was the last one read; at most once for each head.
     ///
-    /// Sends 100 Continue to a client that waits for it.
+    /// Sends 100 Continue to a client that waits for it. Requires decode_with().
     /// Problems: 400 malformed, 408 too slow, 411 no length, 413 larger than the limit (at once if the head says so),
     /// 503 all bodies together take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
+
+    /// Passes on bytes of the body that read_body() reads: plain or in chunks, like the client's, but without chunk
+    /// extensions and trailers, and with every line checked.
+    /// @returns  their number, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not running
+    ssize_t read_content(char* target, std::size_t size);
+
+    const Patience& patience() const { return patience_; }
 
     /// Whether the current request is the connection's first.
     bool is_on_first_request() const { return heads_ <= 1; }
@@ -128,11 +146,28 @@ private:
 
     /// The progress of a body or an answer, regardless of its framing.
     struct Transfer {
-        Clock::time_point begun;
-        Clock::time_point moved;  ///< time of the latest progress
+        Clock::time_point begun = Clock::now();
+        Clock::time_point moved = begun;  ///< time of the latest progress
         std::uint64_t bytes = 0;
 
         void move_to(std::uint64_t total);
+    };
+
+    /// A body that is being read.
+    struct Body {
+        Body(Capacity* capacity, bool chunked, std::uint64_t size, std::size_t max_size, std::uint64_t first)
+            : limit(max_size), begin(first), left(size), at_end(!chunked), held(capacity) {}
+
+        const std::size_t limit;    ///< maximum size of the body
+        const std::uint64_t begin;  ///< number of the body's first byte within the request
+        std::uint64_t left;         ///< bytes of the plain body or of the current chunk that are not passed on yet
+        bool at_end;                ///< there is no chunk after these bytes
+        std::string framing;        ///< to be passed on before these bytes
+        Transfer progress;          ///< counts the bytes that were passed on, without framing
+        CountedBytes held;
+        HttpResult<void> outcome;
+
+        bool is_complete() const { return framing.empty() && left == 0 && at_end; }
     };
 
     bool is_pressed() const { return capacity_ != nullptr && (capacity_->is_pressed() || capacity_->is_closing()); }
@@ -141,14 +176,12 @@ private:
     bool wait(short events, const Deadline& deadline) const;
     HttpResult<void> fill(const Deadline& deadline);
     Fill fill_head();
-    HttpResult<void> fill(const std::string& body, CountedBytes& held);
+    HttpResult<void> fill_body();
     HttpResult<std::size_t> find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up);
-    HttpResult<std::string_view> read_line(const Fill& fill_up);
-    HttpResult<void> append(std::string& body, std::uint64_t size, const Fill& fill_up);
-    HttpResult<std::string> read_plain(std::uint64_t size);
-    HttpResult<std::string> read_chunked(std::size_t limit);
-    HttpResult<void> skip_chunk_end(const Fill& fill_up);
-    HttpResult<void> skip_trailers(const Fill& fill_up);
+    HttpResult<std::string_view> read_line();
+    HttpResult<std::size_t> pass_on(char* target, std::size_t size);
+    HttpResult<void> begin_chunk();
+    HttpResult<void> skip_trailers();
     std::string_view use(std::size_t size);
 
     const int socket_;
@@ -160,8 +193,9 @@ private:
     std::string client_name_;
     std::string key_;
     Unread unread_;
-    Transfer body_;            ///< progress of the current request's body
-    std::uint64_t heads_ = 0;  ///< number of heads that were read or attempted
+    Decode decode_;
+    std::optional<Body> body_;  ///< the body that read_body() is reading
+    std::uint64_t heads_ = 0;   ///< number of heads that were read or attempted
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client received an answer too slowly
     bool resets_ = false;

@@ -13,8 +13,8 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::string_view kAuthority = "://";  ///< separates scheme and authority
-constexpr std::size_t kLongestTarget = 8'192;
+constexpr std::string_view kAuthority = "://";      ///< separates scheme and authority
+constexpr std::size_t kLongestRequestLine = 8'192;  ///< with its CRLF
 
 /// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy and the
 /// server might use different ones. Content-Length and Transfer-Encoding are checked where they are read.
@@ -93,12 +93,13 @@ std::optional<Target> take_apart(std::string_view target) {
 }
 
 HttpResult<void> parse_request_line(std::string_view line, Request& request) {
+    const bool is_long = line.size() + kLineEnd.size() > kLongestRequestLine;
     const auto method = api::take_until(line, " ");
     const auto target = api::take_until(line, " ");
     if (!is_token(method) || target.empty()) return problem(400, "the request line is malformed");
     if (line != "HTTP/1.1" && line != "HTTP/1.0") return problem(400, "the protocol is not HTTP/1.1 or HTTP/1.0");
-    if (target.size() > kLongestTarget)
-        return problem(414, "the request target is longer than " + std::to_string(kLongestTarget) + " bytes");
+    if (is_long)
+        return problem(414, "the request line is longer than " + std::to_string(kLongestRequestLine) + " bytes");
     if (std::ranges::any_of(target, is_control)) return problem(400, "the request target contains control characters");
     request.method = method;
     request.target = target;

@@ -8,26 +8,23 @@
 #include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <cstdio>
 #include <cstring>
 #include <deque>
-#include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
 
-#include "server/http/answer_writer.h"
 #include "server/http/connection_threads.h"
+#include "server/http/http_library.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
 namespace {
 
 using std::chrono::milliseconds;
-
-constexpr std::size_t kRequestsPerConnection = 10'000;
 
 /// Time-out of connections without a request if few slots are left or the server drains.
 constexpr milliseconds kIdleUnderPressure{500};
@@ -74,35 +71,6 @@ tl::unexpected<Problem> refusal(ConnectionSlot::Entry entry) {
                                    ? "this address has too many connections (max-connections-per-address)"
                                    : "too many connections are open (max-connections)";
     return busy(503, reason, std::chrono::seconds(1));
-}
-
-/// Sends a body while it is produced. Without a known length, the body is sent in chunks or, to clients that do not
-/// support chunks, ends with the connection.
-/// @returns  false if not everything was sent, or the client did not receive all of it
-bool stream_body(Connection& connection, Response& response, bool chunked) {
-    bool taken = true;
-    const auto send = [&](std::string_view piece) {
-        if (!taken || piece.empty()) return taken;  // an empty chunk would end the body
-        char size[20];
-        std::snprintf(size, sizeof(size), "%zx\r\n", piece.size());
-        taken = connection.write(chunked ? size + std::string(piece) + "\r\n" : std::string(piece));
-        return taken;
-    };
-    const bool whole = response.stream(send, response.record);
-    if (!whole && taken) {
-        response.status = response.record.cause.empty() && connection.client_gone() ? kClientGone : 500;
-        if (!chunked) connection.reset();
-        return false;
-    }
-    taken = taken && !connection.client_gone() && (!chunked || connection.write("0\r\n\r\n"));
-    if (!taken) response.status = kClientGone;
-    return taken;
-}
-
-Response failure_without_words() {
-    Response response;
-    response.status = 500;
-    return response;
 }
 
 bool is_fatal(int accept_error) {
@@ -228,8 +196,7 @@ void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& t
     }
     contain([&] {
         Connection connection(socket.get(), patience_, &capacity_);
-        AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
-        answer(connection, writer, {}, refusal(entry), true);
+        answer(connection, {}, refusal(entry), true);
     });
     ::shutdown(socket.get(), SHUT_WR);
     refused.add(std::move(socket));
@@ -245,7 +212,6 @@ void HttpServer::serve_socket(const UniqueFd& socket, ConnectionSlot& slot) {
 }
 
 void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) {
-    AnswerWriter writer(connection, patience_.idle, kRequestsPerConnection);
     // A new connection is expected to send a request soon.
     auto longest = patience_.header;
     const auto should_stop = [&](milliseconds waited) {
@@ -256,7 +222,7 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
     if (proxies_.include(connection.peer()) && connection.wait_for_request(should_stop)) {
         const auto told = connection.read_proxy_header().and_then([&] { return count(connection.peer(), slot); });
         if (!told) {
-            answer(connection, writer, {}, told, true);
+            answer(connection, {}, told, true);
             return;
         }
     }
@@ -266,7 +232,7 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
         const auto received =
             request.and_then(check_request).and_then([&] { return take_client(*request, connection, slot); });
         const bool last = !received || left == 1;
-        if (!answer(connection, writer, std::move(request).value_or(Request()), received, last)) break;
+        if (!answer(connection, std::move(request).value_or(Request()), received, last)) break;
         slot.count_by(counted_address(connection.peer()));
         longest = patience_.idle;
     }
@@ -289,38 +255,21 @@ std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }
 
-/// Handles a request and writes the answer.
+/// Has cpp-httplib process a request, and logs it.
 /// @param last  whether this is the last request of the connection, regardless of the answer
 /// @returns     whether another request may follow
-bool HttpServer::answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
-                        bool last) {
+bool HttpServer::answer(Connection& connection, Request request, const HttpResult<void>& received, bool last) {
     const auto start = Clock::now();
-    std::optional<Response> handled = handle(request, received, connection);
-    Response response = handled ? *std::move(handled) : failure_without_words();
-    last = last || draining_ || !handled || response.status == kClientGone || !request.keep_alive ||
-           connection.in_reserve() || !connection.between_requests() ||
-           (response.stream && !response.length && request.is_http_1_0);
-    bool written = response.status != kClientGone && writer.write(request, response, last);
-    if (!written) {
-        response.status = kClientGone;
-    } else if (response.stream && request.method != "HEAD") {
-        written = stream_body(connection, response, !request.is_http_1_0 && !response.length);
-    }
+    Response response;
+    const bool written = process_request(connection, request, response, last, [&](const HttpResult<void>& dispatched) {
+        response = handler_(request, received ? dispatched : received, connection);
+        last = last || draining_ || response.status == kClientGone || !request.keep_alive || connection.in_reserve() ||
+               !connection.between_requests() || (response.stream && !response.length && request.is_http_1_0);
+    });
     const std::chrono::duration<double, std::milli> elapsed = Clock::now() - start;
     logger_({std::move(request), std::move(response), connection.client().name, connection.bytes_in(),
              connection.bytes_out(), elapsed.count()});
     return written && !last;
-}
-
-/// Calls the handler.
-/// @returns  none if the handler threw, for lack of memory
-std::optional<Response> HttpServer::handle(const Request& request, const HttpResult<void>& received,
-                                           Connection& connection) const {
-    try {
-        return handler_(request, received, connection);
-    } catch (const std::exception&) {
-        return std::nullopt;
-    }
 }
 
 }  // namespace ccdt::server

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "core/result.h"
@@ -18,7 +17,6 @@
 
 namespace ccdt::server {
 
-class AnswerWriter;
 class ConnectionThreads;
 class RefusedClients;
 
@@ -45,7 +43,7 @@ struct Exchange {
 class HttpServer {
 public:
     /// Answers a request. If the request was incomplete or malformed, `received` says why, and the request contains
-    /// what could be parsed. Called on many threads at once; must not throw.
+    /// what could be parsed. Called on many threads at once. If it throws, the client gets a 500 without a body.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
     using Warn = std::function<void(const std::string&)>;
@@ -84,10 +82,7 @@ private:
     HttpResult<void> take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const;
     HttpResult<void> count(const Peer& client, ConnectionSlot& slot) const;
     std::string counted_address(const Peer& client) const;
-    bool answer(Connection& connection, AnswerWriter& writer, Request request, const HttpResult<void>& received,
-                bool last);
-    std::optional<Response> handle(const Request& request, const HttpResult<void>& received,
-                                   Connection& connection) const;
+    bool answer(Connection& connection, Request request, const HttpResult<void>& received, bool last);
 
     const ListeningSocket listener_;
     const Patience patience_;

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/http/connection.h"
 
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "api/text/text.h"
 #include "tests/fuzz/checks.h"
+#include "tests/fuzz/wire.h"
+#include "tests/server/reading.h"
 
 namespace ccdt::fuzz {
 namespace {
@@ -28,40 +26,6 @@ struct Outcome {
     std::string body;
 
     friend bool operator==(const Outcome&, const Outcome&) = default;
-};
-
-/// A pair of sockets that preserves message boundaries, so that a reader receives pieces as they were sent.
-class Wire {
-public:
-    Wire() { CCDT_CHECK(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends_.data()) == 0); }
-    ~Wire() {
-        close(ends_[0]);
-        close(ends_[1]);
-    }
-    Wire(const Wire&) = delete;
-    Wire& operator=(const Wire&) = delete;
-
-    int server() const { return ends_[0]; }
-
-    void send(std::string_view piece) {
-        const auto sent = ::send(ends_[1], piece.data(), piece.size(), MSG_DONTWAIT);
-        CCDT_CHECK(sent == static_cast<ssize_t>(piece.size()));
-    }
-    void hang_up() { shutdown(ends_[1], SHUT_WR); }
-
-    /// Receives what the server sent, which must be `100 Continue` only.
-    void drain() {
-        std::array<char, 64> buffer{};
-        while (true) {
-            const auto size = recv(ends_[1], buffer.data(), buffer.size(), MSG_DONTWAIT);
-            if (size <= 0) return;
-            const std::string_view answer(buffer.data(), static_cast<std::size_t>(size));
-            CCDT_CHECK(answer == "HTTP/1.1 100 Continue\r\n\r\n");
-        }
-    }
-
-private:
-    std::array<int, 2> ends_{};
 };
 
 /// Removes the first line and returns it without its CRLF. Checks that it contains no other CR, LF or NUL.
@@ -117,7 +81,7 @@ Outcome read_request(Connection& connection) {
         return {head.error().status, {}, {}};
     }
     if (!head->is_framed()) return {200, head->target, {}};
-    const auto body = connection.read_body(*head, kMaxBody);
+    const auto body = server::test::read_body(connection, *head, kMaxBody);
     if (!body) {
         check_problem(body.error());
         return {body.error().status, head->target, {}};
@@ -140,7 +104,7 @@ std::vector<Outcome> serve(const std::vector<std::string_view>& pieces) {
     std::vector<Outcome> outcomes;
     while (connection.wait_for_request([](auto) { return true; })) {
         outcomes.push_back(read_request(connection));
-        wire.drain();
+        for (const auto& answer : wire.receive()) CCDT_CHECK(answer == "HTTP/1.1 100 Continue\r\n\r\n");
         CCDT_CHECK(connection.between_requests() == (outcomes.back().status == 200));
         if (!connection.between_requests()) return outcomes;
         while (unread.starts_with("\r\n")) unread.erase(0, 2);

@@ -164,7 +164,7 @@ class Exclusions(ServerCase):
                 answer = post_json(self.server, "/sample", {
                     "geometry": collection(given), "sites": "n", "coordinates": coordinates, "buffer": buffer,
                     "avoid": shapely.geometry.mapping(lake), "fixed": wells.tolist(),
-                    "mask": {"image": base64.b64encode(image.getvalue()).decode()}}).json()
+                    "exclude": {"image": base64.b64encode(image.getvalue()).decode()}}).json()
                 self.assertEqual([each["sites"] for each in answer["features"]], [400, 700, 1000, 1300])
                 points = numpy.array(answer["points"])
                 degrees = 0.1 if coordinates == "plane" else buffer / 111_500

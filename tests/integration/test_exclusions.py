@@ -27,7 +27,7 @@ LAKES = {"type": "MultiPolygon", "coordinates": [
 BOWTIE = [[1, 1], [3, 3], [3, 1], [1, 3]]
 
 
-def masked(grey):
+def embedded(grey):
     file = io.BytesIO()
     PIL.Image.fromarray(grey).save(file, "PNG")
     return {"image": base64.b64encode(file.getvalue()).decode()}
@@ -214,14 +214,14 @@ class Avoided(ServerCase):
         self.assertEqual(answer.json()["errors"][0]["pointer"], "buffer")
         self.assertEqual(self.ask("/sample?sites=10&buffer=0.2", data=document).status, 200)
 
-    def test_masks_exclude_dark_pixels(self):
+    def test_dark_pixels_of_an_excluded_picture_have_no_points(self):
         photograph = PIL.Image.open(ROOT / "tests/data/images/camera.png").resize((60, 40))
         grey = numpy.asarray(photograph.filter(PIL.ImageFilter.GaussianBlur(1)))
         dark = numpy.where(grey <= 10, grey / 3294.6, ((grey / 255 + 0.055) / 1.055) ** 2.4) < 0.5
         self.assertTrue(0.3 < dark.mean() < 0.9)
         for shape, coordinates in (({"geometry": ITALY}, "plane"), ({"geometry": ITALY}, "lonlat"),
                                    ({"domain": {"type": "rectangle", "width": 3, "height": 2}}, "plane")):
-            points = self.points(**shape, coordinates=coordinates, mask=masked(grey))
+            points = self.points(**shape, coordinates=coordinates, exclude=embedded(grey))
             area = shapely.geometry.shape(ITALY) if "geometry" in shape else shapely.geometry.box(0, 0, 3, 2)
             self.assert_within(area, points)
             west, south, east, north = area.bounds
@@ -229,27 +229,27 @@ class Avoided(ServerCase):
             rows = numpy.floor((north - points[:, 1]) / (north - south) * 40).astype(int)
             self.assertFalse(dark[rows, columns].any())
 
-    def test_buffer_applies_to_masks(self):
+    def test_buffer_applies_to_excluded_pictures(self):
         grey = numpy.full((4, 4), 255, numpy.uint8)
         grey[1, 2] = 0  # the square from (2, 2) to (3, 3)
-        points = self.points(polygon=SQUARE, mask=masked(grey), buffer=0.25, density={"width": 1, "height": 1, "values": [1]})
+        points = self.points(polygon=SQUARE, exclude=embedded(grey), buffer=0.25, density={"width": 1, "height": 1, "values": [1]})
         area = shapely.geometry.Polygon(SQUARE).difference(shapely.geometry.box(2, 2, 3, 3))
         self.assert_within(area, points)
         self.assertGreaterEqual(distances_to(area.boundary, points).min(), 0.25)
         grey[:] = 255
         plain = self.sample(sites=50, polygon=SQUARE)["points"]
-        self.assertEqual(self.sample(sites=50, polygon=SQUARE, mask=masked(grey))["points"], plain)
+        self.assertEqual(self.sample(sites=50, polygon=SQUARE, exclude=embedded(grey))["points"], plain)
 
-    def test_invalid_masks_are_refused(self):
+    def test_invalid_excluded_pictures_are_refused(self):
         noise = numpy.random.default_rng(1).integers(0, 256, (400, 400), numpy.uint8)
         black, grey = numpy.zeros((2, 2), numpy.uint8), numpy.full((2, 2), 255, numpy.uint8)
         for status, field, words, body in (
-                (422, "/mask/image", "nothing", {"polygon": SQUARE, "mask": masked(black)}),
-                (413, "/mask/image", "100000 corners", {"polygon": SQUARE, "mask": masked(noise)}),
-                (400, "/mask", "torus", {"domain": {"type": "torus", "width": 1, "height": 1}, "mask": masked(grey)}),
-                (400, "/mask", "image", {"polygon": SQUARE, "mask": {}}),
-                (400, "/mask/picture", "", {"polygon": SQUARE, "mask": {"picture": ""}}),
-                (400, "/mask/image", "base64", {"polygon": SQUARE, "mask": {"image": "?"}})):
+                (422, "/exclude/image", "nothing", {"polygon": SQUARE, "exclude": embedded(black)}),
+                (413, "/exclude/image", "100000 corners", {"polygon": SQUARE, "exclude": embedded(noise)}),
+                (400, "/exclude", "torus", {"domain": {"type": "torus", "width": 1, "height": 1}, "exclude": embedded(grey)}),
+                (400, "/exclude", "image", {"polygon": SQUARE, "exclude": {}}),
+                (400, "/exclude/picture", "", {"polygon": SQUARE, "exclude": {"picture": ""}}),
+                (400, "/exclude/image", "base64", {"polygon": SQUARE, "exclude": {"image": "?"}})):
             answer = post_json(self.server, "/sample", {"sites": 10, **body})
             self.assertEqual(answer.status, status, answer)
             self.assertEqual(answer.json()["errors"][0]["pointer"], field)

@@ -124,7 +124,7 @@ def samples(formats, methods):
     yield "tolerance", {"sites": 500, "tolerance": 0.2, "domain": RECTANGLE}
     italy = {"sites": 300, "geometry": polygon("Italy-110m.geojson")}
     yield "avoid", {"avoid": LAKE, **italy}
-    yield "mask", {"mask": {"image": data_uri(PHOTOS["wedge"])}, **italy}
+    yield "exclude", {"exclude": {"image": data_uri(PHOTOS["wedge"])}, **italy}
     yield "buffer", {"avoid": LAKE, "buffer": 0.1, **italy}
     yield "buffer lonlat", {"avoid": LAKE, "buffer": 9000, "coordinates": "lonlat", **italy}
     people = {"geometry": LANDS, "sites": {"property": "people", "per": 0.5}}

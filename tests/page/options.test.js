@@ -84,7 +84,7 @@ test("gives points the properties of their features", async () => {
   assert.ok(await page.locator("#sample [data-name=properties]").isHidden());
 });
 
-test("accepts pictures for density and mask, and areas and points as text", async () => {
+test("accepts pictures for density and exclusion, and areas and points as text", async () => {
   await open("#sample?shape=polygon");
   const { page } = world;
   await page.click("#sample .more summary");
@@ -92,21 +92,21 @@ test("accepts pictures for density and mask, and areas and points as text", asyn
   const picture = path.join(data, "images/camera.png");
   await more("density").locator("input").setInputFiles(picture);
   await settled(page, "sample");
-  await more("mask").locator("input").setInputFiles(picture);
+  await more("exclude").locator("input").setInputFiles(picture);
   await settled(page, "sample");
   await more("fixed").locator("textarea").fill("[[0.3, 0.3]]");
   await more("fixed").locator("textarea").blur();
   await settled(page, "sample");
   const image = (await readFile(picture)).toString("base64");
-  const { density, mask, fixed } = await request();
-  assert.deepEqual({ density, mask, fixed }, { density: { image }, mask: { image }, fixed: [[0.3, 0.3]] });
+  const { density, exclude, fixed } = await request();
+  assert.deepEqual({ density, exclude, fixed }, { density: { image }, exclude: { image }, fixed: [[0.3, 0.3]] });
   const script = path.join(folder, "request.sh");
   await writeFile(script, await snippet());
   await run("bash", [script], { cwd: folder });
   assert.equal(JSON.parse(await readFile(path.join(folder, "points.json"), "utf8")).points.length, 1000);
   await page.getByRole("button", { name: "Remove: Mask from a picture" }).click();
   await settled(page, "sample");
-  assert.equal((await request()).mask, undefined);
+  assert.equal((await request()).exclude, undefined);
   await more("avoid").locator("textarea").fill("[[[0, 0], [1,");
   await more("avoid").locator("textarea").blur();
   await settled(page, "sample", "failed");

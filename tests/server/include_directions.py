@@ -33,7 +33,7 @@ RULES = (
     (re.compile(r"^hiredis/"), ("server/redis/redis_connection.cpp",)),
     (re.compile(r"^openssl/ssl"), ("server/redis/redis_connection.cpp",)),
     (re.compile(r"^seccomp\.h$"), ("server/decoder/decoder_sandbox.cpp",)),
-    (re.compile(r"^httplib\.h$"), ("server/http/answer_writer.cpp",)),
+    (re.compile(r"^httplib\.h$"), ("server/http/http_library.cpp",)),
     (re.compile(r"^spdlog/|^fmt/"), ("server/",)),
 )
 
@@ -123,7 +123,7 @@ def self_check():
         "api/output/svg_renderer.cpp": "librsvg/rsvg.h",
         "api/o.cpp": "core/result.h",
         "server/decoder/decoder_sandbox.cpp": "seccomp.h",
-        "server/http/answer_writer.cpp": "httplib.h",
+        "server/http/http_library.cpp": "httplib.h",
         "server/jobs/sqlite.h": "sqlite3.h",
         "server/redis/redis_connection.cpp": "hiredis/hiredis.h",
         "server/p.cpp": "api/run/options.h",

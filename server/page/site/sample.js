@@ -34,7 +34,7 @@ const ownShape = "own";  // name in the address for a file of the user, which th
 
 let filesTaken = 0;
 
-const bodyMembers = ["density", "mask", "avoid", "fixed"];  // options that cannot be query parameters
+const bodyMembers = ["density", "exclude", "avoid", "fixed"];  // options that cannot be query parameters
 
 /** Whether the body of a request is the file itself. Options in `bodyMembers` need a JSON body instead. */
 const isDocument = ({ file }, options) => Boolean(file) && !bodyMembers.some((name) => name in options);
@@ -574,7 +574,7 @@ export class Sample extends Panel {
     for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
     this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
-    for (const name of ["avoid", "mask", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
+    for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
   }
 
   #isKept(options) {

@@ -33,7 +33,7 @@ export const shapeFields = [
 export const moreFields = [
   { kind: "picture", name: "density", label: "Density from a picture",
     help: "Points are denser where the picture is darker. The picture is stretched over the bounding box of the shape." },
-  { kind: "picture", name: "mask", label: "Mask from a picture",
+  { kind: "picture", name: "exclude", label: "Areas to leave out, from a picture",
     help: "No points are placed where the luminance of the picture is less than half that of white. The picture is stretched over the bounding box of the shape." },
   { kind: "json", name: "avoid", label: "Areas without points",
     help: "GeoJSON polygons, or a list of rings: [[[x, y], ...], ...]." },

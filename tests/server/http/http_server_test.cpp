@@ -144,6 +144,56 @@ TEST(HttpServer, StreamsNoBodyForHeadRequests) {
     EXPECT_EQ(answer.find("one"), std::string::npos) << answer;
 }
 
+TEST(HttpServer, ResetsConnectionsWhoseStreamDiffersFromItsLength) {
+    for (const std::string_view piece : {"shorter", "longer than it"}) {
+        const auto misjudge = [&](const Request&, const HttpResult<void>&, Connection&) {
+            Response response;
+            response.length = 10;
+            response.stream = [&](const Send& send, Record& record) {
+                record.cause = "broken";
+                return send(piece);
+            };
+            return response;
+        };
+        std::atomic<int> status = 0;
+        RunningServer server({}, misjudge, [&](const Exchange& exchange) { status = exchange.response.status; });
+        const std::string request = "GET / HTTP/1.1\r\nHost: h\r\n\r\n";
+        EXPECT_EQ(Client(server.port()).ask(request + request).find("longer"), std::string::npos);
+        server.stop();
+        EXPECT_EQ(status, 500) << piece;
+    }
+}
+
+TEST(HttpServer, PassesHeadersOfAnyLengthToItsHandler) {
+    const std::string value = "%41%0d%0a" + std::string(9'000, '%') + std::string(3'000, ' ') + "end";
+    const auto echo = [](const Request& request, const HttpResult<void>&, Connection&) {
+        Response response;
+        for (const Header& header : request.headers) response.body += header.name + '=' + header.value + ';';
+        return response;
+    };
+    RunningServer server({}, echo, [](const Exchange&) {});
+    const std::string answer = Client(server.port())
+                                   .ask("GET / HTTP/1.1\r\nHost: h\r\nConnection: close\r\nX-A: 1\r\nx-a: " + value +
+                                        "\r\nX-A:2\r\nRange: bytes=0-\r\nREMOTE_ADDR: ::1\r\n\r\n");
+    EXPECT_TRUE(answer.ends_with("\r\n\r\nConnection=close;Host=h;X-A=1;x-a=" + value + ";X-A=2;")) << answer;
+}
+
+TEST(HttpServer, AnswersMethodsThatTheLibraryDoesNotKnow) {
+    const auto name_method = [](const Request& request, const HttpResult<void>& received, Connection&) {
+        Response response;
+        response.status = received ? 405 : received.error().status;
+        response.body = request.method;
+        return response;
+    };
+    for (const std::string method : {"BREW", "TRACE", "PRI", "get"}) {
+        RunningServer server({}, name_method, [](const Exchange&) {});
+        const std::string request = method + " / HTTP/1.1\r\nHost: h\r\nContent-Length: 0\r\n";
+        const std::string answer = Client(server.port()).ask(request + "\r\n" + request + "Connection: close\r\n\r\n");
+        EXPECT_TRUE(answer.starts_with("HTTP/1.1 405 ")) << answer;
+        EXPECT_NE(answer.find("\r\n\r\n" + method + "HTTP/1.1 405 "), std::string::npos) << answer;
+    }
+}
+
 testing::AssertionResult wait_until_gone(const Connection& connection) {
     return test::wait_until("the client to disconnect", [&] { return connection.client_gone(); });
 }

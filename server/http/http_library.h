@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "server/http/connection.h"
+#include "server/http/http.h"
+
+namespace ccdt::server {
+
+/// Limit of requests on one connection.
+constexpr std::size_t kRequestsPerConnection = 10'000;
+
+/// Sets the response to a request, and whether the request is the connection's last one.
+/// @param dispatched  a problem if cpp-httplib refused a request that it should accept
+using Handle = std::function<void(const HttpResult<void>& dispatched)>;
+
+/// Processes a request with cpp-httplib 0.11.4, which is included in this function's source file only: calls `handle`
+/// once, then writes the response.
+///
+/// The library parses the head, dispatches the request by its method, decodes the body and writes the answer. It never
+/// reads the socket. It reads the head that Connection has checked, rewritten so that the library parses it as
+/// `parse_head` does, and the body that Connection has checked and framed again. If the connection refused a head, the
+/// library reads an empty line, and refuses it, too. tests/fuzz/http_library.cpp compares the two parsers.
+///
+/// The following is our own code, because of these measurements of the library (its pool of 8 threads, two cores,
+/// loopback) and because of its source:
+///
+/// | our own | the library |
+/// |---|---|
+/// | threads and deadlines: http_server.h, connection.h | with 40 clients that send nothing, a ping waits for 24 s |
+/// | checks of heads: http.h | takes 93 MB for 200,000 headers; accepts `Content-Length: 10abc`, and two lengths |
+/// | checks of bodies: connection.h | reads 500 MB of chunks at a limit of 1 MB; accepts chunks without a line end |
+/// | pipelined requests: connection.h | answers one of three that arrive at once; parses unread bodies as requests |
+/// | 100 Continue: connection.h | sends it even if the body is not wanted |
+/// | targets and queries: http.h | refuses a second `?`; takes `z=b=c` for `c`; decodes `%u` |
+/// | multipart: multipart.h | loses parts if a boundary arrives in two pieces; takes 29 s for a form of 0.8 MB |
+/// | no ranges | takes 2 GB for 2,000 ranges of a 1 MB answer |
+/// | compression: compression.h | takes 4.1 s for 2 MB of JSON (brotli at its best), for which gzip needs 0.2 s |
+/// | routing: routes.h | needs 4.6 MB of stack for a regex on a path of 8 kB; answers 404 for 405 |
+/// | listening: sockets.h | has a backlog of 5 clients; shares its port with any second server |
+/// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
+/// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
+///
+/// @param request   a request whose head the connection has read; without a method: it has no valid head. Before
+/// `handle`
+///                  is called, the library's view of its method and headers replaces the connection's
+/// @param response  set by `handle`. Its body is moved out; its status becomes that of a failure to send it
+/// @param last      set by `handle`, or if memory ran out and a 500 was written
+/// @returns         false if the client did not receive the whole answer
+bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);
+
+}  // namespace ccdt::server
