@@ -19,10 +19,10 @@ namespace ccdt::server {
 
 /// Checks the credentials and the rate of requests before they are handled.
 ///
-/// Requests are counted by API key, or by address if they have no valid key, so that keys cannot be guessed quickly.
-/// Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send preflights without
-/// keys, so preflights need none and are counted by address. Requests with a signed URL are also counted by address,
-/// because all visitors of a page have URLs signed by the same key. Thread-safe.
+/// Requests are counted by API key. Requests without a valid key are counted by address, so that a client cannot guess
+/// keys quickly. Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send
+/// preflights without keys, so preflights need none and are counted by address. Requests with a signed URL are also
+/// counted by address, because all visitors of a page have URLs signed by the same key. Thread-safe.
 class AccessControl {
 public:
     /// Credential that a request needs.
@@ -46,12 +46,12 @@ public:
 
     struct Verdict {
         std::string key;             ///< name of the API key that the request has; empty: none
-        std::string client;          ///< the key or the address, by which the request is counted
+        std::string client;          ///< key or address by which the request is counted
         HttpResult<void> admission;  ///< success, or the reason to refuse the request
         std::string signer;          ///< name of the key that signed the URL; empty: none
     };
 
-    /// @param key_file  empty: no key is needed
+    /// @param key_file  file of the API keys; empty: no key is needed
     /// @param shared    Redis in which several servers share their counts; must outlive this object; null: counts are
     ///                  local
     AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,

@@ -29,8 +29,8 @@
 namespace ccdt::server {
 namespace {
 
-/// Duration above which a computation fragments the heap, so that free memory is returned to the system afterwards.
-/// This takes less than a millisecond, after the answer was sent.
+/// Duration above which a computation is assumed to have fragmented the heap. After its answer was sent, free memory is
+/// then returned to the system, which takes less than a millisecond.
 constexpr std::chrono::milliseconds kLong{50};
 
 /// A request that has arrived, and the source by which its computation is stopped.
