@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Limit of the time that a child may take, as a multiple of its limit of processor time.
+/// Elapsed time allowed for each second of a child's limit of processor time. The time for beginning is added to it.
 constexpr int kMaxPerProcessorTime = 3;
 
 /// Reasons why there is no reply.
@@ -136,8 +136,8 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
-/// Has a file decoded. Repeats an order that was lost with its helper.
-/// @param longest_wait  time for which the order waits for a helper and for a child
+/// Has a file decoded. Repeats an order that was lost because its helper ended.
+/// @param longest_wait  see DecoderClient::kLongestWait
 /// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
