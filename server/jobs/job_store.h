@@ -34,15 +34,15 @@ public:
 /// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
 ///
 /// All times are those of the store's clock, which all servers share. Changes are durable when a call returns, except
-/// for the progress of a running job. Thread-safe. The time of a call does not depend on the number of finished jobs.
-/// Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped if the
-/// storage cannot be reached in time, Internal for everything else.
+/// for the progress of a running job. Thread-safe. The duration of a call does not depend on the number of finished
+/// jobs. Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped
+/// if the storage cannot be reached in time, Internal for everything else.
 class JobStore {
 public:
     /// Whether a job was added, or why not.
     enum class Added { Accepted, QueueFull, StoreFull };
 
-    /// The state of a claim: it is still valid, the job was cancelled, or another server has claimed the job.
+    /// The state of a claim: the claim is still valid, the job was cancelled, or another server has claimed the job.
     enum class Owned { Still, Cancelled, Lost };
 
     struct Renewal {
@@ -89,7 +89,7 @@ public:
     /// @returns  none if the job does not exist or has ended
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// Renews the lease of a claimed job, and stores its state: waiting or running. The first call with the status
+    /// Renews the lease of a claimed job, and stores the status and progress of the job. The first call with the status
     /// Running sets the time of the start.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
@@ -142,13 +142,15 @@ public:
     /// Number of times that stored data was found damaged.
     virtual std::uint64_t damages() const { return 0; }
 
-    /// Bytes that a job takes, including its request or result.
+    /// Bytes that a job takes in the store.
+    /// @param held  bytes of its request or result
     static constexpr std::size_t bytes_of_job(std::size_t held) {
         constexpr std::size_t kRow = 1024;  // including index entries
         return kRow + held;
     }
 
-    /// @param result  bytes received so far
+    /// Returns the error for a result for which there is no space.
+    /// @param result  bytes of the result received so far
     static tl::unexpected<Error> no_space_for(std::size_t result) {
         return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
                                                      " bytes, for which there is no space (job-bytes)");

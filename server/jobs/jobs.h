@@ -20,9 +20,9 @@ namespace ccdt::server {
 
 /// Jobs: requests whose clients do not wait.
 ///
-/// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. If servers share a
-/// store, each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run
-/// for `timeout`, and is deleted `ttl` after its end. Thread-safe.
+/// The store holds all accepted jobs and their outcomes: results, failures and cancellations. If servers share a store,
+/// each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run for
+/// `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
 public:
     using Clock = std::chrono::steady_clock;

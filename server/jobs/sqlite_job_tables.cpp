@@ -101,8 +101,8 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Returns a query for the columns that `job_at` reads, followed by the columns above. The last column is the digest of
-/// all other columns.
+/// Returns a query for the columns that job_at() reads, followed by the four columns whose numbers are defined above.
+/// The last column is the digest of all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
