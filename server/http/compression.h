@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// Whether bodies of a media type can be compressed: only texts, because pictures are compressed already.
+/// Whether bodies of a media type may be compressed: texts, except event streams. Pictures are compressed already.
 bool is_compressible(std::string_view media_type);
 
 /// Whether a body is text of more than a kilobyte.

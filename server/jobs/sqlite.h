@@ -44,7 +44,7 @@ public:
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
     /// Writes `body` to the blob column `body` of a row, without an intermediate copy. The blob must already have the
-    /// right size.
+    /// size of this text.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
     /// @param max_bytes  size limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
