@@ -52,6 +52,7 @@ public:
     };
 
     /// @param key_file  file of the API keys; empty: no key is needed
+    /// @param rate      limit for each key or address
     /// @param shared    Redis in which several servers share their counts; must outlive this object; null: counts are
     ///                  local
     AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,
@@ -63,6 +64,8 @@ public:
     /// Reads the configured keys. After an error, the keys stay as they were.
     Result<void> read_keys();
 
+    /// Counts a request, and checks that it has the credential that it needs.
+    /// @param address  address of the client, by which a request without a valid key is counted; empty: none
     Verdict check(const Request& request, const std::string& address, Credential needed = Credential::Key);
 
 private:

@@ -46,8 +46,8 @@ struct Call {
     static constexpr std::size_t kTexts = 5;  ///< path, query, content type, Accept header, body
 
     Kind kind = Kind::Ask;
-    std::uint32_t compressed = 0;
-    std::uint64_t number = 0;  ///< number of the computation: a late Stop must not stop the next one
+    std::uint32_t compressed = 0;  ///< 1: compress the body if that is worthwhile
+    std::uint64_t number = 0;      ///< number of the computation: a late Stop must not stop the next one
     api::Limits limits;
     std::array<std::uint64_t, kTexts> sizes{};
 };
@@ -66,6 +66,7 @@ struct Reply {
     Progress progress;
     api::Timings timings;
     std::uint64_t decoder_deaths = 0;  ///< during this computation: see ComputeBox::Counts
+    // Members of api::Answer besides its texts:
     std::uint64_t sites = 0;
     std::uint64_t pixels = 0;
     std::uint32_t partial = 0;

@@ -38,7 +38,7 @@ void follow(pid_t parent) {
 }
 
 /// Descriptors, besides the standard streams, that stay open in the helper and its children: a socket for orders, and
-/// /proc, which they could not open any more.
+/// /proc, which they cannot open later, because their root directory may be empty by then.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
 
@@ -75,7 +75,7 @@ public:
     /// Carries out orders until the server has ended.
     void run() {
         while (true) {
-            Order order;  // closed before the next one, because another child must not inherit its files
+            Order order;  // destroyed before the next order arrives, because another child must not inherit its files
             auto files = children_.wait_for_order(writable_bytes_of(order.text), [this] { fork_spare(); });
             if (!files) return;
             order.take(*std::move(files));
@@ -163,7 +163,7 @@ private:
     }
 
     /// Decodes a file and ends the process. From here on the child has only the two mapped files and a socket to the
-    /// process that waits. The child reports itself that it is done, because ending a process with so many libraries
+    /// process that waits. The child itself reports that it is done, because ending a process with so many libraries
     /// takes milliseconds.
     /// @param decode_bytes  decodes the file and writes the reply; returns false if it could not
     template <class Reply, class DecodeBytes>

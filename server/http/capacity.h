@@ -56,8 +56,8 @@ public:
     /// Whether no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots or half of the memory are
-    /// taken.
+    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots, or more than half of the
+    /// memory, are taken.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
     /// Shrinks the time-outs from now on, because the server is shutting down.

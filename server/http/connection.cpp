@@ -287,8 +287,8 @@ HttpResult<std::string_view> Connection::read_line() {
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-/// Passes on framing, or content that has arrived. Waits, counts memory and checks the clock only if nothing has
-/// arrived, because chunks may be small.
+/// Passes on framing, or content that has arrived. There may be many small chunks, so the function waits, counts memory
+/// and checks the clock only if nothing has arrived.
 HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     Body& body = *body_;
     if (body.is_complete()) return 0;

@@ -42,7 +42,7 @@ public:
         JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
     };
 
-    /// Why a run is stopped.
+    /// The reason why a run is stopped.
     enum class Stop { None, Deadline, Shutdown, Gone };
 
     /// The next step of a run: proceed (begin the run, or store its end), requeue its job, or do nothing.

@@ -47,7 +47,7 @@ public:
 
     /// Accepts a job. Once this returns, the job will not be lost.
     ///
-    /// @param job  with owner and cost; the cost must fit into the pool
+    /// @param job  job with its owner and cost; its memory must not exceed the limit of the pool
     /// Problems: 413 the job or its result exceeds the capacity of the store; 429 the queue is full, or waiting jobs
     /// fill the store; 503 the server is shutting down, or the store cannot be reached; 507 the store has no space; 500
     /// the store fails.

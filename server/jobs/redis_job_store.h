@@ -24,7 +24,7 @@ namespace ccdt::server {
 ///
 /// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. All keys begin with
 /// the version of their layout, `ccdt:1:`. Large bodies are sent to a temporary key, in pieces of 1 MiB so that other
-/// calls are not delayed. A complete body is renamed to its final key.
+/// calls are not delayed. Once the body is complete, its key is renamed to the final one.
 ///
 /// Before a server claims a job with an expired lease, it must have been subscribed to the notifications for the
 /// duration of a lease. So after an outage of Redis, all servers have time to renew their leases.

@@ -52,8 +52,8 @@ function requestOf({ file, json, ...shape }, options) {
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
 /**
- * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so its outline
- * comes from the boundary of a triangulation that the server makes.
+ * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so the
+ * outline comes from the boundary of a triangulation that the server makes.
  */
 async function documentOf(file) {
   if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
