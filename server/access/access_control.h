@@ -40,7 +40,7 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Minimum length of a signing key, in characters. It is longer than that of an API key, because whoever has a
+    /// Minimum length of a signing key, in characters. Signing keys must be longer than API keys, because whoever has a
     /// signed URL can try keys offline.
     static constexpr std::size_t kMinSigningKeyLength = 32;
 

@@ -47,8 +47,8 @@ public:
                            std::chrono::milliseconds longest_wait = kLongestWait)
         : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
 
-    /// Decodes a file; the result is identical to that of decoding in this process. A stop ends the decoding at once.
-    /// If an order was lost because its helper ended, the order is repeated.
+    /// Decodes a file. The result is the same as if this process had decoded the file. A stop ends the decoding at
+    /// once. If an order was lost because its helper ended, the order is repeated.
     ///
     /// Errors: those of the picture readers; Unusable if the decoder crashed, exceeded its memory or its processor
     /// time, or wrote an invalid reply; Stopped; Unavailable if no helper was available or no child began in time, or

@@ -123,7 +123,7 @@ void Capacity::leave_locked(const std::string& address) {
 ConnectionSlot::ConnectionSlot(Capacity& capacity, std::string address)
     : capacity_(capacity), address_(std::move(address)) {
     std::unique_lock lock(capacity_.mutex_);
-    // Checked first, because an address at its own limit must not close the connections of others.
+    // Checked first, because an address at its own limit must not close connections of other addresses.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;

@@ -96,7 +96,7 @@ HttpResult<Request> Connection::read_head() {
         if (*line_end == std::string_view::npos)
             return problem(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
         if (*line_end == 0) {
-            // Clients may send a line end after a body. It is not part of the next head.
+            // Clients may send a line end after a body. This line end is not part of the next head.
             unread_.use(kLineEnd.size());
             continue;
         }

@@ -45,7 +45,7 @@ using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 ///
 /// @param request   request whose head the connection has read; if its method is empty, it has no valid head. Before
 ///                  `handle` is called, its method and headers are replaced by those that the library parsed
-/// @param response  set by `handle`. Its body is moved out; its status becomes that of a failure to send it
+/// @param response  set by `handle`. Its body is moved out. If it cannot be sent, its status becomes kClientGone or 500
 /// @param last      set by `handle`; true if memory ran out and a 500 was written
 /// @returns         false if the client did not receive the whole answer
 bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);

@@ -56,7 +56,8 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So only one client is affected.
+/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So the failure affects only one
+/// client.
 template <class Task>
 void contain(const Task& task) {
     try {

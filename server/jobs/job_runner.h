@@ -31,7 +31,7 @@ public:
     /// reached again.
     static constexpr std::chrono::milliseconds kPollInterval{1000};
 
-    /// The parameters are those of Jobs.
+    /// Takes the same parameters as the constructor of Jobs; `followed` receives the states of the jobs.
     JobRunner(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger,
               FollowedJobs& followed);
 

@@ -145,8 +145,8 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for that of
-/// another job.
+/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for the request
+/// of another job.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :

@@ -73,7 +73,7 @@ public:
     /// @returns  number of removed jobs
     std::size_t remove_finished(Time by, std::size_t max_jobs);
 
-    /// Drops the oldest result: that of the job that finished first.
+    /// Drops the result of the job that finished first.
     /// @returns  false if there is none
     bool drop_oldest_result();
 
