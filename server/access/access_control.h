@@ -19,10 +19,10 @@ namespace ccdt::server {
 
 /// Checks the credentials and the rate of requests before they are handled.
 ///
-/// Requests are counted by API key, or by address if they have no valid key, so that keys cannot be guessed quickly.
-/// Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send preflights without
-/// keys, so preflights need none and are counted by address. Requests with a signed URL are also counted by address,
-/// because all visitors of a page have URLs signed by the same key. Thread-safe.
+/// Requests are counted by API key. Requests without a valid key are counted by address, so that a client cannot guess
+/// keys quickly. Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send
+/// preflights without keys, so preflights need none and are counted by address. Requests with a signed URL are also
+/// counted by address, because all visitors of a page have URLs signed by the same key. Thread-safe.
 class AccessControl {
 public:
     /// Credential that a request needs.
@@ -40,18 +40,19 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Minimum length of a signing key, in characters. It is longer than that of an API key, because whoever has a
+    /// Minimum length of a signing key, in characters. Signing keys must be longer than API keys, because whoever has a
     /// signed URL can try keys offline.
     static constexpr std::size_t kMinSigningKeyLength = 32;
 
     struct Verdict {
         std::string key;             ///< name of the API key that the request has; empty: none
-        std::string client;          ///< the key or the address, by which the request is counted
+        std::string client;          ///< key or address by which the request is counted
         HttpResult<void> admission;  ///< success, or the reason to refuse the request
         std::string signer;          ///< name of the key that signed the URL; empty: none
     };
 
-    /// @param key_file  empty: no key is needed
+    /// @param key_file  file of the API keys; empty: no key is needed
+    /// @param rate      limit for each key or address
     /// @param shared    Redis in which several servers share their counts; must outlive this object; null: counts are
     ///                  local
     AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,
@@ -63,6 +64,8 @@ public:
     /// Reads the configured keys. After an error, the keys stay as they were.
     Result<void> read_keys();
 
+    /// Counts a request, and checks that it has the credential that it needs.
+    /// @param address  address of the client, by which a request without a valid key is counted; empty: none
     Verdict check(const Request& request, const std::string& address, Credential needed = Credential::Key);
 
 private:

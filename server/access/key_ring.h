@@ -19,8 +19,8 @@ public:
 
     /// Parses lines of `name:key` or `name key`. Empty lines and lines that begin with # are ignored. A name may have
     /// several keys, so that a key can be replaced while the old one is still valid.
-    /// Errors (Malformed): a line of any other form, a key of fewer than `shortest` or more than 256 characters, a key
-    /// with two names, no key at all. The message names the line, never the key.
+    /// Errors (Malformed): a line of any other form; a key of fewer than `shortest` or more than 256 characters; a key
+    /// that is listed under two names; a text without any key. The message names the line, never the key.
     static Result<KeyRing> parse(std::string_view text, std::size_t shortest = kMinKeyLength);
 
     /// Errors: those of parse(); Unusable if the file cannot be read.
@@ -29,12 +29,12 @@ public:
     /// Makes a ring of one key. Errors: those of parse(), without a line number.
     static Result<KeyRing> of(std::string name, std::string key, std::size_t shortest = kMinKeyLength);
 
-    /// Finds the name of a key; none if it is unknown. The time taken depends neither on the keys nor on how much of
-    /// `key` is correct.
+    /// Finds the name of a key. Returns none if the key is unknown. The time taken depends neither on the keys nor on
+    /// how much of `key` is correct.
     std::optional<std::string> find(std::string_view key) const;
 
-    /// Finds the name of the key with which `sign` makes this signature of the text; none if no key does. The time
-    /// taken does not depend on how much of the signature is correct.
+    /// Finds the name of the key that signed `text`: with this key, sign() returns `signature`. Returns none if there
+    /// is no such key. The time taken does not depend on how much of the signature is correct.
     std::optional<std::string> find_signer(std::string_view text, std::string_view signature) const;
 
 private:

@@ -12,8 +12,8 @@ namespace ccdt::server {
 
 /// A token bucket for each client. A request takes one token; tokens are refilled at a constant rate.
 ///
-/// Stores the 65,536 clients with the most recent requests. If a dropped client returns, its bucket is full.
-/// Thread-safe.
+/// Only the `max_clients` clients with the most recent requests have a stored bucket. Any other client starts with a
+/// full bucket. Thread-safe.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;

@@ -10,7 +10,8 @@
 
 namespace ccdt::server {
 
-/// Token buckets in Redis, one for each client of all servers, with the rules of RateLimiter. Thread-safe.
+/// Token buckets in a Redis that several servers share. Each client has one bucket, which follows the rules of
+/// RateLimiter. Thread-safe.
 class SharedRate {
 public:
     /// `client` must outlive this object.

@@ -15,8 +15,8 @@ namespace ccdt::server {
 /// The path and query of a URL that may be signed, such as
 /// `/halftone/cat.jpg?sites=500&expires=1800000000&signature=...`. The views point into the text that was parsed.
 ///
-/// The signature is the value of the last parameter. `sign` makes the signature from everything before that parameter,
-/// byte for byte as sent, including percent-encoding. So the signed text has only one interpretation.
+/// The signature is the value of the last parameter. sign() computes it from everything before that parameter, byte for
+/// byte as sent, including percent-encoding. Nothing is decoded or reordered, so client and server sign the same text.
 struct SignedUrl {
     std::string_view text;                      ///< the signed text
     std::optional<std::string_view> signature;  ///< none: the last parameter is not `signature`
@@ -28,7 +28,7 @@ struct SignedUrl {
     static HttpResult<SignedUrl> parse(std::string_view resource);
 
     /// Checks that a URL is signed and has not expired.
-    /// @returns  the name of the key
+    /// @returns  the name of the key that signed the URL
     /// Problems (403): the URL is not signed, not signed with one of these keys, or expired.
     HttpResult<std::string> check(const KeyRing& keys, std::chrono::sys_seconds now) const;
 };

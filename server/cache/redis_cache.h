@@ -11,9 +11,10 @@
 
 namespace ccdt::server {
 
-/// Answers in a Redis that servers share. When its memory is full, Redis decides which answers it drops; all answers
-/// expire after a day. An answer that cannot be retrieved, for whatever reason, counts as absent. Entries have digests,
-/// so an entry that another program has overwritten is detected and removed. Thread-safe.
+/// A cache of answers in a Redis that several servers share. When the memory of Redis is full, Redis chooses the
+/// answers to evict. Every answer expires after a day. An answer that cannot be retrieved, for whatever reason, counts
+/// as absent. Entries have digests, so an entry that another program has overwritten is detected and removed.
+/// Thread-safe.
 class RedisCache {
 public:
     /// `client` must outlive this object.
@@ -25,7 +26,7 @@ public:
 
     std::optional<api::Answer> find(const std::string& name);
 
-    /// Stores an answer of at most `kLargest` bytes. Larger ones would delay other calls.
+    /// Stores an answer unless its body exceeds `kLargest` bytes. A larger answer would delay other calls.
     void store(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;

@@ -39,7 +39,8 @@ public:
     /// @returns  null if there is no answer of that name
     std::shared_ptr<const api::Answer> find(const std::string& name);
 
-    /// Stores a copy unless it would take more than a quarter of the capacity: one answer must not evict all others.
+    /// Stores a copy in the local cache and in the Redis, if there is one. The local cache rejects an answer that would
+    /// take more than a quarter of its capacity, because one answer must not evict all others.
     void store(const std::string& name, const api::Answer& answer);
 
     /// Size limit of stored bodies, in bytes.

@@ -27,12 +27,12 @@ struct Order;
 
 /// Computes answers in separate processes, so that a crash costs only the request that caused it.
 ///
-/// A fork server, which is a separate program, forks a process when a computation begins and no process of its nice
-/// value is idle. Processes are kept for later computations. If a process is killed from outside, for example because
-/// the machine ran out of memory, its computation is started again, once. Thread-safe.
+/// Processes are kept for later computations. If a computation begins and no process with the required nice value is
+/// idle, the fork server, which is a separate program, forks one. If a process is killed from outside, for example
+/// because the machine ran out of memory, its computation is started again, once. Thread-safe.
 class ComputeBox {
 public:
-    /// Passes an order from a computing process on to the decoder. The decoder sends the result directly to that
+    /// Passes an order from a computation process on to the decoder, which sends the result directly to the computation
     /// process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
@@ -41,7 +41,8 @@ public:
         std::chrono::seconds to_stop{5};  ///< time limit from a request to stop until the computation ends
 
         /// The same time limit if nobody waits for the answer any more. The limit is short, because ending the process
-        /// costs little: another process starts in about a millisecond, and freeing 3 GB takes a quarter of a second.
+        /// costs little: another process starts in about a millisecond, and even freeing 3 GB takes only a quarter of a
+        /// second.
         std::chrono::milliseconds to_leave{50};
     };
 
@@ -57,13 +58,14 @@ public:
     /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
-    /// Computes an answer: see Compute. The process has the nice value of the calling thread. If a computation does not
-    /// stop in time, its process is ended. This counts as overdue if somebody still waits for the answer.
+    /// Computes an answer: see Compute. The process has the nice value of the calling thread. If the computation does
+    /// not stop in time, its process is ended. If somebody still waits for the answer, the computation is counted as
+    /// overdue.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
-    /// Sets the number of threads, including the main thread of its process, that each computation may use from its
-    /// next step on.
+    /// Sets the number of threads that each computation may use, including the main thread of its process. A running
+    /// computation applies the new number from its next step on.
     void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
 
     /// Number of threads that each computation may use now; initially 1.
@@ -76,11 +78,12 @@ public:
     bool is_responsive() const { return fork_server_->is_responsive(); }
 
     struct Counts {
-        std::uint64_t crashes = 0;         ///< processes that crashed while they computed
-        std::uint64_t overdue = 0;         ///< processes ended because they did not stop at a deadline
-        std::uint64_t restarts = 0;        ///< restarts of the fork server
-        std::uint64_t silences = 0;        ///< times that the fork server stopped replying
-        std::uint64_t decoder_deaths = 0;  ///< pictures whose decoder crashed, exceeded a limit or replied nonsense
+        std::uint64_t crashes = 0;   ///< processes that crashed while they computed
+        std::uint64_t overdue = 0;   ///< processes ended because they did not stop at a deadline
+        std::uint64_t restarts = 0;  ///< restarts of the fork server
+        std::uint64_t silences = 0;  ///< times that the fork server stopped replying
+        std::uint64_t decoder_deaths =
+            0;  ///< pictures whose decoder crashed, exceeded a limit or wrote an invalid reply
     };
     Counts counts() const;
 

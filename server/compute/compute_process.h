@@ -14,8 +14,8 @@ using Computer = std::function<Result<api::Answer>(const ComputeRequest& request
                                                    const api::Limits& limits, const api::Decode& decode,
                                                    const Control& control, api::Timings& timings)>;
 
-/// Answers calls on the channel, one at a time. Once the other end of the channel is closed, the process ends at once,
-/// even during a computation. See compute_protocol.h.
+/// Answers the server's calls on `files.channel`, one at a time. Once the server closes its end of the channel, the
+/// process ends at once, even during a computation. See compute_protocol.h.
 ///
 /// A computation gets as many threads as the server lends it. The threads start when they are first needed and end with
 /// the computation.

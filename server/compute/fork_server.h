@@ -8,15 +8,15 @@
 
 namespace ccdt::server {
 
-/// The main function of a process that computes; it does not return.
+/// The main function of a computation process; it does not return.
 using ComputeProcess = std::function<void(ComputeFiles files)>;
 
 /// Turns the calling process, which must have one thread, into the fork server. The fork server reports that it is
 /// ready, forks a process for each order (see compute_protocol.h), and reports how each process ended. It ends once the
 /// other end of `orders` is closed.
 ///
-/// Forked processes outlive the fork server; each ends when its own socket is closed. If the machine runs out of
-/// memory, the kernel kills forked processes before the server.
+/// Forked processes outlive the fork server. Each ends when the server closes the sockets of that process. If the
+/// machine runs out of memory, the kernel kills forked processes before the server.
 [[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
 
 }  // namespace ccdt::server

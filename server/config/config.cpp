@@ -23,7 +23,8 @@ constexpr std::size_t kQueuePerWorker = 16;
 /// are computed or queued.
 constexpr std::size_t kSpareConnections = 512;
 
-/// Additional connections for health checks and metrics when all others are taken.
+/// Size of the reserve for health checks and metrics: one connection for every kConnectionsPerReserved common
+/// connections, but at least kMinReserve.
 constexpr std::size_t kMinReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
@@ -185,7 +186,8 @@ std::vector<std::string> default_cors_origins(std::string_view bind) {
     return {std::string(kLoopback)};
 }
 
-/// Returns the allowed hosts, including loopback. Loopback is always allowed, because no stranger can own these names.
+/// Returns the allowed hosts. They always include loopback, because a stranger's page cannot have such a host name (see
+/// allows_host).
 std::vector<std::string> all_allowed_hosts(const Draft& draft) {
     if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
     auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());
@@ -296,7 +298,7 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
-/// Returns a text whose password, as in `redis://user:password@host`, is replaced by asterisks.
+/// Replaces the password in a text such as `redis://user:password@host` by asterisks.
 std::string without_password(std::string_view text) {
     const auto scheme = text.find("://");
     const auto end = text.rfind('@');
@@ -356,7 +358,7 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
     return action;
 }
 
-/// Returns the default value, with which the help text of a setting ends, in parentheses.
+/// Returns the default value of a setting: the text in parentheses at the end of its help text.
 std::string default_of(const Setting& setting) {
     const auto open = setting.help.rfind('(');
     if (open == std::string_view::npos || !setting.help.ends_with(')')) return {};

@@ -29,7 +29,7 @@ struct Config {
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any free port
     std::size_t workers = 1;                       ///< number of simultaneous computations
-    std::size_t threads_per_request = 1;           ///< maximum for a computation while other workers are idle
+    std::size_t threads_per_request = 1;           ///< maximum for one computation, used while other workers are idle
     std::size_t queue = 16;                        ///< number of requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
     std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the server and its decoders together

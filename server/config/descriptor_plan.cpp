@@ -24,7 +24,7 @@ constexpr std::size_t kMinRefused = 4;
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
     return kServerDescriptors + kDescriptorsPerComputation * (config.workers + 1) +
-           kDescriptorsPerRedis * redis;  // one more for short requests
+           kDescriptorsPerRedis * redis;  // workers + 1: one more computation for short requests
 }
 
 std::size_t connections_of(const Capacity::Limits& limits) {

@@ -20,8 +20,8 @@ struct DescriptorPlan {
 /// Number of descriptors that the server needs if all connections that the flags allow are open.
 std::size_t wanted_descriptors(const Config& config);
 
-/// Divides the descriptors. The server itself, its computations and its connections to Redis get theirs first.
-/// Connections of clients share what remains.
+/// Divides the descriptors. The server itself, its computations and its connections to Redis come first. The
+/// connections of clients share the remaining descriptors.
 /// @param allowed  limit of descriptors of this process
 /// Errors (Unusable): too few for a useful server; the message names the limit and the need.
 Result<DescriptorPlan> share_descriptors(const Config& config, std::size_t allowed);

@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Limit of the time that a child may take, as a multiple of its limit of processor time.
+/// Elapsed time allowed for each second of a child's limit of processor time. The time for beginning is added to it.
 constexpr int kMaxPerProcessorTime = 3;
 
 /// Reasons why there is no reply.
@@ -103,7 +103,7 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     order.outcome = std::move(outcome->theirs);
     if (!pass_order(order, stop))
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
-    order.outcome.reset();  // only the helper may keep this end: it closes when the helper ends
+    order.outcome.reset();  // only the helper may keep this end, so that it is closed when the helper ends
     // Returning closes our end of the socket, which ends the child.
     const std::chrono::milliseconds to_begin(text.patience_ms);
     const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
@@ -136,8 +136,8 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
-/// Has a file decoded. Repeats an order that was lost with its helper.
-/// @param longest_wait  time for which the order waits for a helper and for a child
+/// Has a file decoded. Repeats an order that was lost because its helper ended.
+/// @param longest_wait  see DecoderClient::kLongestWait
 /// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
 ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::string_view bytes, Order::Text text,
@@ -154,7 +154,7 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
         if (!retry_until) retry_until = Clock::now() + longest_wait;
-        // The file is not the cause if a helper has ended.
+        // If the helper has ended, the file is not the cause, so the order is repeated.
         if (reason != Reason::OrderLost || Clock::now() > *retry_until)
             return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
     }

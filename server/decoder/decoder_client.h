@@ -21,12 +21,12 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Returns the limits for a file: the memory that a reader needs for a picture with the header of this file, and the
-/// processor time that reading takes on a slow machine.
+/// Returns the limits for decoding a picture. The memory is the amount that a reader needs for a file with this header;
+/// the processor time is enough for a slow machine.
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 
-/// Returns the limits for a zipped shapefile: the memory that its reader needs, and the processor time of a slow
-/// machine.
+/// Returns the limits for reading a zipped shapefile: the memory that its reader needs, and a processor time that is
+/// enough for a slow machine.
 /// @param max_bytes  see api::ShapefileReading
 DecoderLimits shapefile_limits(std::size_t max_bytes);
 
@@ -39,16 +39,16 @@ public:
     /// Passes an order on to a helper; returns false if no helper is available in time.
     using PassOrder = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
-    /// Time that an order may wait for a helper, and then for a child to begin. If the order is lost because its helper
-    /// has ended, it may be repeated until the same time has passed since the loss.
+    /// Time that an order may wait for a helper, and the same time again for a child to begin. An order that is lost
+    /// because its helper ended is repeated until the same time has passed since the first loss.
     static constexpr std::chrono::milliseconds kLongestWait{5000};
 
     explicit DecoderClient(PassOrder pass_order, LimitsOf limits = decoder_limits,
                            std::chrono::milliseconds longest_wait = kLongestWait)
         : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
 
-    /// Decodes a file; the result is identical to that of decoding in this process. A stop ends the decoding at once.
-    /// If an order was lost because its helper ended, the order is repeated.
+    /// Decodes a file. The result is the same as if this process had decoded the file. A stop ends the decoding at
+    /// once. If an order was lost because its helper ended, the order is repeated.
     ///
     /// Errors: those of the picture readers; Unusable if the decoder crashed, exceeded its memory or its processor
     /// time, or wrote an invalid reply; Stopped; Unavailable if no helper was available or no child began in time, or

@@ -92,7 +92,7 @@ std::string Confinement::describe() const {
 
 void enter_namespaces(Confinement& confinement) {
     confinement.user = geteuid();
-    // A process that may not create these namespaces may still create a user namespace, and then these inside it.
+    // A process that may not create these namespaces may still create a user namespace, and inside it the others.
     if (unshare(CLONE_NEWUTS) != 0 && errno == EPERM) {
         leave_root(confinement);
         static_cast<void>(unshare(CLONE_NEWUSER));

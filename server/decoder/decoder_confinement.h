@@ -38,15 +38,15 @@ struct Confinement {
     std::string describe() const;
 };
 
-/// Enters new namespaces and records which are in force. A process that may not create namespaces first enters a new
-/// user namespace; if the process belongs to root, it changes to the user nobody before.
+/// Enters new namespaces and records which are in force. A process that may not create namespaces enters a new user
+/// namespace first. If such a process belongs to root, it changes to the user nobody before that.
 ///
 /// The PID namespace applies to children: the first child becomes its init process, and when the init process ends, all
 /// processes in the namespace end. Must be called by a single-threaded process.
 void enter_namespaces(Confinement& confinement);
 
-/// Replaces the root directory by an empty one, drops all capabilities, and changes from root to nobody. Records what
-/// is in force. Must be called after enter_namespaces.
+/// Replaces the root directory by an empty one, drops all capabilities, and changes from root to the user nobody.
+/// Records which of these layers are in force. Must be called after enter_namespaces.
 void drop_privileges(Confinement& confinement);
 
 }  // namespace ccdt::server

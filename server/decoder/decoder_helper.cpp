@@ -31,14 +31,14 @@ namespace {
 constexpr int kServerGone = 0;
 constexpr int kFailed = 1;
 
-/// Makes the calling process end when its parent ends, or now if the parent has ended already.
+/// Makes the calling process end when its parent ends, or at once if the parent has ended already.
 void follow(pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kFailed);
 }
 
 /// Descriptors, besides the standard streams, that stay open in the helper and its children: a socket for orders, and
-/// /proc, which they could not open any more.
+/// /proc, which they cannot open later, because their root directory may be empty by then.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
 
@@ -75,7 +75,7 @@ public:
     /// Carries out orders until the server has ended.
     void run() {
         while (true) {
-            Order order;  // closed before the next one, because another child must not inherit its files
+            Order order;  // destroyed before the next order arrives, because another child must not inherit its files
             auto files = children_.wait_for_order(writable_bytes_of(order.text), [this] { fork_spare(); });
             if (!files) return;
             order.take(*std::move(files));
@@ -163,7 +163,7 @@ private:
     }
 
     /// Decodes a file and ends the process. From here on the child has only the two mapped files and a socket to the
-    /// process that waits. The child reports itself that it is done, because ending a process with so many libraries
+    /// process that waits. The child itself reports that it is done, because ending a process with so many libraries
     /// takes milliseconds.
     /// @param decode_bytes  decodes the file and writes the reply; returns false if it could not
     template <class Reply, class DecodeBytes>
@@ -187,9 +187,10 @@ private:
     Spare spare_;
 };
 
-/// Waits for all children, and ends with the exit status of the helper. The helper is the first child to end except the
-/// starter. Without a PID namespace, the children of the helper become children of this process, and are waited for as
-/// well.
+/// Waits for all children, and ends with the exit status of the helper. Apart from the starter, the helper is the first
+/// child to end. Without a PID namespace, the children of the helper then become children of this process, so they are
+/// waited for as well.
+/// @param starter  child that forked the helper
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
     std::optional<int> end;
@@ -206,8 +207,8 @@ private:
     _exit(end && WIFEXITED(*end) ? WEXITSTATUS(*end) : kFailed);
 }
 
-/// Returns in the helper, a new process with one thread in the new namespaces. The calling process only waits for its
-/// end.
+/// Forks the helper, and returns in the helper: a process with one thread, in new namespaces. The calling process does
+/// not return: it waits for the end of the helper.
 ///
 /// Libraries start threads early, and a process with several threads cannot enter a user namespace. A PID namespace
 /// applies only to children of the process that enters it. So a child enters the namespaces, and a child of that child

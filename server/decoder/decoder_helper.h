@@ -27,8 +27,9 @@ struct Decoder {
     ToMap map = {};                 ///< empty: maps are not decoded
 };
 
-/// Becomes the parent of the helper, which takes orders and has each carried out by a child in the sandbox. The calling
-/// process closes all files except the standard error, waits for the helper, and ends with the same status.
+/// Turns the calling process into the parent of the helper. The helper takes orders, and forks a sandboxed child to
+/// carry out each one. The parent closes the files that it inherited, waits for the helper, and ends with the exit
+/// status of the helper.
 ///
 /// The helper ends once the other end of `orders` is closed. Its children end with it, even if the helper is killed.
 [[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);

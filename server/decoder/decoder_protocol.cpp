@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kLongestMessage = 1000;
 constexpr std::size_t kLongestField = 100;
 
-/// Offset of the planes.
+/// Offset of the planes or the text in the memory of a reply, in bytes.
 constexpr std::size_t kHeadSize = 4096;
 
 /// The beginning of a reply. The message and the field of an error follow it.

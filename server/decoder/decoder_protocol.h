@@ -55,10 +55,10 @@ struct Order {
 };
 
 /// Reports about an order. The child reports that it has begun, and then that its reply is written. The helper reports
-/// that the child has ended or could not be forked, and the server that there was no helper. Only the first report
-/// other than `begun` counts.
+/// that the child has ended or could not be forked. The server itself reports that there was no helper. Only the first
+/// report other than `begun` counts.
 struct Outcome {
-    std::int32_t fork_error = 0;  ///< errno for why no child was forked or could begin; 0: a child began
+    std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; 0: a child began
     std::int32_t ended = 0;  ///< 1: the child has ended; without an earlier report, it crashed, was killed or gave up
     std::int32_t no_helper = 0;  ///< 1: there was no helper by the time limit of the order
     std::int32_t begun = 0;      ///< 1: the child has the order; another report follows
@@ -78,7 +78,7 @@ std::optional<Order> receive_order(int socket);
 template <class AnyPicture>
 class ReplyMemory {
 public:
-    /// Creates the memory as a file of fixed size. Only the pages that are written to take memory.
+    /// Creates the memory as a file of fixed size. A page takes memory only once it is written.
     static UniqueFd make_file(std::size_t max_pixels);
 
     /// Maps the memory; the object is false if that failed.
@@ -91,7 +91,7 @@ public:
     std::shared_ptr<float[]> new_plane(std::size_t size);
 
     /// Writes a result. Called by the child.
-    /// @returns  false unless the planes come from `new_plane`, in the order of the picture's members
+    /// @returns  false if the planes were not allocated by new_plane() in the order of the picture's members
     bool write(const Result<AnyPicture>& result);
 
     /// Reads the result. Called by the server once the child is done. Whatever the child wrote, the planes have the

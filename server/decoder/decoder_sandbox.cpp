@@ -84,7 +84,7 @@ std::vector<sock_filter> compile(scmp_filter_ctx context) {
 }
 
 /// Lowers a limit, unless it is lower already.
-/// @param margin  amount by which the hard limit is larger
+/// @param margin  amount by which the hard limit exceeds the soft limit
 bool limit(__rlimit_resource resource, rlim_t soft, rlim_t margin = 0) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
@@ -111,7 +111,8 @@ struct LandlockRules {
 
 LandlockRules rules_of(long version) {
     constexpr auto bits = [](int count) { return (std::uint64_t{1} << count) - 1; };
-    constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});  // by version; 16 from version 5 on
+    // Number of rights by version; 16 from version 5 on.
+    constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});
     const auto known = static_cast<std::size_t>(std::clamp(version, 0L, static_cast<long>(kFiles.size()) - 1));
     return {bits(kFiles[known]), version >= 4 ? bits(2) : 0, version >= 6 ? bits(2) : 0};
 }

@@ -13,7 +13,8 @@ struct DecoderLimits {
     std::chrono::seconds time{};  ///< processor time; at least 1 s
 };
 
-/// A sandbox for a decoding process, which can only compute, allocate memory and write to its standard output.
+/// A sandbox for a decoding process. Inside, the process can only compute, allocate memory and write to its standard
+/// output.
 ///
 /// Sanitizers reserve terabytes of address space, open files and pipes, and make system calls of their own. So in
 /// builds with sanitizers, memory and files are not limited and system calls are not filtered.
@@ -45,8 +46,8 @@ public:
         return filter_error_;
     }
 
-    /// Returns 0 if Landlock is available, which denies access to files, ports and processes outside; otherwise the
-    /// errno of the attempt.
+    /// Returns 0 if Landlock is available, otherwise the errno of the attempt. Landlock denies access to files, to
+    /// ports and to processes outside the sandbox.
     int landlock_error() const {
         return landlock_error_;
     }
@@ -56,7 +57,7 @@ public:
     static void volunteer_for_out_of_memory(int proc);
 
     /// Confines the calling process irrevocably.
-    /// @param mapped  number of bytes that the process has mapped since the constructor
+    /// @param mapped  number of bytes that the process has mapped since this object was constructed
     /// @returns       false, with errno set, on failure; the process must then end. ENOMEM: the limits that it was
     ///                started with (ulimit) leave too little memory
     bool enter(const DecoderLimits& limits, std::size_t mapped) const;

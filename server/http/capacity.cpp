@@ -10,16 +10,16 @@
 namespace ccdt::server {
 namespace {
 
-/// Time for which an idle connection is not closed to make way for a new one. The new connection waits for the slot
-/// meanwhile. So a client that has just connected can send its first request.
+/// Minimum time for which a connection is idle before it is closed to make way for a new one. So a client that has just
+/// connected can send its first request. The new connection waits for the slot meanwhile.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
 /// Time for which the rest of a request head may be missing before its connection is closed to make way for a new one:
 /// enough for several packets, one of which is lost.
 constexpr std::chrono::milliseconds kLeastForHead{300};
 
-/// Time that new connections wait for closed ones to release their slots, and time after which another connection is
-/// closed. Only a busy machine needs so long.
+/// Time that a new connection waits for a slot, and time after which another idle connection is closed for it. Closed
+/// connections take so long to release their slots only on a busy machine.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
@@ -123,7 +123,7 @@ void Capacity::leave_locked(const std::string& address) {
 ConnectionSlot::ConnectionSlot(Capacity& capacity, std::string address)
     : capacity_(capacity), address_(std::move(address)) {
     std::unique_lock lock(capacity_.mutex_);
-    // Checked first, because an address at its own limit must not close the connections of others.
+    // Checked first, because an address at its own limit must not close connections of other addresses.
     if (!capacity_.enter_locked(address_)) {
         entry_ = Entry::AddressFull;
         return;

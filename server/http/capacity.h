@@ -26,16 +26,16 @@ enum class ConnectionClass {
 /// Counts the resources that clients take: connections, and memory for data in transfer to or from them.
 ///
 /// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections that wait for a request
-/// head do not keep new ones out: at the limit, one of them is closed. Thread-safe.
+/// head do not keep new connections out: at the hard limit, one of the waiting connections is closed. Thread-safe.
 class Capacity {
 public:
     struct Limits {
         std::size_t connections = 512;               ///< common slots
         std::size_t reserve = 128;                   ///< slots in reserve, in addition
         std::size_t streams = 1024;                  ///< slots for streams, in addition
-        std::size_t refused = 256;                   ///< refused clients that may stay to read the reason
+        std::size_t refused = 256;                   ///< refused clients kept connected to read the reason
         std::size_t per_address = 64;                ///< connections of one address, in all classes; 0: no limit
-        std::size_t bytes = std::size_t{256} << 20;  ///< limit of bodies being read and answers being written
+        std::size_t bytes = std::size_t{256} << 20;  ///< memory of bodies being read and answers being written
     };
 
     struct Counts {
@@ -56,8 +56,8 @@ public:
     /// Whether no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots or half of the memory are
-    /// taken.
+    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots, or more than half of the
+    /// memory, are taken.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
     /// Shrinks the time-outs from now on, because the server is shutting down.
@@ -115,9 +115,9 @@ class ConnectionSlot {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
-    /// Takes a common slot or, if that fails, one of the reserve. If all slots of a class are taken, closes an idle
-    /// connection of that class and waits for a moment until its slot is free.
-    /// @param address  empty: not counted by address
+    /// Takes a common slot or, if that fails, a slot of the reserve. If all slots of a class are taken, closes an idle
+    /// connection of that class and waits briefly until its slot is free.
+    /// @param address  address by which the connection is counted; empty: none
     ConnectionSlot(Capacity& capacity, std::string address);
     ~ConnectionSlot();
     ConnectionSlot(const ConnectionSlot&) = delete;
@@ -126,12 +126,12 @@ public:
     /// The decision about the connection. Only an admitted connection has a slot.
     Entry entry() const { return entry_; }
 
-    /// The current class. May be called by the thread that calls move_to().
+    /// The current class. Only the thread that calls move_to() may call this function.
     ConnectionClass connection_class() const { return class_; }
 
-    /// Moves the slot to the class that the current request needs. A connection of any class may serve the requests of
-    /// Reserve.
-    /// @returns  false if that class is full; the slot then stays where it was
+    /// Moves the slot to the class that the current request needs. For Reserve, the slot stays where it is, because a
+    /// connection of any class may serve such requests.
+    /// @returns  false if the class is full; the slot then stays in its previous class
     bool move_to(ConnectionClass connection_class);
 
     /// Marks the connection as idle, if it is not idle already. The socket must stay open until `end_idle`. Until then
@@ -160,10 +160,10 @@ private:
     std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
 
-/// The time during which a connection is idle.
+/// Marks a connection as idle during the lifetime of this object.
 class IdleTime {
 public:
-    /// @param slot        null: the connection is never closed
+    /// @param slot        null: the connection is not marked, and never closed to make way for another
     /// @param head_begun  as for ConnectionSlot::begin_idle
     IdleTime(ConnectionSlot* slot, int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {})
         : slot_(slot) {
@@ -179,7 +179,7 @@ private:
     ConnectionSlot* const slot_;
 };
 
-/// Bytes that a connection takes, released by the destructor.
+/// Counts the bytes that a connection takes in a Capacity. The destructor releases them.
 class CountedBytes {
 public:
     /// @param capacity  null: nothing is counted

@@ -24,7 +24,7 @@ constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk'
 constexpr std::size_t kMaxFraming = 8;       ///< maximum of framing bytes per body byte, beyond the first kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
-constexpr std::size_t kTrustedBytes = 1 << 20;  ///< bytes of a body after which its announced length is trusted
+constexpr std::size_t kTrustedBytes = 1 << 20;  ///< once so many bytes have arrived, the announced length is trusted
 constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes per second
 constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
@@ -96,7 +96,7 @@ HttpResult<Request> Connection::read_head() {
         if (*line_end == std::string_view::npos)
             return problem(431, "the head of the request is larger than " + std::to_string(kLargestHead) + " bytes");
         if (*line_end == 0) {
-            // Clients may send a line end after a body. It is not part of the next head.
+            // Clients may send a line end after a body. This line end is not part of the next head.
             unread_.use(kLineEnd.size());
             continue;
         }
@@ -197,7 +197,7 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
 }
 
 /// Computes the deadline of a transfer: one pause after its latest progress or, if that is earlier, one pause after the
-/// time by which the minimum rate would have carried its bytes.
+/// time at which the minimum rate would have transferred the bytes so far.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -216,7 +216,7 @@ bool Connection::wait(short events, const Deadline& deadline) const {
     }
 }
 
-/// Waits for the first byte, then receives all available bytes.
+/// Waits until a byte arrives, then receives the available bytes.
 HttpResult<void> Connection::fill(const Deadline& deadline) {
     if (!wait(POLLIN, deadline)) return late();
     std::array<char, kReceiveSize> buffer;
@@ -228,8 +228,8 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes the function that receives more of a head, whose first byte has arrived. While it waits, the connection may be
-/// closed for a new one; the client is then told that it was too slow.
+/// Makes the function that receives more bytes of a head whose first byte has arrived. While the function waits, the
+/// connection may be closed to make way for a new one; the client is then told that it was too slow.
 Connection::Fill Connection::fill_head() {
     const auto start = Clock::now();
     const auto deadline = [this, start] {
@@ -287,8 +287,8 @@ HttpResult<std::string_view> Connection::read_line() {
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-/// Passes on framing, or content that has arrived. Waits, counts memory and checks the clock only if nothing has
-/// arrived, because chunks may be small.
+/// Passes on framing, or content that has arrived. There may be many small chunks, so the function waits, counts memory
+/// and checks the clock only if nothing has arrived.
 HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     Body& body = *body_;
     if (body.is_complete()) return 0;

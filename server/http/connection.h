@@ -70,9 +70,10 @@ public:
     /// 503 all bodies together take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
-    /// Passes on bytes of the body that read_body() reads: plain or in chunks, like the client's, but without chunk
-    /// extensions and trailers, and with every line checked.
-    /// @returns  their number, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not running
+    /// Copies the next bytes of the body that read_body() reads. They have the client's framing, plain or in chunks,
+    /// but no chunk extensions and no trailers. Every line of the framing has been checked.
+    /// @returns  number of bytes, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not
+    ///           running
     ssize_t read_content(char* target, std::size_t size);
 
     const Patience& patience() const { return patience_; }
@@ -83,16 +84,16 @@ public:
     /// Whether the last request was read completely, so that the next byte begins another request.
     bool between_requests() const { return between_requests_; }
 
-    /// Whether the client closed its side, even if it still receives: browsers and proxies close both directions at
-    /// once.
+    /// Whether the client has closed its sending side. The client then counts as gone even if it might still receive,
+    /// because browsers and proxies close both directions at once.
     bool client_gone() const;
 
     /// Sends bytes; returns false if the client has closed the connection or receives too slowly.
     bool write(std::string_view bytes);
 
-    /// Closes our side. If unread bytes of the client are left, they are read and discarded for a while: closing a
-    /// socket with unread bytes resets the connection, and the client would lose the answer. If the client received its
-    /// answer too slowly, the connection is reset; otherwise the system would keep the unsent part of the answer in
+    /// Closes our side. If the client has sent bytes that are unread, they are read and discarded for a while: closing
+    /// a socket with unread bytes resets the connection, and the client would lose the answer. If the client received
+    /// its answer too slowly, the connection is reset; otherwise the system would keep the unsent part of the answer in
     /// memory.
     void close_gently();
 
@@ -159,10 +160,10 @@ private:
             : limit(max_size), begin(first), left(size), at_end(!chunked), held(capacity) {}
 
         const std::size_t limit;    ///< maximum size of the body
-        const std::uint64_t begin;  ///< number of the body's first byte within the request
+        const std::uint64_t begin;  ///< position of the body's first byte within the request
         std::uint64_t left;         ///< bytes of the plain body or of the current chunk that are not passed on yet
-        bool at_end;                ///< there is no chunk after these bytes
-        std::string framing;        ///< to be passed on before these bytes
+        bool at_end;                ///< no chunk follows the bytes that `left` counts
+        std::string framing;        ///< framing that is passed on before the bytes that `left` counts
         Transfer progress;          ///< counts the bytes that were passed on, without framing
         CountedBytes held;
         HttpResult<void> outcome;

@@ -55,8 +55,8 @@ void ConnectionThreads::work(Threads::iterator self) {
         idle_.splice(idle_.end(), busy_, self);
     }
     if (closing_) return;
-    // A thread cannot join itself, so the next thread that ends joins it. Until then its stack stays allocated. So
-    // there is at most one such stack.
+    // A thread cannot join itself, so the next thread that ends joins it. Until then its stack stays allocated. At most
+    // one ended thread is in this state.
     const auto before = std::exchange(ended_, std::move(self->handle));
     idle_.erase(self);
     const bool last = idle_.empty();

@@ -14,11 +14,12 @@ namespace ccdt::server {
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Makes the headers that let pages of other origins read an answer.
-/// @param allowed  as above; empty: none
+/// @param allowed  as for allows_origin(); empty: no other origin
 /// @param origin   origin of the calling page; empty: not a browser, or one of our own pages
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Makes the headers that answer an OPTIONS preflight: they permit pages of other origins to send requests.
+/// Makes the headers that answer an OPTIONS preflight. They permit pages of other origins to send requests.
+/// @param methods  permitted methods, separated by commas
 std::vector<Header> preflight_headers(std::string_view methods);
 
 /// Whether a browser sends this request for a page of another origin, as a preflight or as a simple request. Such

@@ -103,7 +103,7 @@ public:
 
     void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
     void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-    /// The library would refuse sockets from 1,024 on.
+    /// Returns no socket, because the library would refuse a descriptor of 1,024 or more.
     socket_t socket() const override { return -1; }
 
 private:
@@ -156,8 +156,8 @@ public:
     }
 
 private:
-    /// Takes over what the library parsed, and leaves it what it needs for the rest: a path without traps for its
-    /// regular expressions, and the framing of the body.
+    /// Takes over what the library parsed. Leaves the library only what it needs afterwards: a path without traps for
+    /// its regular expressions, and the framing of the body.
     void take(httplib::Request& theirs) const {
         request_.method = theirs.method;
         request_.headers = take_headers(theirs.headers);
@@ -174,8 +174,8 @@ private:
         fill(theirs);
     }
 
-    /// Answers requests that the library refuses: those without a valid head, and those whose methods it does not
-    /// dispatch.
+    /// Answers requests that the library refuses: requests without a valid head, and requests with methods that it does
+    /// not dispatch.
     HandlerResponse answer_refused(httplib::Response& theirs) {
         if (answered_) return HandlerResponse::Unhandled;
         const bool expected = std::ranges::find(kMethods, request_.method) == kMethods.end();

@@ -12,7 +12,7 @@ namespace ccdt::server {
 /// Limit of requests on one connection.
 constexpr std::size_t kRequestsPerConnection = 10'000;
 
-/// Sets the response to a request, and whether the request is the connection's last one.
+/// Handles a request: sets the response, and whether this request is the last one of the connection.
 /// @param dispatched  a problem if cpp-httplib refused a request that it should accept
 using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 
@@ -20,12 +20,12 @@ using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 /// once, then writes the response.
 ///
 /// The library parses the head, dispatches the request by its method, decodes the body and writes the answer. It never
-/// reads the socket. It reads the head that Connection has checked, rewritten so that the library parses it as
-/// `parse_head` does, and the body that Connection has checked and framed again. If the connection refused a head, the
-/// library reads an empty line, and refuses it, too. tests/fuzz/http_library.cpp compares the two parsers.
+/// reads the socket. Its input is the head that Connection has checked, rewritten so that the library parses it as
+/// parse_head() does, followed by the body that Connection has checked and framed again. If the connection refused a
+/// head, the library reads an empty line, and refuses it, too. tests/fuzz/http_library.cpp compares the two parsers.
 ///
-/// The following is our own code, because of these measurements of the library (its pool of 8 threads, two cores,
-/// loopback) and because of its source:
+/// The table lists code of our own that replaces parts of the library, and the reasons: measurements of the library
+/// (its pool of 8 threads, two cores, loopback), or its source:
 ///
 /// | our own | the library |
 /// |---|---|
@@ -43,11 +43,10 @@ using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 /// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
 /// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
 ///
-/// @param request   a request whose head the connection has read; without a method: it has no valid head. Before
-/// `handle`
-///                  is called, the library's view of its method and headers replaces the connection's
-/// @param response  set by `handle`. Its body is moved out; its status becomes that of a failure to send it
-/// @param last      set by `handle`, or if memory ran out and a 500 was written
+/// @param request   request whose head the connection has read; if its method is empty, it has no valid head. Before
+///                  `handle` is called, its method and headers are replaced by those that the library parsed
+/// @param response  set by `handle`. Its body is moved out. If it cannot be sent, its status becomes kClientGone or 500
+/// @param last      set by `handle`; true if memory ran out and a 500 was written
 /// @returns         false if the client did not receive the whole answer
 bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);
 

@@ -56,7 +56,8 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So only one client is affected.
+/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So the failure affects only one
+/// client.
 template <class Task>
 void contain(const Task& task) {
     try {
@@ -168,8 +169,8 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
     }
 }
 
-/// Gives a connection its thread, which then owns the socket. If the system has no more threads, an idle connection is
-/// closed to free its thread.
+/// Gives a connection a thread of its own, which then owns the socket. If the system has no more threads, an idle
+/// connection is closed to free its thread.
 bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
     const auto end = Clock::now() + kTimeToFreeThread;
     while (true) {
@@ -181,7 +182,7 @@ bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared
     }
 }
 
-/// Gives a new connection its thread, or answers that the server is full.
+/// Gives a new connection a thread of its own, or answers that the server is full.
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));

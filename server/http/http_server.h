@@ -49,7 +49,7 @@ public:
     using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  socket on which clients wait until `serve` is called
-    /// @param proxies   trusted proxies; connections through them are counted for their clients
+    /// @param proxies   trusted proxies; a connection through such a proxy is counted by the address of its client
     /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
@@ -58,8 +58,8 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain` is called. Returns once every connection made before that is closed, with an answer to each
-    /// request.
+    /// Serves until `drain` is called. Then answers the requests of all connections that were made before, and returns
+    /// once these connections are closed.
     /// @returns  false if it ended because accepting connections failed
     bool serve();
 

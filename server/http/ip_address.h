@@ -26,11 +26,12 @@ public:
     /// Returns, as text, the range of addresses that counts as one client: an IPv4 address, or a 64-bit IPv6 network.
     std::string of_one_client() const;
 
-    /// Whether the first `bits` of the 128 bits are equal. An IPv4 address follows 96 other bits.
+    /// Whether the first `bits` of the 128 bits of both addresses are equal. An IPv4 address is the last 32 of its 128
+    /// bits.
     bool shares(const IpAddress& other, int bits) const;
 
 private:
-    std::array<std::uint8_t, 16> bytes_{};  ///< in IPv6 form
+    std::array<std::uint8_t, 16> bytes_{};  ///< in IPv6 form, IPv4 addresses as IPv4-mapped ones
 };
 
 /// Addresses with a common prefix.
@@ -48,7 +49,7 @@ private:
     IpNetwork(const IpAddress& base, int bits) : base_(base), bits_(bits) {}
 
     IpAddress base_;
-    int bits_;  ///< length of the prefix, of 128
+    int bits_;  ///< length of the prefix of the 128 bits
 };
 
 }  // namespace ccdt::server

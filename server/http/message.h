@@ -87,7 +87,7 @@ struct Response {
     Stream stream;                      ///< null: `body` has the whole body; not called for HEAD
     std::optional<std::size_t> length;  ///< length of a streamed body, if it is known
     std::string coding;                 ///< content coding of the body; empty: none
-    std::string tag;                    ///< entity tag; a strong one names the body before compression; empty: none
+    std::string tag;  ///< entity tag; a strong one identifies the body before compression; empty: none
     std::shared_ptr<const void> lease;  ///< reserved memory, released when the answer has been sent
     Record record;
 };

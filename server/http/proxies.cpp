@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestPort = 5;
 
-/// Addresses in a header field, in the order in which proxies wrote them. A malformed address is none.
+/// Addresses in a header field, in the order in which proxies wrote them. A malformed address is represented by none.
 using Hops = std::vector<std::optional<IpAddress>>;
 
 bool is_port(std::string_view text) {

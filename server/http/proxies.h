@@ -21,9 +21,9 @@ struct TrustedProxies {
 ///
 /// Each proxy appends the address of its client to the addresses that it received. The search starts with the peer. As
 /// long as the current address belongs to a trusted proxy, the search goes on to the address before it. So addresses
-/// written by an untrusted client are never used. A malformed, `unknown` or hidden address ends the search at the proxy
-/// that wrote it. A proxy that sets one of the two headers forwards the other one unchanged. If both are present, they
-/// must name the same client; otherwise the peer is returned.
+/// written by an untrusted client are never used. A malformed, `unknown` or hidden address ends the search; the proxy
+/// that wrote it then counts as the client. A proxy that sets one of the two headers forwards the other one unchanged.
+/// If both are present, they must name the same client; otherwise the peer is returned.
 Peer client_of(const Request& request, const Peer& peer, const TrustedProxies& proxies);
 
 }  // namespace ccdt::server

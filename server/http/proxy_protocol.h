@@ -26,7 +26,7 @@ struct ProxyHeader {
 ///
 /// Supports both versions, for TCP over IPv4 and IPv6. Other contents of version 2, such as the client's certificate,
 /// are skipped.
-/// Problem (400): a header that begins correctly and continues in any other way.
+/// Problem (400): a header that begins like one of these versions and then violates it.
 /// Source: The PROXY protocol, versions 1 & 2 (HAProxy Technologies, 2020), sections 2.1 and 2.2.
 HttpResult<ProxyHeader> parse_proxy_header(std::string_view received);
 

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// The distributed trace of a request, in hexadecimal digits.
+/// The distributed trace of a request: its id and the id of the calling operation, in hexadecimal digits.
 struct Trace {
     std::string_view id;
     std::string_view parent;

@@ -17,7 +17,7 @@
 
 namespace ccdt::server {
 
-/// A job that clients follow: its latest known state, and its iterations so far. Thread-safe.
+/// A job that clients follow: its latest known state, and its progress after each iteration so far. Thread-safe.
 class FollowedJob {
 public:
     /// Updates the state, unless a later state is known.
@@ -43,13 +43,14 @@ private:
 /// Follows a job's progress, for one client.
 class JobWatch {
 public:
-    /// Asks the store for the state of a job, which another server may run.
+    /// Asks the store for the state of a job, because another server may run it, and updates `job`.
     using LookUp = std::function<void(const std::string& id, FollowedJob& job)>;
 
     JobWatch(std::shared_ptr<FollowedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
 
-    /// Waits for the next state. The first call returns the current state, later calls each iteration, and the last one
-    /// the end. If another server runs the job, some iterations may be skipped.
+    /// Waits for the next state. The first call returns the current state. Each later call returns the state after the
+    /// next iteration, and the last call returns the final state. If another server runs the job, some iterations may
+    /// be skipped.
     /// @returns  none if there is no new state by `until`
     std::optional<Job> next(std::chrono::steady_clock::time_point until);
 
@@ -62,14 +63,14 @@ public:
 private:
     std::shared_ptr<FollowedJob> job_;
     LookUp look_up_;
-    std::optional<std::size_t> seen_;  ///< number of iterations
+    std::optional<std::size_t> seen_;  ///< number of iterations returned so far
     bool over_ = false;
 };
 
 /// The jobs that clients follow. Thread-safe.
 class FollowedJobs {
 public:
-    /// Returns a job, which is followed as long as the caller keeps it.
+    /// Returns a job. It is followed as long as a caller keeps the returned pointer.
     std::shared_ptr<FollowedJob> follow(const std::string& id);
 
     /// Updates the state of a job if it is followed: see FollowedJob::advance.

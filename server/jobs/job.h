@@ -48,7 +48,7 @@ struct Job {
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;           ///< number of runs: those that ended with their server, and the current one
+    int starts = 0;  ///< number of runs: the current one, and earlier ones that ended because their server ended
     std::uint64_t claim = 0;  ///< number of the latest claim, greater than all earlier ones
     Time created;
     std::optional<Time> started;

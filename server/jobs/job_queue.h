@@ -37,7 +37,7 @@ public:
 
     void push(const Job& job) { queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory}); }
 
-    /// Takes the next job that needs at most `memory` bytes, after requeuing the jobs whose leases have expired. The
+    /// Requeues the jobs whose leases have expired, then takes the next job that needs at most `memory` bytes. The
     /// caller must claim the job or put it back, unless the job cannot be run.
     std::optional<Entry> take_next(std::size_t memory);
     void put_back(Entry entry) { queue_.put_back(std::move(entry)); }
@@ -51,8 +51,8 @@ public:
     /// Whether the claim of a job is still valid.
     bool owns(const Job& job) const;
 
-    /// Renews the lease of a claimed job, and takes over its state.
-    /// @param now  time of the start, if the job is running for the first time
+    /// Renews the lease of a claimed job, and stores its status and progress.
+    /// @param now  becomes the time of the start if `job` is running and has no such time yet
     /// @returns    false if the claim is no longer valid
     bool renew(const Job& job, Time now);
 

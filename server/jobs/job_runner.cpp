@@ -16,12 +16,12 @@ namespace {
 using Clock = JobRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Maximum number of starts of a job that no server finishes. A computation cannot crash the server, so this guards
-/// against unforeseen faults.
+/// Maximum number of starts of a job whose servers end before it does. A computation cannot crash the server, so this
+/// limit guards against unforeseen faults.
 constexpr int kMaxStarts = 3;
 
-/// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job, even before it is
-/// deleted.
+/// Bounds of the interval between deletions of expired jobs. A long interval is harmless, because clients cannot find
+/// an expired job even before it is deleted.
 constexpr std::chrono::milliseconds kMinRemovalInterval{100};
 constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
@@ -83,7 +83,8 @@ public:
         return {};
     }
 
-    /// The part of the result that is stored, the part after it, and the error if storing failed.
+    /// The next three functions return the part of the result that is stored, the part after it, and the error if
+    /// storing failed.
     const JobStore::StoredPart& stored() const { return stored_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }

@@ -27,11 +27,11 @@ class JobRunner {
 public:
     using Logger = std::function<void(const JobEnd&)>;
 
-    /// Longest time until the server notices that the lease of another server has expired, or that the store can be
+    /// Longest time until this server notices that a lease of another server has expired, or that the store can be
     /// reached again.
     static constexpr std::chrono::milliseconds kPollInterval{1000};
 
-    /// The parameters are those of Jobs.
+    /// Takes the same parameters as the constructor of Jobs; `followed` receives the states of the jobs.
     JobRunner(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger,
               FollowedJobs& followed);
 
@@ -47,7 +47,7 @@ public:
     void drain();
     bool is_draining() const { return runs_.is_draining(); }
 
-    /// Fails all jobs that no server runs.
+    /// Fails all jobs in the store that can be claimed: jobs that wait, and jobs whose leases have expired.
     void fail_all();
 
     /// Looks for jobs to claim.
@@ -59,7 +59,8 @@ public:
     /// Stores the progress of all runs, and looks for jobs to claim.
     void refresh();
 
-    /// Adds progress that the store does not have yet.
+    /// Updates a job that was read from the store with progress that the store does not have yet, if this server runs
+    /// the job.
     void add_latest(Job& job) const;
 
     JobRuns::Counts counts() const { return runs_.counts(); }
@@ -95,7 +96,7 @@ private:
     const std::chrono::milliseconds renewal_interval_;
     JobRuns runs_;
 
-    std::jthread claimer_;     ///< claims jobs; the two threads come last, because they use all other members
+    std::jthread claimer_;     ///< claims jobs; both threads come last, because they use all other members
     std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
 };
 

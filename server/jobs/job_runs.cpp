@@ -73,7 +73,7 @@ bool JobRun::give_up(JobStore::Owned owned) {
         unneeded_.request_stop();
         return true;
     }
-    // The store will refuse the end that another thread is storing.
+    // Another thread is storing an end, which the store will refuse.
     const std::lock_guard lock(mutex_);
     if (owned == JobStore::Owned::Cancelled) stop_ = Stop::Gone;
     return false;

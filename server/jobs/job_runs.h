@@ -42,10 +42,10 @@ public:
         JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
     };
 
-    /// Why a run is stopped.
+    /// The reason why a run is stopped.
     enum class Stop { None, Deadline, Shutdown, Gone };
 
-    /// What to do with a run: begin or settle it, requeue its job, or nothing.
+    /// The next step of a run: proceed (begin the run, or store its end), requeue its job, or do nothing.
     enum class Next { Proceed, Requeue, Nothing };
 
     explicit JobRun(Job job) : job_(std::move(job)) {}
@@ -59,17 +59,20 @@ public:
     /// Id of the job in the pool; none: not in the pool.
     std::optional<WorkerPool::JobId> pool_id() const;
 
-    /// Passes the job to the pool by a function that returns its id there. A run cannot be stopped meanwhile.
+    /// Calls `submit`, which passes the job to the pool and returns its id there. The run cannot be stopped meanwhile.
     void enter_pool(const std::function<WorkerPool::JobId()>& submit);
 
-    /// Marks the run as begun. Its lease was renewed, unless the store failed.
+    /// Marks the run as begun.
+    /// @param renewal  result of renewing the lease; an error if the store failed
+    /// @param timeout  time limit of the run
     Next begin(const Result<JobStore::Renewal>& renewal, Clock::duration timeout);
 
     /// Records progress.
     /// @returns  whether the store had the latest progress until now
     bool note(const Progress& progress);
 
-    /// Notes that the computation has ended. If it was not stopped, `whole` is true.
+    /// Notes that the computation has ended.
+    /// @param whole  whether it ended without having been stopped
     Next finish(bool whole);
 
     /// Notes that the run has to stop.
@@ -77,11 +80,11 @@ public:
     bool stop(Stop why);
 
     /// Gives up the run, because this server does not own the job any more.
-    /// @returns  false as stop()
+    /// @returns  false in the same cases as stop()
     bool give_up(JobStore::Owned owned);
 
-    /// Reserves the storing of the job's end for the calling thread.
-    /// @returns  false if another thread stores it
+    /// Gives the calling thread the exclusive right to store the end of the job.
+    /// @returns  false if another thread has this right
     bool start_settling();
 
     /// Keeps an end that could not be stored.
@@ -95,16 +98,18 @@ public:
     /// @param interval  pause between renewals of the lease
     Clock::time_point next_due(Clock::duration interval) const;
 
-    /// Returns the state to be stored, if the lease has to be renewed or the progress has to be stored.
+    /// Returns the state to be stored if the lease or the stored progress is due for renewal; otherwise none.
+    /// @param interval  pause between renewals of the lease
     std::optional<Job> take_due(Clock::duration interval);
 
-    /// Notes that the state was passed to the store, which may have failed.
+    /// Notes that the state was passed to the store.
+    /// @param stored  false if the store failed
     void renewed(bool stored);
 
     /// Notes that the store may not have the latest progress.
     void forget_stored_progress();
 
-    /// Adds progress that the store does not have yet to the job that it has.
+    /// Updates `job`, which was read from the store, with progress that the store does not have yet.
     void add_latest(Job& job) const;
 
 private:
@@ -170,17 +175,17 @@ public:
     /// Waits until there may be a job to claim, or until a pause has passed.
     void wait_for_work(const std::stop_token& closing, Clock::duration pause);
 
-    /// Makes wait_for_change() return.
+    /// Makes wait_for_change() return, because runs have changed.
     void wake_timekeeper();
     void wait_for_change(const std::stop_token& closing, Clock::time_point until);
 
 private:
     const std::size_t at_once_;
 
-    mutable std::mutex mutex_;  ///< guards the members below; locked before those of runs
+    mutable std::mutex mutex_;  ///< guards the members below; locked before the mutex of a JobRun
     std::condition_variable_any wake_;
     bool has_work_ = false;  ///< there may be a job to claim
-    bool changed_ = false;   ///< runs have changed since wait_for_change() returned
+    bool changed_ = false;   ///< runs have changed since wait_for_change() last returned
     std::map<std::string, Run> runs_;
     std::size_t in_pool_ = 0;  ///< number of jobs in the pool
     Counts counts_;

@@ -33,16 +33,16 @@ public:
 /// (`Job::claim`). A call with an older number than the latest reports that the job is lost, and changes nothing. So
 /// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
 ///
-/// All times are those of the store's clock, which all servers share. Changes are durable when a call returns, except
-/// for the progress of a running job. Thread-safe. The time of a call does not depend on the number of finished jobs.
-/// Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped if the
-/// storage cannot be reached in time, Internal for everything else.
+/// All times are read from the store's clock, which all servers share. Changes are durable when a call returns, except
+/// for the progress of a running job. Thread-safe. The duration of a call does not depend on the number of finished
+/// jobs. Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped
+/// if the storage cannot be reached in time, Internal for everything else.
 class JobStore {
 public:
     /// Whether a job was added, or why not.
     enum class Added { Accepted, QueueFull, StoreFull };
 
-    /// The state of a claim: it is still valid, the job was cancelled, or another server has claimed the job.
+    /// The state of a claim: the claim is still valid, the job was cancelled, or another server has claimed the job.
     enum class Owned { Still, Cancelled, Lost };
 
     struct Renewal {
@@ -81,7 +81,7 @@ public:
     /// jobs are removed entirely.
     virtual Result<Added> add(Job& job, const ComputeRequest& request) = 0;
 
-    /// Claims the next job in the queue, or one whose lease has expired, and counts a start.
+    /// Claims the next job in the queue, or a job whose lease has expired, and counts a start of this job.
     /// @param memory  limit in bytes; jobs that need more are left to other servers
     /// @returns       none if there is no such job
     virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
@@ -89,22 +89,24 @@ public:
     /// @returns  none if the job does not exist or has ended
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// Renews the lease of a claimed job, and stores its state: waiting or running. The first call with the status
+    /// Renews the lease of a claimed job, and stores the status and progress of the job. The first call with the status
     /// Running sets the time of the start.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
-    /// Returns a claimed job to the front of the queue; the start is not counted.
+    /// Returns a claimed job to the front of the queue, and takes back the start that claim() counted.
     virtual Result<void> requeue(const Job& job) = 0;
 
-    /// Appends a piece to the result of a claimed job, and frees space as `add` does (LimitExceeded). May be repeated
-    /// after an error. If the claim ends in any other way than by `finish` with a result, the pieces are deleted.
+    /// Appends a piece to the result of a claimed job. Frees space as add() does; if that is not enough, the error is
+    /// LimitExceeded. May be repeated after an error. The pieces are deleted unless the claim ends by a call of
+    /// finish() with a result.
     /// @param before  the part of the result that this claim has stored already
     /// @param piece   1 to kPiece bytes
     /// @returns       false if the job was lost or cancelled
     virtual Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) = 0;
 
-    /// Stores the end of a claimed job: deletes its request, keeps its result. For a result, frees space as `add` does
-    /// (LimitExceeded); the end of a job without a result needs no space. May be repeated after an error.
+    /// Stores the end of a claimed job: deletes its request, and stores its result. For a result, frees space as add()
+    /// does; if that is not enough, the error is LimitExceeded. The end of a job without a result needs no space. May
+    /// be repeated after an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) = 0;
@@ -142,13 +144,15 @@ public:
     /// Number of times that stored data was found damaged.
     virtual std::uint64_t damages() const { return 0; }
 
-    /// Bytes that a job takes, including its request or result.
+    /// Bytes that a job takes in the store.
+    /// @param held  bytes of its request or result
     static constexpr std::size_t bytes_of_job(std::size_t held) {
         constexpr std::size_t kRow = 1024;  // including index entries
         return kRow + held;
     }
 
-    /// @param result  bytes received so far
+    /// Returns the error for a result for which there is no space.
+    /// @param result  bytes of the result received so far
     static tl::unexpected<Error> no_space_for(std::size_t result) {
         return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
                                                      " bytes, for which there is no space (job-bytes)");

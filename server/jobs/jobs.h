@@ -20,9 +20,9 @@ namespace ccdt::server {
 
 /// Jobs: requests whose clients do not wait.
 ///
-/// The store holds all accepted jobs, and how they ended: a result, a failure or a cancellation. If servers share a
-/// store, each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run
-/// for `timeout`, and is deleted `ttl` after its end. Thread-safe.
+/// The store holds all accepted jobs and their outcomes: results, failures and cancellations. If servers share a store,
+/// each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run for
+/// `timeout`, and is deleted `ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
 public:
     using Clock = std::chrono::steady_clock;
@@ -47,7 +47,7 @@ public:
 
     /// Accepts a job. Once this returns, the job will not be lost.
     ///
-    /// @param job  with owner and cost; the cost must fit into the pool
+    /// @param job  job with its owner and cost; its memory must not exceed the limit of the pool
     /// Problems: 413 the job or its result exceeds the capacity of the store; 429 the queue is full, or waiting jobs
     /// fill the store; 503 the server is shutting down, or the store cannot be reached; 507 the store has no space; 500
     /// the store fails.

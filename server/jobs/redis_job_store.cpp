@@ -18,8 +18,8 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size, in bytes, of a body that is sent within the call that uses it. That saves one round trip and one wait
-/// for the disk. Larger bodies are sent by separate calls before, because a call that uses a body copies it several
+/// Maximum size, in bytes, of a body that is sent within the call that stores it. That saves one round trip and one
+/// wait for the disk. Larger bodies are sent by earlier, separate calls: a call with a body copies the body several
 /// more times, and Redis serves nobody else meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
@@ -263,7 +263,7 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
 }
 
 /// Sends fields, and a body in pieces, to a temporary key, which expires unless it is renamed.
-/// @param before  pieces that were sent already, and their size
+/// @param before  part of the body that was sent already
 Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body,
                                    const StoredPart& before) {
     const std::string key = key_of_pieces(job);
@@ -283,7 +283,8 @@ Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::str
     return {};
 }
 
-/// Reads the pieces of a body after the first.
+/// Reads the pieces of a body after `first`, its first piece, and returns the whole body.
+/// @param size  size of the whole body, in bytes
 /// @returns  none if the pieces no longer exist
 Result<std::optional<std::string>> RedisJobStore::download(const std::string& key, const std::string& id,
                                                            std::string first, std::size_t size) {

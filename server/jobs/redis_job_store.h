@@ -24,10 +24,10 @@ namespace ccdt::server {
 ///
 /// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. All keys begin with
 /// the version of their layout, `ccdt:1:`. Large bodies are sent to a temporary key, in pieces of 1 MiB so that other
-/// calls are not delayed. A complete body is renamed to its final key.
+/// calls are not delayed. Once the body is complete, its key is renamed to the final one.
 ///
-/// A server claims a job with an expired lease only after it has been subscribed to the notifications for the duration
-/// of a lease. So after an outage of Redis, all servers have time to renew their leases.
+/// Before a server claims a job with an expired lease, it must have been subscribed to the notifications for the
+/// duration of a lease. So after an outage of Redis, all servers have time to renew their leases.
 ///
 /// Other programs may overwrite keys. A damaged key is reported and repaired by the call that finds it: see repair.lua.
 /// A damaged request fails its job, and a damaged result is an error (Unusable); bodies have digests.
@@ -40,8 +40,8 @@ public:
         std::function<void(const std::string&)> error;
     };
 
-    /// Does not wait until Redis can be reached. Once it can, warnings are logged about settings by which jobs may be
-    /// lost.
+    /// Does not wait until Redis can be reached. Once Redis is reached, logs warnings about its settings by which jobs
+    /// may be lost.
     /// `client` must outlive this object.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 

@@ -43,10 +43,11 @@ public:
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
-    /// Writes the blob `body` of a row without an intermediate copy. The blob must already have the size of `body`.
+    /// Writes `body` to the blob column `body` of a row, without an intermediate copy. The blob must already have the
+    /// size of this text.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
-    /// @param max_bytes  limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
+    /// @param max_bytes  size limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
     std::string read_body(const char* table, std::int64_t row, std::size_t max_bytes);
 
 private:

@@ -22,8 +22,8 @@ namespace ccdt::server {
 ///
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
 /// machine. Only one server at a time uses the file, and this server keeps the claims in memory. When a file is opened,
-/// unfinished jobs are queued in their original order. Data that the disk has damaged is reported as an error, never
-/// returned as data: see SqliteJobTables. Jobs can be removed even when the disk is full. One thread at a time uses the
+/// unfinished jobs are queued in their original order. Data that the disk has damaged is never returned, but reported
+/// as an error: see SqliteJobTables. Jobs can be removed even when the disk is full. One thread at a time uses the
 /// database; other threads wait while a large request, or a piece of a result, is written.
 class SqliteJobStore : public JobStore {
 public:

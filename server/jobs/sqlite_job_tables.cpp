@@ -101,8 +101,8 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Returns a query for the columns that `job_at` reads, followed by the columns above. The last column is the digest of
-/// all other columns.
+/// Returns a query for the columns that job_at() reads, followed by the four columns whose numbers are defined above.
+/// The last column is the digest of all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -145,8 +145,8 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for that of
-/// another job.
+/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for the request
+/// of another job.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :

@@ -73,12 +73,12 @@ public:
     /// @returns  number of removed jobs
     std::size_t remove_finished(Time by, std::size_t max_jobs);
 
-    /// Drops the oldest result: that of the job that finished first.
+    /// Drops the result of the job that finished first.
     /// @returns  false if there is none
     bool drop_oldest_result();
 
-    /// Moves the contents of the log to the database file, where space is allocated, and truncates the log to the
-    /// reserve. Fails without an exception if the disk is full.
+    /// Moves the contents of the log to the database file, where space is allocated, and truncates the log to its
+    /// reserved size. Fails without an exception if the disk is full.
     void cut_log();
 
     /// Returns some free pages of the file to the disk.

@@ -42,7 +42,7 @@ Family<Counter>& make_counters(prometheus::Registry& registry, const char* name,
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-/// Raises a counter to a total counted elsewhere. Prometheus' counters can only be incremented.
+/// Raises a counter to a total that was counted elsewhere, because Prometheus' counters can only be incremented.
 void raise(Counter& counter, double total) {
     counter.Increment(std::max(0.0, total - counter.Value()));
 }

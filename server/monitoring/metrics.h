@@ -43,7 +43,7 @@ public:
         std::uint64_t decoder_silences = 0;
         ComputeBox::Counts computing;
         std::size_t lent_threads = 0;        ///< threads that each computation may use now
-        std::optional<JobStore::Load> jobs;  ///< none: the metrics keep their values
+        std::optional<JobStore::Load> jobs;  ///< none: the metrics of jobs keep their values
         Jobs::Counts job_runs;
         RedisCounts redis;
         std::size_t job_capacity = 0;  ///< capacity of the store in bytes

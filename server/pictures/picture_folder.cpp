@@ -30,8 +30,9 @@ tl::unexpected<Problem> failed(const char* what, int error) {
     return problem(500, std::string(what) + ": " + std::strerror(error));
 }
 
-/// Makes the answer for a file that could not be opened. A missing file, something other than a file, and a name that
-/// the file system rejects are not pictures. Neither is a file without read permission, but the log reports it.
+/// Makes the answer for a file that could not be opened. The client gets the same 404 for a missing file, for anything
+/// but a file, for a name that the file system rejects and for a file without read permission. The log reports only the
+/// missing permission.
 tl::unexpected<Problem> not_opened(int error) {
     switch (error) {
         case ENOENT:

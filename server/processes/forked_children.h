@@ -17,8 +17,8 @@ namespace ccdt::server {
 
 /// The children of a process with one thread that forks a child for each order of the server.
 ///
-/// Each child has a socket to the process that waits for it. The end of the child is reported there. Once the other end
-/// of this socket is closed, the child is killed.
+/// For each child, this process has a socket to the process that waits for the child. The end of the child is reported
+/// there. Once the other end of this socket is closed, the child is killed.
 class ForkedChildren {
 public:
     /// Reports the end of a child to the process that waits for it.
@@ -38,12 +38,13 @@ public:
     /// Waits for an order. Meanwhile reports the ends of children, kills children that nobody waits for any more, and
     /// replies to probes.
     /// @param order    receives the message
-    /// @param prepare  prepares for the order; called once, when there is no child or nothing has happened for 5 ms
-    /// @returns        files of the order, of which any may be missing; none once the server has ended
+    /// @param prepare  prepares for the order; called once, as soon as there is no child or nothing has happened for 5
+    ///                 ms
+    /// @returns        files of the order, any of which may be missing; none once the server has ended
     std::optional<Files> wait_for_order(std::span<std::byte> order, const std::function<void()>& prepare = {});
 
-    /// Forks a process. In the new process, no signal is blocked, and the sockets of this object are closed.
-    /// @returns  as fork
+    /// Forks the calling process. In the new process, no signal is blocked, and the sockets of this object are closed.
+    /// @returns  the same as the system's fork()
     pid_t fork();
 
     /// Adds a process that fork() has returned. A process that is not added is only reaped.

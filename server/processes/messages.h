@@ -48,18 +48,18 @@ UniqueFd send_probe(int socket);
 /// Replies to a probe through the socket that it carried.
 void answer_probe(const UniqueFd& answer);
 
-/// Whether a probe was answered. To be called once our end of the reply socket is readable.
+/// Whether a probe was answered. Must be called only once our end of the reply socket is readable.
 bool is_answered(const UniqueFd& answer);
 
 /// Sends texts one after another over a stream.
 /// @returns  false if the other end is closed
 bool send_texts(int socket, std::initializer_list<std::string_view> texts);
 
-/// Waits until `bytes` is filled from a stream.
+/// Receives from a stream until `bytes` is full.
 /// @returns  false if the stream ends before that
 bool receive_all(int socket, std::span<char> bytes);
 
-/// Returns the time-out for `poll` that ends at a point in time.
+/// Returns the time-out to pass to poll() so that it ends at a point in time.
 /// @param time  none: no time-out
 int milliseconds_until(std::optional<std::chrono::steady_clock::time_point> time);
 

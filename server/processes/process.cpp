@@ -79,7 +79,7 @@ std::size_t open_descriptors() {
     std::error_code error;
     const std::filesystem::directory_iterator begin("/proc/self/fd", error);
     if (error) return 0;
-    // One of the descriptors is that of the iterator.
+    // The iterator itself uses one of the descriptors.
     return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator())) - 1;
 }
 

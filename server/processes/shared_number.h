@@ -25,7 +25,7 @@ private:
     void* page_ = nullptr;
 };
 
-/// A number that one process writes, from any of its threads, and others read. Writing and reading need no system call.
+/// A number that any thread of one process writes and other processes read. Writing and reading need no system call.
 class SharedNumber {
 public:
     /// Errors: Internal.

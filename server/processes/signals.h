@@ -11,7 +11,8 @@ namespace ccdt::server {
 inline constexpr std::array kEndSignals{SIGINT, SIGTERM, SIGQUIT};
 
 /// Signals that would end a program by default and that no program of the server uses. SIGPIPE and SIGXFSZ are among
-/// them: a write to a log that nobody reads any more, or beyond the limit of file sizes (ulimit -f), fails instead.
+/// them. So a write only fails, and does not end the program, if nobody reads the log any more or if the file would
+/// exceed the size limit (ulimit -f).
 inline constexpr std::array kSignalsWithoutMeaning{SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF,
                                                    SIGIO,   SIGPWR,  SIGPIPE, SIGXFSZ};
 

@@ -19,8 +19,8 @@
 
 namespace ccdt::server {
 
-/// A program that the server keeps running: if the program ends, it is reaped and restarted. Once a second it is asked
-/// whether it is alive (send_probe), and must reply whatever it is doing.
+/// A program that the server keeps running: if the program ends, it is reaped and restarted. Once a second, the server
+/// asks the program whether it is alive (send_probe). The program must reply even while it is busy.
 ///
 /// The program has a socket that preserves message boundaries. Its first message reports that it is ready. If this
 /// message is late, the program counts as not responding, like one that does not reply to a probe. Thread-safe.
@@ -35,7 +35,7 @@ public:
     /// Reads the program's first message, which has arrived; returns false if it is invalid.
     using Greet = std::function<bool(int socket)>;
 
-    /// Reports when the program ends, stops responding or responds again. Takes a message; called from any thread.
+    /// Receives a message when the program ends, stops responding or responds again. Called from any thread.
     using Report = std::function<void(const std::string&)>;
 
     /// Starts the program, which may need some time to load its libraries. Callers that need the program wait. Errors:
@@ -56,7 +56,7 @@ public:
 
     /// Returns the socket to the program, and waits while the program is restarted. The deadline does not limit the
     /// wait for the first start.
-    /// @param lost  socket of a program that has ended, which is not returned again; null: none
+    /// @param lost  socket that must not be returned, because its program has ended; null: none
     /// @returns     none if there was no program by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 

@@ -7,7 +7,7 @@
 
 namespace ccdt::server {
 
-/// A file descriptor that its owner closes.
+/// An owned file descriptor. The destructor closes it.
 class UniqueFd {
 public:
     UniqueFd() = default;

@@ -7,7 +7,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Maximum number of connections. More have no use, because Redis runs one command at a time.
+/// Maximum number of connections. More would be of no use, because Redis runs one command at a time.
 constexpr std::size_t kMaxConnections = 16;
 
 constexpr std::chrono::milliseconds kLeastPause{50};
@@ -120,7 +120,8 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     return replies;
 }
 
-/// Returns the error of a failed call, and makes other calls fail at once for a while, instead of waiting as well.
+/// Returns the error of a failed call. Makes other calls fail at once for a while, so that they do not wait for Redis
+/// as well.
 tl::unexpected<Error> RedisClient::late(const Error& error) {
     const std::lock_guard lock(mutex_);
     pause_locked(error);

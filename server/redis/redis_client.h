@@ -20,7 +20,7 @@
 
 namespace ccdt::server {
 
-/// Runs commands of a Redis. Thread-safe; each call uses a connection of its own.
+/// Runs commands on a Redis server. Thread-safe; each call uses a connection of its own.
 ///
 /// A lost connection is replaced. If the connection had been idle before the call, the commands of the call are sent
 /// once more, so they should be idempotent. While Redis cannot be reached or does not reply in time, calls fail at
@@ -36,7 +36,7 @@ public:
         std::uint64_t calls = 0;
         std::uint64_t failures = 0;  ///< calls that failed
         std::uint64_t damages = 0;   ///< keys that were reported as damaged
-        double seconds = 0;          ///< duration of all calls
+        double seconds = 0;          ///< total duration of all calls, in seconds
     };
 
     /// Writes a message to the log.
@@ -55,7 +55,7 @@ public:
     Result<RedisReply> run(const RedisScript& script, std::string_view key, const RedisCommand& arguments);
 
     /// Logs and counts a key whose value is not what was written.
-    /// @param remedy  what is done about it, for the log
+    /// @param remedy  consequence or repair of the damage, for the log
     void report_damage(std::string_view key, std::string_view remedy);
 
     /// Returns a setting of Redis; empty if Redis does not reveal it.

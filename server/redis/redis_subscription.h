@@ -25,7 +25,7 @@ public:
     struct Callbacks {
         std::function<void(std::string_view)> message;
         std::function<void()> begun;              ///< subscribed: all later messages are delivered
-        std::function<void(const Error&)> ended;  ///< messages may be lost from now on; called once per outage
+        std::function<void(const Error&)> ended;  ///< later messages may be lost; called once per outage
     };
 
     RedisSubscription(RedisAddress address, std::string channel, Callbacks callbacks);

@@ -37,7 +37,8 @@ constexpr const char* kPicture = "image/*";
 /// Minimum body size, in bytes, of requests that certainly are not short.
 constexpr std::size_t kLongBody = 65'536;
 
-/// Makes the key of an answer in the cache. Compressed answers are stored compressed, to save repeated work.
+/// Makes the key of an answer in the cache. A compressed answer has its own key and is stored compressed, so that it is
+/// compressed only once.
 ///
 /// @param owner  API key for which the answer is stored; empty: for all
 std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
@@ -91,7 +92,7 @@ struct Computing::AcceptedRequest {
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<BodyPipe> pipe = {};  ///< remaining part of a large body, which is still being computed
+    std::shared_ptr<BodyPipe> pipe = {};  ///< passes on the rest of a large body, which is still being computed
 };
 
 /// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
@@ -292,8 +293,8 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
     };
 }
 
-/// Returns the owner of a cached answer: the API key or, if the cache is shared, nobody. A shared cache reveals to one
-/// key, by its response time, what another has requested.
+/// Returns the owner of a cached answer: the API key or, if the cache is shared, nobody. From the response times of a
+/// shared cache, the user of one key can learn what the user of another key has requested.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
@@ -310,8 +311,8 @@ std::optional<Response> Computing::find_cached(const std::string& name, bool com
     return response;
 }
 
-/// Refuses computations while the server shuts down, except for the first request of each connection. Clients that
-/// reuse a connection know to retry on another one.
+/// While the server shuts down, refuses computations for all but the first request of each connection. Clients that
+/// reuse a connection can retry on a new one.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
@@ -406,8 +407,8 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. Writes the stages so far to the record. They include the total
-/// time that this task and earlier tasks of the request have waited in the queue.
+/// Has a worker run a task, and waits for the result. Writes the stages so far to the record. Their time in the queue
+/// is the sum over this task and earlier tasks of the request.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {
@@ -437,8 +438,8 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, cons
     return *std::move(result);
 }
 
-/// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace have
-/// passed. If the computation is still running then, it ends in the background.
+/// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace
+/// period have passed. A computation that still runs then ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {

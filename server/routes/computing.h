@@ -26,7 +26,8 @@
 
 namespace ccdt::server {
 
-/// Answers requests that need a computation, while their client waits or, if the client prefers, as a job. Thread-safe.
+/// Answers requests that need a computation. Computes the answer while the client waits or, if the client prefers, as a
+/// job. Thread-safe.
 class Computing {
 public:
     /// @param waiting_memory  budget for requests until they are done, in addition to the memory of the pool's jobs
@@ -37,8 +38,8 @@ public:
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
-    /// Answers a request for one of the server's pictures. The answer is the same as for a request that sends the
-    /// picture, with these options in the query.
+    /// Answers a request for one of the server's pictures. The answer is the same as for a request whose body is the
+    /// picture and whose query is `options`.
     HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
                                 const Incoming& incoming);
 
@@ -50,7 +51,8 @@ public:
     /// From now on, tells all clients that wait for a result that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
-    /// Makes the refusal of a request that may succeed after the waiting requests have been computed.
+    /// Makes the refusal of a request. Its Retry-After is the estimated time in which the requests that wait now will
+    /// be computed.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:

@@ -11,7 +11,7 @@ namespace ccdt::server {
 
 struct Operation;
 
-/// Parts of a request's path that the route does not fix.
+/// The variable part of a request's path, and what it refers to.
 struct Target {
     std::string_view name;                 ///< the placeholder's value: a job's id, a picture's name
     const PageFile* file = nullptr;        ///< file of the page

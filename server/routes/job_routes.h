@@ -17,6 +17,7 @@ namespace ccdt::server {
 class JobRoutes {
 public:
     /// @param memory  budget for results while they are sent
+    /// @param ping    longest time between two messages of an event stream
     /// `jobs` and `memory` must outlive this object and all streamed answers.
     JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
         : jobs_(jobs), memory_(memory), ping_(ping) {}

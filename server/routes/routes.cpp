@@ -59,7 +59,8 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
-/// Adds the ETag header. A strong tag names bytes, which depend on the content coding; a weak tag names the meaning.
+/// Adds the ETag header. A strong tag identifies bytes, so it must include the content coding. A weak tag identifies
+/// the content regardless of its coding.
 void add_entity_tag(Response& response) {
     if (response.tag.empty()) return;
     if (!response.coding.empty() && response.tag.front() == '"')

@@ -51,7 +51,7 @@ public:
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// From now on, refuses new computations as Computing::drain() does, and reports that the server is not ready.
+    /// From now on, refuses new computations (see Computing::drain), and reports that the server is not ready.
     void drain() {
         draining_ = true;
         computing_.drain();
@@ -66,7 +66,7 @@ private:
     /// Credential that a request needs if there are API keys.
     enum class Access {
         ApiKey,     ///< an API key; the rate is limited
-        Signature,  ///< a signed URL, if there are signing keys: <img> sends no API key
+        Signature,  ///< a signed URL if there are signing keys, because <img> sends no API key
         Read,       ///< an API key, except for GET and HEAD: browsers send none when they open the page
         Anyone      ///< nothing: load balancers send no keys with health checks
     };

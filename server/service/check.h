@@ -20,9 +20,9 @@ struct Finding {
     std::string words;
 };
 
-/// Checks everything that the server needs to start with this configuration, independently of each other: the sibling
-/// programs and their sandbox, the key files, the folder of pictures, memory, the folder of jobs, each Redis, the
-/// listening address.
+/// Checks everything that the server needs to start with this configuration. The checks do not depend on each other.
+/// They cover the sibling programs and their sandbox, the key files, the folder of pictures, memory, the folder of
+/// jobs, each Redis, the listening address.
 ///
 /// Nothing is served, claimed or written. Stored jobs stay as they are, and another server that uses their folder is
 /// not detected. Started programs are ended again.

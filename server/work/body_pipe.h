@@ -37,7 +37,7 @@ public:
     /// Appends a piece. Errors: Stopped if the reader has abandoned the pipe.
     Result<void> push(std::string_view piece);
 
-    /// Ends the body, unless it has ended. The buffered bytes get a lease of their own.
+    /// Ends the body, unless it has ended. The buffered bytes get a lease of their own from `memory`.
     /// @param outcome  an error: the body is incomplete
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 

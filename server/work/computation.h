@@ -22,15 +22,15 @@ struct Delivery {
 
 /// Computes the answer to a valid request. May take any time.
 ///
-/// When `control` requests a stop, the computation ends within a pass. It then returns the error Stopped or, if the
-/// request allows that, a partial answer.
-/// Errors: those of the operation, and Internal if the computation failed. If pieces of the body were delivered before
-/// an error, they are useless. `timings` has the stages up to the end.
+/// When `control` requests a stop, the computation ends within a pass. The result is then the error Stopped or, if the
+/// request allows it, a partial answer.
+/// Errors: those of the operation, and Internal if the computation failed. After an error, pieces of the body that were
+/// delivered before it are useless. `timings` has the stages up to the end.
 using Compute = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                   const Control& control, api::Timings& timings)>;
 
 /// Computes an answer in this thread.
-/// @param decode  decodes pictures
+/// @param decode  functions that decode pictures
 Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                                  const api::Decode& decode, const Control& control, api::Timings& timings);
 

@@ -9,8 +9,8 @@
 
 namespace ccdt::server {
 
-/// SHA-256 of a list of texts. Each is hashed with its length, so that different lists never have the same input.
-/// Throws std::bad_alloc.
+/// SHA-256 of a list of texts. Each text is hashed together with its length, so different lists never give the hash the
+/// same input. Throws std::bad_alloc.
 class Digest {
 public:
     Digest();

@@ -14,7 +14,7 @@
 namespace ccdt::server {
 
 /// A fair queue for items of several clients. The next item belongs to the client that has received the least service,
-/// measured by the cost of its items. An idle client gains no credit, and when the queue is empty all accounts are
+/// measured by the cost of its items. An idle client gains no credit. When the queue becomes empty, all accounts are
 /// cleared.
 ///
 /// Not thread-safe. O(items) per operation.
@@ -25,7 +25,7 @@ public:
     struct Entry {
         std::string client;
         double cost = 0;
-        double start_tag = 0;  ///< service that the client will have received before this item
+        double start_tag = 0;  ///< virtual time at which the service of this item may start
         Item item;
     };
 
@@ -54,7 +54,7 @@ public:
         return remove(next);
     }
 
-    /// Takes the next entry among those whose items pass a test.
+    /// Takes the entry with the lowest start tag among the entries whose items pass a test.
     /// @returns  none if there is none
     template <class Test>
     std::optional<Entry> take_next_of(Test test) {

@@ -37,7 +37,8 @@ struct Operation {
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
     bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies, which become JSON
     bool takes_query;       ///< accepts options in the query
-    /// Name of the form field that becomes the body; a field named `file` does, too. Empty: forms are not accepted.
+    /// Name of the form field that becomes the body; a field named `file` is accepted instead. Empty: forms are not
+    /// accepted.
     std::string_view form_part;
 
     /// Errors: those of the parser of the operation.

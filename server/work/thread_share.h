@@ -6,11 +6,11 @@
 
 namespace ccdt::server {
 
-/// Returns the number of threads that each computation may use. Idle workers' threads are shared equally among the
-/// running computations.
-/// @param workers      >= 1, one per available core
+/// Returns the number of threads that each computation may use. The running computations share the threads of idle
+/// workers equally.
+/// @param workers      number of workers, >= 1
 /// @param running      number of computations, including those of short requests
-/// @param max_threads  >= 1
+/// @param max_threads  limit for one computation, >= 1
 inline std::size_t threads_for_each(std::size_t workers, std::size_t running, std::size_t max_threads) {
     return std::clamp<std::size_t>(workers / std::max<std::size_t>(running, 1), 1, max_threads);
 }

@@ -25,8 +25,8 @@ namespace ccdt::server {
 /// A fixed number of threads for all computations, with bounded queues.
 ///
 /// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
-/// to a full queue, until the queue is twice as long as its limit. So if one client has a hundred waiting jobs, the
-/// only job of another client waits just for the running jobs. Short jobs do not wait for running long ones: they have
+/// to a full queue, until the queue is twice as long as its limit. So even if one client has a hundred waiting jobs, a
+/// single job of another client only waits for running jobs. Short jobs do not wait for running long ones: they have
 /// their own queue and one additional thread that runs nothing else.
 ///
 /// A job starts only when its estimated memory is available. Until then, the jobs behind it in the same queue wait,
@@ -45,9 +45,9 @@ public:
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< threads; at most one more than workers
-        std::size_t waiting = 0;     ///< jobs
-        std::size_t capacity = 0;    ///< jobs that may wait
+        std::size_t busy = 0;        ///< threads that run a job; at most one more than workers
+        std::size_t waiting = 0;     ///< waiting jobs
+        std::size_t capacity = 0;    ///< limit of waiting jobs
         double oldest_seconds = 0;   ///< longest time that a job has waited
         double backlog_seconds = 0;  ///< time until all waiting jobs are done, at the recent pace
         double overdue_seconds = 0;  ///< longest time that a job has continued after it was cancelled

@@ -11,8 +11,8 @@ export function readAddress() {
 }
 
 /**
- * Writes a panel and its settings to the address: as a new entry of the history if `isStep`, else into the current
- * entry.
+ * Writes a panel and its settings to the address. If `isStep`, the history gets a new entry; otherwise its current
+ * entry is replaced.
  */
 export function writeAddress(panel, settings, isStep) {
   const query = new URLSearchParams(settings).toString();

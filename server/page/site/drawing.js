@@ -54,7 +54,8 @@ export class Drawing {
 
   /**
    * Handles a press at a position.
-   * @returns  a function to call with each position that follows and then with null; null if the press hits no corner
+   * @returns  a function to be called with each position that follows, and then with null; null if the press hits no
+   *           corner
    */
   press(at, rings) {
     if (this.#ring) return this.#add(at);

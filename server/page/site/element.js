@@ -104,8 +104,8 @@ function lightOfColour(context, colour) {
 }
 
 /**
- * Returns a function from a position to the mean light of the picture in a grid cell, on a white ground. Positions are
- * shares of the sides, from 0 to 1.
+ * Returns a function from a position in a picture to the mean light of the grid cell at that position, on a white
+ * ground. `width` and `height` are the numbers of cells. Positions are shares of the sides, from 0 to 1.
  */
 function lightOf(bitmap, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -123,8 +123,8 @@ function lightOf(bitmap, width, height) {
 }
 
 /**
- * Returns the radius of dots on a square grid, in pitches, that cover a share of the area. From pi / 4 on, they
- * overlap.
+ * Returns the radius, in pitches, with which dots on a square grid cover a share of the area. From a share of pi / 4
+ * on, the dots overlap.
  */
 function radiusOf(covered) {
   const alone = Math.PI / 4;
@@ -263,8 +263,8 @@ class Halftone extends HTMLElement {
   }
 
   /**
-   * Returns the options of a request, with the width in device pixels and `dot` converted to these. With `scale`, the
-   * options stay as they are.
+   * Returns the options of a request, with the width in device pixels and with `dot` converted to device pixels. If the
+   * options contain `scale`, they stay as they are.
    */
   #sized(options) {
     const query = new URLSearchParams(options);

@@ -31,8 +31,8 @@ function numberInputs(field, id) {
 }
 
 /**
- * Creates a field for a number. With `field.auto`, a checkbox leaves the number to the server; its label is
- * `field.free`.
+ * Creates a field for a number. With `field.auto`, it has a checkbox, labelled `field.free`, by which the user leaves
+ * the number to the server.
  */
 function numberField(field, id, change) {
   const { number, slider, all, put: putNumber, limit } = numberInputs(field, id);
@@ -136,8 +136,8 @@ function colourField(field, id, change) {
 }
 
 /**
- * Creates colour inputs, from one to as many as `field.colours` lists. The first `field.number` of these are the
- * initial ones.
+ * Creates colour inputs: at least one, and at most as many as `field.colours` has colours. Initially, there is one for
+ * each of the first `field.number` colours.
  */
 function paletteField(field, id, change) {
   const wells = [];

@@ -43,7 +43,7 @@ function isIdentifier(name, values) {
 }
 
 /**
- * Returns the properties that may be counts: those whose values are numbers of at least 0 wherever they are not null.
+ * Returns the properties that may be counts: properties whose values are null or numbers of at least 0.
  * @returns  [{name, sum}] in the order of their first occurrence, but with probable identifiers last
  */
 export function countsOf(json) {

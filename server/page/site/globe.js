@@ -10,7 +10,7 @@ function directionOf([longitude, latitude]) {
   return [Math.cos(b) * Math.cos(a), Math.cos(b) * Math.sin(a), Math.sin(b)];
 }
 
-/** Returns the direction of the middle of rings. Each edge has its length as weight. */
+/** Returns the direction of the middle of rings. Edges are weighted by their lengths. */
 function middleOf(rings) {
   const sum = [0, 0, 0];
   for (const ring of rings) {

@@ -101,8 +101,8 @@ function describe({ sites, style = "fill", color, palette }, response) {
 }
 
 /**
- * Returns the options of a draft. The draft shows a picture whose width was divided by `factor`. Scale and radius are
- * adapted, so that dots keep their size on the screen.
+ * Returns the options of a draft of a picture whose width was divided by `factor`. Scale and radius are adapted, so
+ * that dots keep their size on the screen.
  */
 function draftOf(options, factor) {
   const draft = { ...shownOptions(options), ...draftOptions };
@@ -309,8 +309,8 @@ export class Halftone extends Panel {
   }
 
   /**
-   * Option `width` to send with a radius in pixels; {} otherwise. Such a radius counts pixels of the output, so the
-   * output must keep the width that it had when the radius was chosen.
+   * Option `width` to send if the radius is given in pixels; {} otherwise. Such a radius counts pixels of the output,
+   * so the output must keep the width that it had when the radius was chosen.
    */
   get #heldWidth() {
     const { width, height, scale, width_mm: print } = this.moreFields.values();

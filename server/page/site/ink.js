@@ -6,15 +6,15 @@ import { linear } from "./light.js";
 const side = 96;  // pixels of the reduced picture along each side
 
 /**
- * Returns the area of the dots that together cover a share of the paper, overlaps included, over the area of the paper
- * (core/halftone/coverage_curve.h).
+ * Returns the total area of the dots that together cover a share of the paper, divided by the area of the paper. Where
+ * dots overlap, each of them counts (core/halftone/coverage_curve.h).
  */
 const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
 
 const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 const lightness = (light) => (light > 0.008856 ? 1.16 * Math.cbrt(light) - 0.16 : 9.033 * light);
 
-/** Returns the function from linear light to the share that each ink covers. */
+/** Returns the function from the linear light of red, green and blue to the share of the paper that each ink covers. */
 function separationOf({ color, palette, dots, tone }) {
   if (color === "rgb") return (...light) => light;
   if (color === "cmyk" || palette) {
@@ -35,9 +35,9 @@ function separationOf({ color, palette, dots, tone }) {
  *
  * @param picture  any image source of a canvas
  * @param options  options of /halftone
- * @returns        {share, spread} for each ink. `share` is the area of its dots, overlaps included, over that of the
- *                 picture. `spread` is the mean of the root of their density over the root of the mean; the length of a
- *                 path is proportional to it
+ * @returns        {share, spread} for each ink. `share` is the total area of the ink's dots, overlaps included, divided
+ *                 by the area of the picture. `spread` is the mean of the square root of the density of dots, divided
+ *                 by the square root of the mean density; the length of a path is proportional to `spread`
  */
 export function inksOf(picture, options) {
   const context = new OffscreenCanvas(side, side).getContext("2d", { willReadFrequently: true });

@@ -16,8 +16,14 @@ const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
 export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
 
 /**
- * Returns how a scaled line averages source cells. Lists only visible target cells, from `first` on. Target cell i
- * averages the source cells from starts[i] on, with the weights in [offsets[i], offsets[i + 1]).
+ * Computes which source cells each target cell averages when a row or column of cells is scaled.
+ * @param length  number of source cells
+ * @param start   position of the scaled line in the target; may be negative
+ * @param size    length of the scaled line in target cells
+ * @param most    number of target cells that are visible
+ * @returns       {first, count, starts, offsets, weights}. Only the `count` visible target cells from `first` on are
+ *                listed. The i-th of them averages the source cells from starts[i] on, with weights[offsets[i]] to
+ *                weights[offsets[i + 1] - 1]
  */
 function cellsOf(length, start, size, most) {
   const first = Math.max(start, 0);
@@ -35,7 +41,11 @@ function cellsOf(length, start, size, most) {
   return { first, count, starts, offsets, weights: Float32Array.from(weights) };
 }
 
-/** Adds the weighted light of a row of pixels, on a ground, to sums of three numbers per pixel. */
+/**
+ * Adds the light of a row of pixels, times a weight, to `sums`, which has three numbers per pixel.
+ * @param start   index in `data` of the first pixel
+ * @param ground  light behind transparent pixels
+ */
 function addRow(data, start, weight, ground, sums) {
   for (let from = start, to = 0; to < sums.length; from += 4, to += 3) {
     const alpha = data[from + 3];

@@ -72,7 +72,7 @@ export class Panel {
   forget() {}
 
   /**
-   * Waits for what the user has chosen to load. Returns null if the user has chosen something else in the meantime, so
+   * Waits until the user's choice is loaded. Returns null if the user has chosen something else in the meantime, so
    * that a slow answer does not replace a newer choice.
    */
   async loadNewest(loading) {

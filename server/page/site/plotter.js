@@ -7,7 +7,7 @@ import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
 
-/** Mean distance of successive dots on a path, over the root of the area per dot, for a uniform density. */
+/** Mean distance of successive dots on a path, divided by the square root of the area per dot, at uniform density. */
 const meanStep = 1;
 
 /** Styles in which the pen fills dots that are wider than the pen. */
@@ -80,13 +80,13 @@ export class Plotter {
   /**
    * @param place    parent of the form
    * @param size     returns the width and height of the drawing, in its own units
-   * @param plan     returns what is known before the server has answered: {sites, inks}, the number of dots if it is
-   *                 fixed, and {share, spread} of each ink as from `inksOf`; null if nothing is known
+   * @param plan     returns what is known before the server has answered: {sites, inks}. `sites` is the number of dots
+   *                 if it is fixed, `inks` is a result of `inksOf`. Returns null if nothing is known
    * @param isTimed  whether a time limit may determine the number of dots
    * @param dot      returns the option `dot` for a radius and the width of the drawing, both in mm
-   * @param changed  called when options change, with whether the change is a draft
-   * @param turned   called with whether the pen is on, when this changes
-   * @param noted    called when a setting changes that does not affect requests
+   * @param changed  called when options of a request change, with whether the change is a draft
+   * @param turned   called when the pen is turned on or off, with whether it is on
+   * @param noted    called when a setting that does not affect requests changes
    */
   constructor(place, { size, plan, isTimed = false, dot, changed, turned, noted }) {
     Object.assign(this, { size, plan, isTimed, dot, changed, noted });
@@ -170,7 +170,7 @@ export class Plotter {
     const dot = this.#dotWidth;
     const full = (share * area) / (Math.PI * (dot / 2) ** 2);
     const wanted = Math.round(plan.sites ?? full);
-    // The length of a path over n dots is proportional to the root of n.
+    // The length of a path through n dots is proportional to the square root of n.
     const step = meanStep * Math.sqrt(area) * plan.inks.reduce((sum, ink) => sum + ink.spread * Math.sqrt(ink.share / share), 0);
     const filling = fillings.includes(style) ? fillLength(style, dot, pen) : 0;
     const each = style === "path" ? 0 : lift + filling / speed;

@@ -52,8 +52,8 @@ function requestOf({ file, json, ...shape }, options) {
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
 /**
- * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so its outline
- * comes from the boundary of a triangulation that the server makes.
+ * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so the
+ * outline comes from the boundary of a triangulation that the server makes.
  */
 async function documentOf(file) {
   if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
@@ -293,7 +293,7 @@ export class Sample extends Panel {
    * Loads a GeoJSON document. Throws if it contains no polygons.
    *
    * @param file     {name, text}; also path if the server has it, and archive if the text was made from one
-   * @param counted  properties that points stand for
+   * @param counted  properties whose units the points represent
    */
   #takeDocument(file, counted = []) {
     const json = JSON.parse(file.text);
@@ -320,8 +320,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Returns {counted, per}: properties that points stand for, and the units of these per point. `counted` is empty for
-   * shapes that are not files.
+   * Returns {counted, per}: the properties whose units the points represent, and the number of units per point.
+   * `counted` is empty for shapes that are not files.
    */
   #counting() {
     return (this.shapeChoice.value === "file" && this.countFields?.values()) || { counted: [] };
@@ -695,7 +695,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Shows errors. If the body is a document, their pointers refer to it, and names without a slash refer to options.
+   * Shows errors. If the body of the request is a document, pointers that begin with a slash refer to the document, and
+   * names without a slash refer to options.
    */
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());

@@ -79,8 +79,8 @@ export function isInside([x, y], rings) {
 }
 
 /**
- * Estimates the area of parts. Overlapping parts count twice, and the largest ring of a part is assumed to be the outer
- * one.
+ * Estimates the area of parts. Where parts overlap, the area counts for each of them. The largest ring of a part is
+ * assumed to be the outer one.
  */
 export function areaOf(parts) {
   const area = (part) => {

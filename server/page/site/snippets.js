@@ -87,8 +87,8 @@ function halftoneSnippets({ picture, options }) {
 const maxArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
 
 /**
- * Returns the same as `sourceOf`, for a body in the code itself. curl gets it as an argument or, if it is too long, as
- * a here-document.
+ * Returns the same as `sourceOf`, for a body that is written in the code itself. curl gets the body as an argument or,
+ * if it is too long for that, as a here-document.
  */
 const writtenOut = (body) => ({
   ...(body.length > maxArgument

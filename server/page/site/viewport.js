@@ -25,8 +25,8 @@ export class Viewport {
    * @param canvas   canvas in a frame that determines its size
    * @param bar      parent of the buttons
    * @param draw     called with a context whose unit is a CSS pixel, and with this viewport
-   * @param options  margin in CSS pixels; press(point), which claims a press by returning a function, to be called with
-   *                 each point that follows and then with null
+   * @param options  `margin` in CSS pixels, and `press(point)`. If `press` returns a function, it claims the press: the
+   *                 function is called with each point that follows, and then with null
    */
   constructor(canvas, bar, draw, { margin = 16, press = () => null } = {}) {
     this.#canvas = canvas;
