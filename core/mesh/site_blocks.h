@@ -51,8 +51,8 @@ public:
         return block(first, apart);
     }
 
-    /// Returns the smallest block that contains a level-0 block and all blocks whose numbers differ from it only in the
-    /// bits `apart`.
+    /// Returns the smallest block that contains the level-0 block `number` and all level-0 blocks whose numbers differ
+    /// from `number` only in the bits of `apart`.
     Block block(std::uint32_t number, std::uint32_t apart) const {
         const int level = std::min(last_level(), (static_cast<int>(std::bit_width(apart)) + 1) / 2);
         return {level, level == last_level() ? 0 : number >> (2 * level)};
