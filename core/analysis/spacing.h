@@ -14,7 +14,7 @@ struct Spacing {
     double mean = 0;
 };
 
-/// Measures the distances of nearest neighbours by a k-d tree. Its speed does not depend on clusters and gaps.
+/// Measures the distances of nearest neighbours by a k-d tree. Clusters and gaps do not affect the speed.
 ///
 /// @param points    [n], n >= 2, in [0, sides.x] x [0, sides.y]
 /// @param sides     > 0

@@ -24,7 +24,8 @@ namespace ccdt {
 /// @param stop   polled regularly
 /// @returns      [count] samples, with mostly neighbouring samples in succession; some are missing after a stop
 ///
-/// Depends on domain, mesh, density and seed alone. O(count): 0.1 microseconds each, slightly more with a density.
+/// Depends on domain, mesh, density and seed alone. O(count): 0.1 microseconds per sample, or slightly more if the
+/// density varies.
 std::vector<Point> mass_samples(const Domain& domain, const Triangulation& mesh, const Density& density,
                                 std::size_t count, std::uint64_t seed, const std::stop_token& stop);
 

@@ -93,8 +93,8 @@ void Circumcentres::look_around(std::uint32_t site) {
     } while (h != first);
 }
 
-/// Returns the step from the site to the mean of the circumcentres. The product of a circumcentre and an area is a
-/// quadratic form of the corners, so no division is needed.
+/// Returns the vector from the site to the weighted mean of the circumcentres. The product of a triangle's circumcentre
+/// and its area is a polynomial in its corners, so no division per triangle is needed.
 Point Circumcentres::way_to_mean() const {
     double area = 0;
     Point moment;

@@ -17,7 +17,7 @@
 
 namespace ccdt {
 
-/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position on the way to it.
+/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position between the site and `to`.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
 struct RelaxationOptions {
@@ -32,7 +32,7 @@ struct RelaxationOptions {
     std::optional<double> small_area;
     std::optional<double> site_share;  ///< share of the capacity for each site; none: all shares are equal
     Fence fence;                       ///< for all sites; may be empty
-    /// Whether to move two sites at once if the processor can; the results are identical.
+    /// Whether to move two sites at once if the processor can; the results are the same either way.
     bool by_two = true;
 };
 
@@ -119,7 +119,7 @@ private:
     /// neighbour and the next one. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
-        std::uint32_t first;  ///< index of the first entry of its one-ring
+        std::uint32_t first;  ///< index of the first entry of the one-ring in the lists of Fans
         std::uint32_t neighbours;
         std::uint32_t triangles;  ///< equal to `neighbours`, or one less on the border
     };
@@ -135,14 +135,13 @@ private:
 
     using Batches = std::array<Batch, kKinds>;
 
-    /// Sites that one task moves in sequence. The group includes every neighbour of these sites that another task could
-    /// move.
+    /// Sites that one task moves in sequence. While it does, no other task moves these sites or their neighbours.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
         std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
         std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
         Fans fans;
-        /// All sites of the group. Empty at level 0, where the group has most sites of the block.
+        /// All sites of the group. Empty at level 0, where the group consists of the block's sites whose level is 0.
         std::vector<std::uint32_t> sites;
         std::vector<std::uint32_t> others;  ///< sites of the block that belong to the group of a larger block
 
@@ -226,8 +225,8 @@ private:
     std::vector<std::uint8_t> kinds_;         ///< [sites] kind of each site, as long as there are records
     std::vector<std::uint8_t> levels_;        ///< [sites] level of the site's group
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
-    /// Memory for the records of each level-0 block, in one piece. So it returns to the allocator as one piece; freed
-    /// pieces of the size of a block would hardly fit later needs.
+    /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of
+    /// the size of a block would hardly fit later needs.
     std::vector<std::uint32_t> record_memory_;
     Fans border_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured

@@ -115,9 +115,9 @@ struct TooManyCrossings {
 /// @param stop       polled regularly; after a stop the result must not be used
 ///
 /// Each crossing becomes a vertex at the exact intersection, rounded. Because of the rounding, a piece can cross
-/// further pieces; these crossings are cut in the same way. So no two edges cross, and all chains remain closed. So the
-/// number of segments crossed on the way to a triangle tells whether it lies inside a chain. Each cut moves a piece by
-/// at most a rounding error. Nothing else moves.
+/// further pieces; these crossings are cut in the same way. So no two edges cross, and all chains remain closed.
+/// Therefore the number of segments crossed on the way to a triangle tells whether it lies inside a chain. Each cut
+/// moves a piece by at most a rounding error. Nothing else moves.
 ///
 /// Deterministic. O(n log n) for inputs that occur in practice, plus some microseconds for each crossing.
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double tolerance, std::size_t most,

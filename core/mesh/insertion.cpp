@@ -26,7 +26,8 @@ struct Batch {
     const std::stop_token& stop;
 };
 
-/// A triangle, and a point in or near it. On a torus, the point is the periodic copy that fits Triangulation::places().
+/// A triangle on the way to a point, and the point. On a torus, this is the periodic copy that fits
+/// Triangulation::places().
 struct Location {
     std::uint32_t triangle;
     Point point;
