@@ -18,9 +18,9 @@ struct GlobeDistribution {
     double pitch = 0;    ///< square root of the ground area per site, in metres
 };
 
-/// Distributes sites over a region of the globe. On the ground, their number per square kilometre follows the wanted
-/// density, and they are isotropic. The computation takes place in a conformal plane (region.h), whose scale is part of
-/// the density.
+/// Distributes sites over a region of the globe. On the ground, the number of sites per square kilometre follows the
+/// wanted density, and the pattern is isotropic. The computation takes place in a conformal plane (region.h), whose
+/// scale is part of the density.
 ///
 /// @param region   in longitude and latitude, see chart_region(). Parts that overlap only after a shift by a whole turn
 ///                 are not recognised as the same ground, and their overlap is left out.
