@@ -54,9 +54,9 @@ private:
     RealTransform transform_;
 };
 
-/// Fourier sums in a range around a central frequency. A grid for this range suffices, which is smaller. Each point's
-/// weight is multiplied by the complex wave of the central frequency at the point. The real and the imaginary parts of
-/// these products are spread on separate grids.
+/// Fourier sums in a range around a central frequency. The grid only has to resolve this range, so it is smaller than
+/// the grid of NonuniformTransform. Each point's weight is multiplied by the complex wave of the central frequency at
+/// the point. The real and the imaginary parts of these products are spread on separate grids.
 ///
 /// Errors as in NonuniformTransform. O(n + N log N) for N cells of 32 bytes.
 class ShiftedTransform {

@@ -25,8 +25,8 @@ struct TriangleFlows {
 /// Integrates a density exactly over the triangles of a domain. The density is constant on cells, so by Green's theorem
 /// a triangle's capacity is the integral of F dy along its edges. F(x, y) is the integral of the density in the grid
 /// row of y, from the left side of the box to x. F is linear within a cell. The capacities of all triangles add up to
-/// that of the domain, except for rounding. On a torus the density is periodic, and F grows by the row's total with
-/// each period.
+/// the capacity of the domain, except for rounding. On a torus the density is periodic, and F grows by the row's total
+/// with each period.
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this

@@ -10,8 +10,8 @@
 
 namespace ccdt {
 
-/// Chooses the fixed points that become vertices. They lie inside the domain, and not so close to the border or to each
-/// other that needles arise. The other points are kept as obstacles, except near duplicates.
+/// Chooses the fixed points that become vertices. These points lie inside the domain, and not so close to the border or
+/// to each other that needles arise. The other points are kept as obstacles, except near duplicates.
 ///
 /// @param points   in the unit frame, in an order that keeps neighbours close
 /// @param weights  [points] area that each point takes (FixedArea::weights); the weight of a point too close to a

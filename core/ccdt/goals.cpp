@@ -49,7 +49,8 @@ double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// Returns the border edge of a triangle with a site. There is at most one, since the other two edges end at the site.
+/// Returns the border edge of a triangle with a site; kNone if there is none. There is at most one, since the other two
+/// edges end at the site.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);

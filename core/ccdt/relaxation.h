@@ -23,7 +23,7 @@ using Fence = std::function<Point(std::uint32_t site, Point to)>;
 struct RelaxationOptions {
     // Stiffer springs and longer moves increase both the distance between neighbours and the error of tone: benchmarks
     // TorusPattern and PictureTone. Without springs along the border, more sites crowd there: benchmark BorderPattern.
-    double spring = 0.01;        ///< stiffness of edges relative to that of areas
+    double spring = 0.01;        ///< stiffness of edges relative to the stiffness of areas
     double border_spring = 0.1;  ///< additional stiffness of border edges, which keeps their vertices apart
     double relaxation = 1.2;     ///< length of a move relative to the move to the minimum, in [1, 2)
     double least_height = 1e-9;  ///< least height of a triangle after a move, in the unit frame
@@ -76,8 +76,9 @@ public:
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
-    /// assumes that a triangle keeps its mean density as it moves. An exact pass uses the density along the moving
-    /// edges instead. Capacities are measured every few passes; between measurements they are updated to first order.
+    /// assumes that a triangle keeps its mean density as its corners move. An exact pass uses the density along the
+    /// moving edges instead. Capacities are measured every few passes; between measurements they are updated to first
+    /// order.
     ///
     /// Unlike pass(), an exact pass does not stall next to areas of density zero or at other steep changes.
     /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
@@ -98,8 +99,8 @@ private:
     using Records = std::array<const std::uint32_t*, Lanes::kCount>;
 
     /// Records of sites of one kind, for the fast path. A record holds the site and its neighbours counter-clockwise,
-    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, it also holds the 2 *
-    /// pairs triangles between these neighbours.
+    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, the record also holds
+    /// the 2 * pairs triangles between these neighbours.
     using Batch = std::vector<std::uint32_t>;
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common

@@ -46,8 +46,8 @@ public:
     bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
-    /// the relocated site moves to the place farthest from all other sites, including those of other parts. In a larger
-    /// part, it moves as in move_away().
+    /// the relocated site moves to the place farthest from all other sites, including the sites of other parts. In a
+    /// larger part, the site moves as in move_away().
     /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
     ///           other
     ///

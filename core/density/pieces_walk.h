@@ -16,9 +16,9 @@ struct Segments {
 
 /// Cuts several segments at once, like walk_cells(), but also reports horizontal segments. Calls `visit(column, row,
 /// from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends along
-/// the segment, 0 at a and 1 at b. There are as many calls as the segment with the most pieces has pieces; the other
-/// segments get pieces of length 0. The pieces of a segment depend neither on the other segments nor on the lane, bit
-/// for bit.
+/// the segment, 0 at a and 1 at b. The number of calls is the largest number of pieces of any segment; the other
+/// segments get additional pieces of length 0. The pieces of a segment depend neither on the other segments nor on the
+/// lane, bit for bit.
 ///
 /// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>

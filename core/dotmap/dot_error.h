@@ -19,7 +19,7 @@ namespace ccdt {
 /// outside the border.
 class DotError {
 public:
-    /// @param land  its unit frame is the frame of all positions
+    /// @param land  domain in whose unit frame all positions are given
     /// @param dots  used only to look up the feature of each dot
     ///
     /// O(dots + corners of the features).

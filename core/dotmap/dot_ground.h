@@ -77,7 +77,7 @@ public:
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
 
-    /// Finds pairs of overlapping features, in which a dot of one feature lies in the other feature.
+    /// Finds the pairs of features that overlap. A pair counts if a dot of one feature lies in the other feature.
     /// @param stop  polled regularly; after a stop some overlaps may be missing
     void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
@@ -94,8 +94,8 @@ public:
     /// Whether a dot may lie at a position.
     bool may_lie(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position. It must not be too close to a border beyond which the density is much
-    /// lower.
+    /// Whether a dot may start at a position. The position must not be too close to a border beyond which the density
+    /// is much lower.
     bool is_clear(std::uint32_t feature, Point p) const;
 
     /// Fast test: if it returns true, so does is_clear(). It returns false at few of the positions that are clear.

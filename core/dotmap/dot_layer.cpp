@@ -31,9 +31,9 @@ constexpr double kSmall = 0.01;    ///< share of the wanted area below which a t
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
-/// Returns the wanted doubled area of a triangle between discs with the given radii. For equal radii, it is the area of
-/// a triangle of the hexagonal grid. Along a straight border between small and large discs, the distance between the
-/// first rows on the two sides is half a row of small discs plus half a row of large discs.
+/// Returns the wanted doubled area of a triangle between discs with the given radii. For equal radii, this is the
+/// doubled area of a triangle of the hexagonal grid. Along a straight border between small and large discs, the
+/// distance between the first rows on the two sides is half a row of small discs plus half a row of large discs.
 double doubled_area(double a, double b, double c) {
     const auto [least, most] = std::minmax({a, b, c});
     if (!(most > 0)) return 0;

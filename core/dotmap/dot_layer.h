@@ -33,7 +33,7 @@ public:
     /// @param land     union of all features that have dots of the class
     /// @param control  the control's executor must outlive this
     DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
-    DotLayer(const DotLayer&) = delete;  // relaxations refer to it
+    DotLayer(const DotLayer&) = delete;  // relaxations refer to this object
     DotLayer& operator=(const DotLayer&) = delete;
 
     /// Draws and triangulates the initial dots. Errors: Unusable for a feature that is too thin; Stopped.

@@ -77,8 +77,8 @@ public:
     /// 0.
     void release_memory();
 
-    /// Cells of the grid [rows * columns], row by row. They hold values before forward(), and coefficients of frequency
-    /// (x, y) afterwards.
+    /// Cells of the grid [rows * columns], row by row. Before forward(), the cells hold values. After it, cell (x, y)
+    /// holds the coefficient of frequency (x, y).
     std::span<double> grid();
 
     /// Memory that begins with the grid. Its size in numbers is the larger of `spare` and the number of cells.

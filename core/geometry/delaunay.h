@@ -110,7 +110,8 @@ struct TooManyCrossings {
 /// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The
 /// triangulation is Delaunay unless there are very many segments.
 ///
-/// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
+/// @param tolerance  a segment that crosses another segment but ends within this distance of it only counts as touching
+///                   it
 /// @param most       limit on the number of pieces that crossings create
 /// @param stop       polled regularly; after a stop the result must not be used
 ///

@@ -61,11 +61,11 @@ public:
     static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
 
     /// Computes the area that a domain made by repair() would enclose. The extent of the area may be out of range for a
-    /// domain. Errors: as repair(), except those about the extent.
+    /// domain. Errors: as repair(), except for errors about the extent.
     static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// Creates the union of several domains, none of which is a torus. They may touch, overlap and share edges. Errors:
-    /// as repair().
+    /// Creates the union of several domains, none of which is a torus. The domains may touch, overlap and share edges.
+    /// Errors: as repair().
     /// @param domains  at least one
     static Result<Domain> united(std::span<const Domain* const> domains, const std::stop_token& stop = {});
 

@@ -57,10 +57,11 @@ struct Reach {
 
 /// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
 ///
-/// First case: the discs are centred at the border points. If a point of the domain is too near to the border, its
-/// nearest border point lies on an edge with the point on its left, or at a reflex corner with the point between the
-/// normals of the corner's two edges. A run of many edges close to one segment is replaced by a capsule around the
-/// segment. So a border with detail much finer than the distance has few pieces.
+/// First case: the discs are centred at the border points. If a point of the domain is too near to the border, the
+/// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of
+/// the edge; at a reflex corner, it lies between the normals of the corner's two edges. So each piece is one of these
+/// two kinds of neighbourhoods. A run of many edges close to one segment is replaced by a capsule around the segment.
+/// So a border with detail much finer than the distance has few pieces.
 ///
 /// Second case: the discs have other centres. Each piece is then a capsule. If there are many pieces and the discs
 /// hardly differ, all edges use the largest distance instead.
@@ -363,8 +364,8 @@ private:
         add(std::move(fan));
     }
 
-    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to that of the
-    /// preceding edge.
+    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to the normal of
+    /// the preceding edge.
     static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
@@ -448,8 +449,8 @@ public:
         return areas;
     }
 
-    /// Returns the offset lines of all edges, if they do not meet and are exactly the new border; else none. The caller
-    /// must drop rings inside the removed area.
+    /// Returns the offset lines of all edges if these lines do not meet and are exactly the new border; else none. The
+    /// caller must drop rings inside the removed area.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;
@@ -539,8 +540,8 @@ private:
         return reaches_.size() > kMany;
     }
 
-    /// Whether there are very many squares and they may become coarser. Exact squares cost less than coarse ones, whose
-    /// sides all become edges of the removed area.
+    /// Whether there are very many squares although larger squares are allowed. Exact squares cost less than coarse
+    /// ones, whose sides all become edges of the removed area.
     bool has_very_many_squares() const {
         constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
         return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;

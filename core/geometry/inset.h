@@ -51,8 +51,8 @@ using DiscAround = std::function<Disc(Point)>;
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 
-/// Returns the largest distance of any point of a domain from its border, in the domain's coordinates. Some point
-/// attains the returned distance, which is at most 1 % below the true maximum.
+/// Returns the largest distance of any point of a domain from the domain's border, in the domain's coordinates. Some
+/// point attains the returned distance, which is at most 1 % below the true maximum.
 /// @param stop  polled regularly; a stop returns the best value so far
 ///
 /// O(n) for each of some hundred trial points. Source: Garcia-Castellanos, Lombardo, Poles of inaccessibility, Scottish

@@ -48,8 +48,8 @@ struct OneLane {
     static bool any(decltype(Pairs{} < Pairs{}) found) { return (found[0] | found[1]) != 0; }
 };
 
-/// The same arithmetic on two lanes at once. The result of each lane is bit for bit that of OneLane, since products are
-/// always rounded before they are added (no fused multiply-add).
+/// Arithmetic on two lanes at once, each with one pair (`Pairs`) or one number (`Numbers`). The result of each lane is
+/// bit for bit the result of OneLane, since products are always rounded before they are added (no fused multiply-add).
 struct TwoLanes {
     static constexpr std::size_t kCount = 2;
     using Pairs = double __attribute__((vector_size(2 * sizeof(Pair))));

@@ -44,8 +44,8 @@ struct Enclosed {
 /// Errors (Unusable): crossings that create more pieces than max_pieces() allows.
 ///
 /// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS: it works in the caller's
-/// coordinates, and conversion of its result to the unit frame could make the result invalid again. Its overlays snap
-/// vertices together where rounding interferes. Its interruption affects the whole process. Why not CGAL's
+/// coordinates, and conversion of its result to the unit frame could make the result invalid again. The overlays of
+/// GEOS snap vertices together where rounding interferes. Interrupting GEOS affects the whole process. Why not CGAL's
 /// Constrained_triangulation_plus_2: it keeps a list of vertices, some hundred bytes, for each segment, although few
 /// segments are cut.
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,

@@ -28,7 +28,7 @@ struct GlobeDistribution {
 /// @param options  fixed points are in degrees as well; if the region is divided into two parts, sites are divided in
 ///                 proportion to the ground that fixed points leave in each part
 /// @param buffer   least distance of sites from the border on the ground, in metres; a cut does not count as border
-/// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part;
+/// @returns        sites strictly inside the region; iterations, trace and variation are taken from the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
 /// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero everywhere in the region, or if

@@ -22,7 +22,7 @@ public:
     /// Returns p if it is inside. Otherwise returns the nearest point of the rings, moved inwards by the least distance
     /// that suffices for the result to be inside: 1e-12 to 1e-3 of the rings' extent. If no such distance suffices,
     /// returns p. O(edges) for points outside.
-    /// @param stretch  scale of distances along x relative to those along y
+    /// @param stretch  scale of distances along x relative to distances along y
     Point nearest(Point p, double stretch) const;
 
 private:

@@ -14,9 +14,9 @@ namespace ccdt {
 
 /// Rewrites polygons on the globe so that in degrees each ring is closed and has no jumps. An edge that spans more than
 /// 180 and less than 360 degrees of longitude is replaced by the edge that takes the shorter way around the globe. A
-/// ring that goes around a pole gets an edge along the pole that is nearer to most of it. Holes are shifted by whole
-/// turns to their outer ring. In a ring with an edge that is replaced in this way, an edge of 360 degrees counts as an
-/// edge of zero length. Indices of corners are preserved.
+/// ring that goes around a pole gets an edge along the pole in the hemisphere of the ring's mean latitude. Holes are
+/// shifted by whole turns to their outer ring. In a ring with an edge that is replaced in this way, an edge of 360
+/// degrees counts as an edge of zero length. Indices of corners are preserved.
 ///
 /// @param parts  positions in longitude and latitude, degrees
 ///

@@ -11,8 +11,8 @@ namespace ccdt {
 
 /// Divides sites that are numbered along a space-filling curve into blocks of neighbours. On each further level, up to
 /// four blocks are joined into a larger block, until a single block remains. Operations that touch only the sites of
-/// one block can run in parallel with those of other blocks of the same level. The blocks depend on the number of sites
-/// alone.
+/// one block can run in parallel with operations on other blocks of the same level. The blocks depend on the number of
+/// sites alone.
 class SiteBlocks {
 public:
     /// Least number of sites of a block, unless there is only one block.
