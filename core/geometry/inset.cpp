@@ -59,9 +59,9 @@ struct Reach {
 ///
 /// First case: the discs are centred at the border points. If a point of the domain is too near to the border, the
 /// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of
-/// the edge; at a reflex corner, it lies between the normals of the corner's two edges. So each piece is one of these
-/// two kinds of neighbourhoods. A run of many edges close to one segment is replaced by a capsule around the segment.
-/// So a border with detail much finer than the distance has few pieces.
+/// the edge; at a reflex corner, it lies between the normals of the corner's two edges. So a piece is the neighbourhood
+/// of an edge, on its left, with the reflex corners at its ends. A run of many edges close to one segment is replaced
+/// by a capsule around the segment. So a border with detail much finer than the distance has few pieces.
 ///
 /// Second case: the discs have other centres. Each piece is then a capsule. If there are many pieces and the discs
 /// hardly differ, all edges use the largest distance instead.
