@@ -47,8 +47,8 @@ struct Frame {
     /// Magnitude of a frequency for the box scaled to unit area, in cycles per unit of length.
     double frequency(int i, int j) const { return std::hypot(i / sides.x, j / sides.y); }
 
-    /// Whether a frequency is left out, because it is 0 and measures the number of points, or lies within the window's
-    /// lobe around 0.
+    /// Whether a frequency is left out. Frequency 0 measures only the number of points. For a window, all frequencies
+    /// in the window's lobe around 0 are left out.
     bool is_excluded(int i, int j) const {
         const int lobe = periodic ? 0 : 1;
         return std::abs(i) <= lobe && std::abs(j) <= lobe;
@@ -200,7 +200,7 @@ public:
         part_.emplace(reach_x_, reach_y_);
     }
 
-    /// Adds the powers of a set. A stop ends it early; the spectrum must not be used then.
+    /// Adds the powers of a set. A stop ends the computation early; the spectrum must not be used then.
     /// @param points   points of the set; reordered
     /// @param density  density of the set
     /// @param share    weight of the set
@@ -324,7 +324,7 @@ std::optional<double> low_frequency_power(const Frame& frame, const Plan& plan, 
     return sum / count;
 }
 
-/// Transforms all sets and averages their powers. A stop ends it early; the result must not be used then.
+/// Transforms all sets and averages their powers. A stop ends the computation early; the result must not be used then.
 Analysis measure(Sets sets, const Frame& frame, const Plan& plan, const std::stop_token& stop) {
     Analysis analysis;
     analysis.sets = sets.size();

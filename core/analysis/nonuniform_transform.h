@@ -21,8 +21,8 @@ struct WeightedPoint {
 /// |i| <= highest_x, |j| <= highest_y. Each point is spread over 12 x 12 cells of a grid with twice the required
 /// resolution. The grid is transformed, and the effect of the spreading is divided out.
 ///
-/// The error of each F is below 1e-10 times the sum of |weights|. For n points of weight 1 without structure, it is
-/// below 1e-9 sqrt(n). O(n + N log N) for N = cells(), 16 bytes per cell.
+/// The error of each F is below 1e-10 times the sum of |weights|. For n points of weight 1 without structure, the error
+/// is below 1e-9 sqrt(n). O(n + N log N) for N = cells(), 16 bytes per cell.
 ///
 /// Source: Barnett, Magland, af Klinteberg 2019, with the "exponential of semicircle" kernel; upsampling factor 2.
 class NonuniformTransform {
@@ -54,8 +54,9 @@ private:
     RealTransform transform_;
 };
 
-/// Fourier sums in a range around any frequency, for which a smaller grid suffices. Each point's weight is rotated by
-/// the central frequency. The real and imaginary parts of the result are spread on separate grids.
+/// Fourier sums in a range around a central frequency. The grid only has to resolve this range, so it is smaller than
+/// the grid of NonuniformTransform. Each point's weight is multiplied by the complex wave of the central frequency at
+/// the point. The real and the imaginary parts of these products are spread on separate grids.
 ///
 /// Errors as in NonuniformTransform. O(n + N log N) for N cells of 32 bytes.
 class ShiftedTransform {
@@ -67,7 +68,7 @@ public:
     ShiftedTransform(int reach_x, int reach_y) : real_(reach_x, reach_y), imaginary_(reach_x, reach_y) {}
 
     /// Computes F around (middle_x, middle_y). A stop ends the computation early; the values must not be used then.
-    /// @param points  several times faster if successive points are near each other
+    /// @param points  the points; if successive points are near each other, run() is several times faster
     void run(std::span<const WeightedPoint> points, int middle_x, int middle_y, const std::stop_token& stop);
 
     /// Returns F(middle_x + i, middle_y + j) of the last run, |i| <= reach_x, |j| <= reach_y.

@@ -11,7 +11,8 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree. The middle element of a range splits the range, perpendicular to its longer extent.
+/// A k-d tree in one array. The middle element of each range splits the range along the axis in which the range is
+/// longer.
 class Tree {
 public:
     Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {

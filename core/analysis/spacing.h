@@ -14,11 +14,11 @@ struct Spacing {
     double mean = 0;
 };
 
-/// Measures the distances of nearest neighbours by a k-d tree. Its speed does not depend on clusters and gaps.
+/// Measures the distances of nearest neighbours by a k-d tree. Clusters and gaps do not affect the speed.
 ///
 /// @param points    [n], n >= 2, in [0, sides.x] x [0, sides.y]
 /// @param sides     > 0
-/// @param periodic  whether opposite sides are joined, so that distances are those on the torus
+/// @param periodic  whether opposite sides are joined, so that distances are measured around the torus
 ///
 /// A stop ends the measurement early; the result must not be used then. O(n log n).
 Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop);

@@ -16,7 +16,7 @@ namespace ccdt {
 /// A counter-clockwise triangle of a domain. By Green's theorem, each of its edges contributes to its mass.
 struct Part {
     std::array<Point, 3> corners;
-    std::array<double, 3> flows;  ///< contribution of the edge after each corner
+    std::array<double, 3> flows;  ///< contribution to the mass, of the edge that begins at each corner
 
     double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
 };
@@ -27,7 +27,7 @@ public:
     /// @param density  must outlive this
     Bisection(const Domain& domain, const Density& density) : capacity_(domain, density) {}
 
-    /// Returns the initial triangles: the two halves of a box, or else those of the mesh.
+    /// Returns the initial triangles: the two halves of a box, or for other domains, the triangles of the mesh.
     std::vector<Part> parts_of(const Domain& domain, const Triangulation& mesh) const;
 
     /// Divides a triangle in two across its longest edge. O(cells of the density crossed).

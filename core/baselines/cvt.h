@@ -9,7 +9,7 @@ namespace ccdt {
 inline constexpr int kCvtIterations = 100;
 
 /// Distributes sites by Lloyd's method, which converges to a centroidal Voronoi tessellation: each site is the centroid
-/// of its cell, the points nearer to it than to any other site.
+/// of its cell, which consists of the points nearer to this site than to any other.
 ///
 /// Cells are clipped to the domain. Their integrals are exact (voronoi_cells.h). If a centroid lies outside the domain,
 /// the site moves only part of the way.
@@ -22,8 +22,8 @@ inline constexpr int kCvtIterations = 100;
 /// Errors: those of distribute(). Deterministic. O(n log n) per iteration.
 /// Source: Lloyd 1982; Du, Faber, Gunzburger 1999, section 5.2. Departure: centroids are weighted by the square of the
 /// density. Cells of a centroidal tessellation tend to have equal energies, not equal masses (ibid., section 6.4.1). So
-/// in the plane, the density of sites is the square root of the weight. With the squared density as weight, it is the
-/// wanted density.
+/// in the plane, the density of sites is the square root of the weight. With the squared density as weight, the density
+/// of sites is the wanted density.
 Result<Distribution> cvt(const Domain& domain, const Density& density, const Options& options,
                          const Control& control = {});
 

@@ -17,11 +17,11 @@ namespace ccdt {
 /// the sum of squared distances from samples to their sites, where each site is the centroid of its samples.
 ///
 /// For two cells at a time, the samples with the largest gains are swapped as long as there is a gain. The result is
-/// the best division of the two cells' samples between the two sites. A pair of cells is considered only if one cell
-/// could have a sample nearer to the other site, and if one cell has changed since the pair was last considered.
-/// Source: Balzer, Schloemer, Deussen 2009, section 3 and algorithm 1. Departures, for speed as in Li, Nehab, Wei,
-/// Sander, Fu 2010: the choice of pairs; samples are initially assigned to the nearest site with free capacity, not to
-/// any; centroids are updated after each swap, not after each round.
+/// the best division of the two cells' samples between the two sites. A pair of cells is considered only if one of the
+/// two cells could have a sample nearer to the other site, and if at least one has changed since the pair was last
+/// considered. Source: Balzer, Schloemer, Deussen 2009, section 3 and algorithm 1. Departures, for speed as in Li,
+/// Nehab, Wei, Sander, Fu 2010: the choice of pairs; samples are initially assigned to the nearest site with free
+/// capacity, not to an arbitrary one; centroids are updated after each swap, not after each round.
 class EqualCells {
 public:
     /// @param samples  [sites * capacity]; on a torus, within its box
@@ -30,7 +30,8 @@ public:
     EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                const std::stop_token& stop);
 
-    /// Considers every pair of cells once. The energy never increases. After finitely many sweeps, no swap lowers it.
+    /// Considers every pair of cells once. The energy never increases. After finitely many sweeps, no swap lowers the
+    /// energy.
     /// @param stop  polled every few sites; ends the sweep
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
@@ -67,7 +68,8 @@ private:
     std::vector<std::uint32_t> changed_;  ///< [sites] last sweep in which the site swapped samples
     std::uint32_t sweeps_ = 0;
 
-    // For the current two sites: squared distance of each sample from its own site, minus that from the other site.
+    // For the current two sites: squared distance of each sample from its own site, minus its squared distance from the
+    // other site.
     std::vector<double> first_gains_, second_gains_;
     std::vector<Offer> first_offers_, second_offers_;
 };

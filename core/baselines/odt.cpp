@@ -13,7 +13,7 @@ namespace ccdt {
 
 namespace {
 
-/// Moves sites to the mean circumcentres around them, pass by pass.
+/// Moves each site to the weighted mean of the circumcentres of the triangles around it, pass by pass.
 class Circumcentres {
 public:
     Circumcentres(SiteMesh& sites, const std::stop_token& stop)
@@ -41,7 +41,7 @@ private:
     const std::stop_token& stop_;
     double least_height_;
     std::vector<double> capacities_;  ///< [triangles] capacities
-    std::vector<double> weights_;     ///< [triangles] weights of their areas
+    std::vector<double> weights_;     ///< [triangles] weight of each triangle's area
     std::vector<Corner> around_;
     bool is_alone_ = false;  ///< whether the site is its own neighbour, as on a torus with few sites
 };
@@ -93,8 +93,8 @@ void Circumcentres::look_around(std::uint32_t site) {
     } while (h != first);
 }
 
-/// Returns the step from the site to the mean of the circumcentres. The product of a circumcentre and an area is a
-/// quadratic form of the corners, so no division is needed.
+/// Returns the vector from the site to the weighted mean of the circumcentres. The product of a triangle's circumcentre
+/// and its area is a polynomial in its corners, so no division per triangle is needed.
 Point Circumcentres::way_to_mean() const {
     double area = 0;
     Point moment;

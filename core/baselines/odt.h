@@ -11,9 +11,10 @@ inline constexpr int kOdtIterations = 100;
 /// Distributes sites by optimal Delaunay triangulation: minimises the error of the piecewise linear interpolation of
 /// the squared distance from a point.
 ///
-/// Each site in turn moves to the mean of the circumcentres of the triangles around it, weighted by their areas. As
-/// long as the triangles stay the same, this position minimises the error. Then the triangulation is made Delaunay
-/// again. A move that would invert a triangle is halved until it no longer does. Vertices on the border do not move.
+/// Each site in turn moves to the mean of the circumcentres of the triangles around it, weighted by the areas of the
+/// triangles. As long as the triangles stay the same, this position minimises the error. Then the triangulation is made
+/// Delaunay again. A move that would make a triangle too small or too thin is halved until it does not. Vertices on the
+/// border do not move.
 ///
 /// @param options  passes are ignored
 /// @returns        as distribute(): the trace holds the capacity variation of the triangulation, which the method does

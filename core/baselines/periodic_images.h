@@ -22,8 +22,8 @@ public:
     /// Distance between copies along each axis; {0, 0} if there are no copies.
     Point period() const { return period_; }
 
-    /// Returns the shortest vector between copies of two points. The given vector between copies must be shorter than
-    /// one and a half periods.
+    /// Returns the shortest vector between copies of two points.
+    /// @param way  vector between some copies of the points, shorter than one and a half periods along each axis
     Point shortest(Point way) const {
         return {shortest(way.x, period_.x, half_.x), shortest(way.y, period_.y, half_.y)};
     }

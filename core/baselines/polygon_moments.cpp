@@ -60,10 +60,10 @@ Moments SquaredDensity::over(std::span<const Point> corners, Point from) const {
     return moments;
 }
 
-/// Returns the contribution of an edge to a polygon's moments, in cells of the grid. Let F(x, y) be the weight left of
-/// x, and G(x, y) its moment. The contributions are the integrals of F, G and y F over dy. Within a cell F is linear
-/// and G quadratic, so the values at the midpoint of each piece and a twelfth of the squared extent of the piece
-/// suffice.
+/// Returns the contribution of an edge to a polygon's moments, in cells of the grid. Let F(x, y) be the weight on the
+/// left of x in the row of y, and G(x, y) the moment of this weight along x. The contributions are the integrals of F,
+/// G and y F over dy. Within a cell F is linear and G quadratic, so the values at the midpoint of each piece and a
+/// twelfth of the squared extent of the piece suffice.
 Moments SquaredDensity::along(Point a, Point b) const {
     Moments moments;
     const double slope = b.y != a.y ? (b.x - a.x) / (b.y - a.y) : 0;

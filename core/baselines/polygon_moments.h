@@ -14,7 +14,8 @@ namespace ccdt {
 struct Moments {
     double mass = 0;
     Point first;
-    double magnitude = 0;  ///< sum of the absolute terms of the mass, which bounds its rounding error
+    double magnitude = 0;  ///< sum of the absolute values whose signed sum is `mass`; bounds the rounding error of
+                           ///< `mass`
 
     void add(const Moments& other) {
         mass += other.mass;
@@ -42,7 +43,8 @@ private:
     int rows_ = 0;
     Point to_grid_{1, 1};            ///< cells per unit
     std::vector<double> sums_;       ///< [rows][columns + 1] sums of squares left of each column
-    std::vector<double> x_moments_;  ///< sums of squares times x
+    std::vector<double> x_moments_;  ///< [rows][columns + 1] the same sums, with each square multiplied by the x of the
+                                     ///< cell's centre
 };
 
 }  // namespace ccdt

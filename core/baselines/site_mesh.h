@@ -14,8 +14,9 @@
 
 namespace ccdt {
 
-/// Sites that a method moves, in the triangulation on which distribute() measures sites. Contains what the methods of
-/// this folder share: the start, the measure, and the stopping rules. All positions are in the unit frame.
+/// Sites that a method moves, with the same triangulation as in distribute(), on which capacities are measured.
+/// Contains what the methods of this folder share: the initial sites, the measurement, and the stopping rules. All
+/// positions are in the unit frame.
 class SiteMesh {
 public:
     /// Draws and triangulates the same initial sites as distribute().
@@ -42,8 +43,9 @@ public:
     /// O(sites); several times faster if the moves invert no triangle.
     bool move(std::span<const Point> wanted);
 
-    /// Calls `step` until it returns false because nothing moves, options.iterations are completed, the variation is
-    /// below options.tolerance, or a stop is requested. A step interrupted by a stop may leave the sites unmoved.
+    /// Calls `step` repeatedly. Ends when `step` returns false because nothing moves, when options.iterations are
+    /// completed, when the variation is below options.tolerance, or when a stop is requested. A step interrupted by a
+    /// stop may leave the sites unmoved.
     /// @returns  the sites, with the capacity variation after each iteration as in distribute()
     Distribution iterate(const Options& options, const Control& control, const std::function<bool()>& step);
 

@@ -12,10 +12,10 @@
 
 namespace ccdt {
 
-/// Finds sites near a point by a balanced k-d tree (Bentley 1975). Its speed does not depend on how crowded sites are.
+/// Finds sites near a point by a balanced k-d tree (Bentley 1975). Crowded sites do not affect the speed.
 class SiteTree {
 public:
-    /// A site, as one of its periodic copies.
+    /// A site, and the position of one of its periodic copies (see PeriodicImages).
     struct Found {
         std::uint32_t site;
         Point place;
@@ -29,8 +29,8 @@ public:
     /// @param place  on a torus, within its box
     std::optional<Found> nearest(Point place) const;
 
-    /// Finds all sites within a distance, hidden ones included. If `distance` is at least twice the distance to the
-    /// nearest site, the result contains every site that can be nearest to any point within half of `distance`.
+    /// Finds all sites within a distance, hidden ones included. If `distance` is at least 2 r plus the distance to the
+    /// nearest site, the result contains every site that can be nearest to some point within the distance r of `place`.
     /// @param place  on a torus, within its box
     /// @param found  out; replaced
     void within(Point place, double distance, std::vector<Found>& found) const;
@@ -41,7 +41,7 @@ public:
 private:
     struct Node {
         Box box;
-        std::uint32_t begin, end;  ///< range of its sites in sites_
+        std::uint32_t begin, end;  ///< range of the node's sites in sites_
         std::uint32_t left;        ///< number of sites that are not hidden
     };
 

@@ -85,7 +85,7 @@ void VoronoiCells::Integration::find_near(const Part& part) {
     tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
 }
 
-/// @param begin  start of the sites near the part in near_
+/// @param begin  index in near_ of the first site near the part
 void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;
     constexpr int kMaxDepth = 60;
@@ -102,8 +102,9 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
     near_.resize(end);
 }
 
-/// Narrows the sites of near_, from `begin` on, to those that can be nearest to a point of the part, and appends these.
-/// The first one is nearest to the centre of the part; each of the others is nearer to some corner than the first one.
+/// Selects, among the sites of near_ from `begin` on, those that can be nearest to a point of the part, and appends
+/// them to near_. The first appended site is nearest to the centre of the part. Each further one is nearer to some
+/// corner of the part than the first one.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

@@ -152,6 +152,7 @@ void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep>
 
 /// Adds an edge's flow to the capacities of its two triangles. On a torus, the position of the edge can differ between
 /// the two triangles.
+/// @param repeated  whether the edge or a triangle may extend beyond a torus' box
 template <class Add>
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,
                                 Add&& add) const {

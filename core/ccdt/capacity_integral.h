@@ -16,21 +16,22 @@ namespace ccdt {
 /// Data of a triangle for exact passes.
 struct TriangleFlows {
     double capacity = 0;
-    /// The density integral that each half-edge sweeps when its origin moves to the right of the edge, divided by the
-    /// length of the move and the length of the edge. The density is weighted by 1 at the origin, falling linearly to 0
-    /// at the target.
+    /// Integral of the density over the area that each half-edge sweeps when its origin moves to the right of the edge,
+    /// divided by the length of the move and the length of the edge. The density is weighted by 1 at the origin,
+    /// falling linearly to 0 at the target.
     std::array<double, 3> swept{};
 };
 
 /// Integrates a density exactly over the triangles of a domain. The density is constant on cells, so by Green's theorem
-/// a triangle's capacity is the integral of F dy along its edges. F(x, y) is the integral of the density in the row of
-/// y from the left side of the box to x; it is linear within a cell. The capacities of all triangles add up to that of
-/// the domain, except for rounding. On a torus the density is periodic, and F grows by the row's total with each
-/// period.
+/// a triangle's capacity is the integral of F dy along its edges. F(x, y) is the integral of the density in the grid
+/// row of y, from the left side of the box to x. F is linear within a cell. The capacities of all triangles add up to
+/// the capacity of the domain, except for rounding. On a torus the density is periodic, and F grows by the row's total
+/// with each period.
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this
-    /// @param by_four          whether to process four edges at once if the processor can; the results are identical
+    /// @param by_four          whether to process four edges at once if the processor can; the results are the same
+    ///                         either way
     CapacityIntegral(const Domain& domain, const Density& density, bool by_four = true);
 
     bool is_uniform() const { return density_.is_uniform(); }

@@ -219,8 +219,9 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Whether single sites are relocated after the current iteration. This iteration is late enough to distinguish
-/// surpluses from sites that are still moving, and early enough for further iterations to follow.
+/// Whether single sites are relocated after the current iteration: the third one, or the last one if there are fewer.
+/// The third iteration is late enough to distinguish surpluses from sites that are still moving, and early enough for
+/// further iterations to follow.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -259,8 +260,8 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites that lie where there is no density to the nearest place with some. If any site moves, all sites are
-/// triangulated anew.
+/// Moves sites that lie where the density is zero to the nearest place with a positive density. If any site moves, all
+/// sites are triangulated anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -69,7 +69,7 @@ struct Distribution {
     /// [sites] strictly inside the domain, in the domain's coordinates. A torus includes its lower and left sides.
     std::vector<Point> points;
     int iterations = 0;  ///< number of completed iterations
-    /// Capacity variation after each iteration [iterations + 1]; [0] is that of the start.
+    /// Capacity variation after each iteration [iterations + 1]; entry 0 is the variation of the start.
     std::vector<double> trace;
     std::optional<double> polished;  ///< capacity variation after the polish; none without polish
     /// Whether the stop token ended the computation early. Then iterations or polish may be incomplete, and the mesh

@@ -28,12 +28,14 @@ struct DomainMesh {
 /// @param stop    polled regularly; a stop gives the error Stopped
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop = {});
 
-/// Does the same with border vertices whose distances follow from the capacity. On a torus, the mesh has no border.
+/// Does the same with vertices along the border that are as far apart as `capacity` demands of the sites there. On a
+/// torus, the mesh has no border.
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 
-/// Divides the sites among the connected parts of a domain in proportion to capacity [parts of the mesh]. The method of
-/// largest remainders gives whole numbers.
+/// Divides the sites among the connected parts of a domain, in proportion to the capacities of the parts. The method of
+/// largest remainders makes the numbers whole.
+/// @returns  number of sites of each part [parts of the mesh]; empty if the capacity is zero
 std::vector<std::size_t> sites_of_parts(const DomainMesh& mesh, const CapacityIntegral& capacity);
 
 /// Returns the positions of the sites in the caller's coordinates [sites].

@@ -62,7 +62,8 @@ private:
             known = point;
     }
 
-    /// Updates the nearest point of a cell from that of a neighbouring cell.
+    /// Compares the nearest point of a cell with the nearest point of a neighbouring cell, and keeps the nearer one.
+    /// @param across, up  columns and rows from the cell to its neighbour
     void ask(int column, int row, int across, int up) {
         int from_column = column + across, from_row = row + up;
         if (torus_) {

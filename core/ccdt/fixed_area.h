@@ -13,8 +13,8 @@ namespace ccdt {
 /// The area that fixed points take from the new sites.
 struct FixedArea {
     double sites = 0;  ///< capacity of the domain, divided by the capacity of each new site
-    /// [fixed] capacity that each fixed point takes, divided by that of a new site: at most 1; 0 if far outside the
-    /// domain.
+    /// [fixed] capacity that each fixed point takes, divided by the capacity of a new site: at most 1; 0 if far outside
+    /// the domain.
     std::vector<double> weights;
 };
 

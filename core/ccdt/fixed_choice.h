@@ -10,12 +10,12 @@
 
 namespace ccdt {
 
-/// Chooses the fixed points that become vertices. They lie inside the domain, and not so close to the border or to each
-/// other that needles arise. The other points are kept as obstacles, except near duplicates.
+/// Chooses the fixed points that become vertices. These points lie inside the domain, and not so close to the border or
+/// to each other that needles arise. The other points are kept as obstacles, except near duplicates.
 ///
 /// @param points   in the unit frame, in an order that keeps neighbours close
-/// @param weights  [points] area that each point takes; the weight of a point without a vertex is added to a close
-///                 vertex
+/// @param weights  [points] area that each point takes (FixedArea::weights); the weight of a point too close to a
+///                 vertex is added to this vertex
 /// @param spacing  least spacing of sites
 /// @param trial    triangulation of the border alone, with capacity for all points; modified by trial insertions
 /// @returns        the choice, without the member `sites`

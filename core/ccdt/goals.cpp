@@ -15,7 +15,8 @@ namespace {
 constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 
-/// Sums over triangles.
+/// Sums over triangles, from which the capacity variation is computed. Capacities (`reached`) and targets are in units
+/// of half a site's capacity.
 struct Reached {
     double targets = 0;
     double sum = 0;
@@ -48,7 +49,8 @@ double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// Returns the border edge of a triangle with a site. There is at most one, since the other two edges end at the site.
+/// Returns the border edge of a triangle with a site; kNone if there is none. There is at most one, since the other two
+/// edges end at the site.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);
@@ -128,7 +130,7 @@ TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const Weight
     constexpr double kEdgeShare = 0.5;  // share of the strip; the other half goes to the triangles at corners
     // Benchmark BorderPattern: a smaller value crowds sites at the border, a larger one empties it.
     constexpr double kCornerShare = 0.61;
-    // For a fan of a thousand triangles. It keeps the terms of one vertex comparable.
+    // Least share, reached in a fan of a thousand triangles. This limit keeps the terms of one vertex comparable.
     constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
@@ -192,7 +194,7 @@ bool are_rare(const Aims& aims, std::size_t triangles) {
     return aims.triangles.size() * kRims < triangles;
 }
 
-/// Weights of triangles according to their capacities.
+/// Computes the weights of triangles from their capacities.
 class Weights {
 public:
     Weights(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities)

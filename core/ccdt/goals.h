@@ -17,7 +17,7 @@ namespace ccdt {
 /// Targets are proportional to the length of the border edge, so that short edges of a coastline take no more than
 /// their share. All border edges that one site faces count together as one triangle; otherwise each of them would pull
 /// as strongly as a whole triangle. Triangles that touch the border at one corner get a fifth more than the other half,
-/// which brings the number of sites near the border closest to their share: benchmark BorderPattern.
+/// because then the number of sites near the border is closest to its expected value: benchmark BorderPattern.
 ///
 /// Edges between fixed sites that are closer together than the spacing count as border edges. However, the first row of
 /// free sites is a whole row away from such edges.
@@ -32,14 +32,14 @@ namespace ccdt {
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same with given capacities.
+/// Does the same without a CapacityIntegral.
 /// @param total    capacity that the sites share
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same with compact storage: if few triangles have a goal of their own, the weights reuse the memory of the
-/// capacities.
+/// Does the same with compact storage. If few triangles have goals of their own, the memory of `capacities` is reused
+/// for the weights of the other triangles.
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals);
 

@@ -36,8 +36,8 @@ public:
     }
 
 private:
-    /// Number of attempts to place a site. If the domain covers half of a site's cell, all attempts fail for 1 such
-    /// site of 65,536.
+    /// Number of attempts to place a site. If the domain covers half of a site's cell, all attempts fail with a
+    /// probability of 1 in 65,536.
     static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {

@@ -13,7 +13,7 @@
 namespace ccdt {
 
 /// Inserts all free sites of a mesh. For each site, tries its position in `first`, then positions that `start` draws.
-/// If almost none of the site's cell is usable, the site goes anywhere in the part with most missing sites.
+/// If almost none of the site's cell is usable, the site goes anywhere in the part that lacks most sites.
 ///
 /// @param first      [sites], or empty if all positions come from `start`
 /// @param vacancies  [parts of the mesh] number of sites for each part, adding up to all sites; or empty if parts may

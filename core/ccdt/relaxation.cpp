@@ -54,8 +54,8 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
     return {scale * goal.weight, scale * goal.target, goal.share * goal.weight, scale};
 }
 
-/// The one-rings of sites that are moved at once, by two triangles of each site per vector. A triangle between a
-/// neighbour and the repetition of this neighbour is flat and contributes nothing.
+/// The one-rings of sites that are moved at once, one site per lane. Each vector holds the values of two triangles of
+/// each site. A triangle between a neighbour and the repetition of this neighbour is flat and contributes nothing.
 template <std::size_t kPairs, class Lanes>
 struct Relaxation::Rings {
     using Pairs = typename Lanes::Pairs;
@@ -85,7 +85,8 @@ struct Relaxation::Rings {
     CCDT_INLINE Pairs next_x(std::size_t i) const { return Lanes::shifted(x[i], x[i + 1]); }
     CCDT_INLINE Pairs next_y(std::size_t i) const { return Lanes::shifted(y[i], y[i + 1]); }
 
-    /// Whether triangles keep enough area when the sites move, for each triangle of a pair.
+    /// Whether all triangles keep enough area when the sites move by (by_x, by_y). The result has two components per
+    /// lane, which must both be true.
     /// @param least  least doubled area
     CCDT_INLINE auto fit(typename Lanes::Numbers by_x, typename Lanes::Numbers by_y, double least) const {
         const Pairs move_x = Lanes::twice(by_x), move_y = Lanes::twice(by_y);
@@ -261,15 +262,15 @@ void Relaxation::Group::store(const Batches& batches, std::span<std::uint32_t> m
 }
 
 /// Returns the memory reserved for the records of a number of sites. The mean number of neighbours is 6, and the last
-/// pair of a record may be half empty. A block may need a little more than this.
+/// pair of a record may be half empty. A block that needs more stores its records itself.
 std::size_t Relaxation::record_memory_of(std::size_t sites) const {
     constexpr double kSpare = 1.06;
     const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
     return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
 }
 
-/// Lists the sites of which all neighbours are in one block, and collects the other sites. Most sites have kept their
-/// neighbours; their records are copied from the old batches, in the same order.
+/// Lists the sites of a block whose free neighbours are all in the block, and collects the other sites. Most sites have
+/// the same neighbours as before; their records are copied from the old batches, in the same order.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -496,8 +497,8 @@ bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) 
     return found;
 }
 
-/// Returns the normal equations of plain sites. The sums of a and b over a closed ring vanish, and so does the
-/// contribution of the common target. All terms are divided by the squared weight.
+/// Returns the normal equations of plain sites. The sums of a and b (derivatives of the doubled areas) over a closed
+/// ring vanish, and so does the contribution of the common target. All terms are divided by the squared weight.
 template <std::size_t kPairs, class Lanes>
 CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::plain_equations(const Rings<kPairs, Lanes>& rings,
                                                                             const Records<Lanes>& records) const {

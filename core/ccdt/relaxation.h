@@ -17,13 +17,13 @@
 
 namespace ccdt {
 
-/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position on the way to it.
+/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position between the site and `to`.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
 struct RelaxationOptions {
     // Stiffer springs and longer moves increase both the distance between neighbours and the error of tone: benchmarks
     // TorusPattern and PictureTone. Without springs along the border, more sites crowd there: benchmark BorderPattern.
-    double spring = 0.01;        ///< stiffness of edges relative to that of areas
+    double spring = 0.01;        ///< stiffness of edges relative to the stiffness of areas
     double border_spring = 0.1;  ///< additional stiffness of border edges, which keeps their vertices apart
     double relaxation = 1.2;     ///< length of a move relative to the move to the minimum, in [1, 2)
     double least_height = 1e-9;  ///< least height of a triangle after a move, in the unit frame
@@ -32,7 +32,7 @@ struct RelaxationOptions {
     std::optional<double> small_area;
     std::optional<double> site_share;  ///< share of the capacity for each site; none: all shares are equal
     Fence fence;                       ///< for all sites; may be empty
-    /// Whether to move two sites at once if the processor can; the results are identical.
+    /// Whether to move two sites at once if the processor can; the results are the same either way.
     bool by_two = true;
 };
 
@@ -76,8 +76,9 @@ public:
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
-    /// assumes that a triangle keeps its mean density as it moves. An exact pass uses the density along the moving
-    /// edges instead. Capacities are measured every few passes; between measurements they are updated to first order.
+    /// assumes that a triangle keeps its mean density as its corners move. An exact pass uses the density along the
+    /// moving edges instead. Capacities are measured every few passes; between measurements they are updated to first
+    /// order.
     ///
     /// Unlike pass(), an exact pass does not stall next to areas of density zero or at other steep changes.
     /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
@@ -98,8 +99,8 @@ private:
     using Records = std::array<const std::uint32_t*, Lanes::kCount>;
 
     /// Records of sites of one kind, for the fast path. A record holds the site and its neighbours counter-clockwise,
-    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, it also holds the 2 *
-    /// pairs triangles between these neighbours.
+    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, the record also holds
+    /// the 2 * pairs triangles between these neighbours.
     using Batch = std::vector<std::uint32_t>;
 
     // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
@@ -119,7 +120,7 @@ private:
     /// neighbour and the next one. The one-ring of a border vertex ends with a neighbour that has no triangle after it.
     struct Fan {
         std::uint32_t vertex;
-        std::uint32_t first;  ///< index of the first entry of its one-ring
+        std::uint32_t first;  ///< index of the first entry of the one-ring in the lists of Fans
         std::uint32_t neighbours;
         std::uint32_t triangles;  ///< equal to `neighbours`, or one less on the border
     };
@@ -135,14 +136,13 @@ private:
 
     using Batches = std::array<Batch, kKinds>;
 
-    /// Sites that one task moves in sequence. The group includes every neighbour of these sites that another task could
-    /// move.
+    /// Sites that one task moves in sequence. While it does, no other task moves these sites or their neighbours.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
         std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
         std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
         Fans fans;
-        /// All sites of the group. Empty at level 0, where the group has most sites of the block.
+        /// All sites of the group. Empty at level 0, where the group consists of the block's sites whose level is 0.
         std::vector<std::uint32_t> sites;
         std::vector<std::uint32_t> others;  ///< sites of the block that belong to the group of a larger block
 
@@ -226,8 +226,8 @@ private:
     std::vector<std::uint8_t> kinds_;         ///< [sites] kind of each site, as long as there are records
     std::vector<std::uint8_t> levels_;        ///< [sites] level of the site's group
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
-    /// Memory for the records of each level-0 block, in one piece. So it returns to the allocator as one piece; freed
-    /// pieces of the size of a block would hardly fit later needs.
+    /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of
+    /// the size of a block would hardly fit later needs.
     std::vector<std::uint32_t> record_memory_;
     Fans border_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured

@@ -21,8 +21,8 @@ bool has_site(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_site(v); });
 }
 
-/// Returns the site to which each triangle without a site is assigned [triangles]: a site of the nearest triangle that
-/// has a site. kNone for triangles with sites, and in parts without sites.
+/// Assigns each triangle without a site to a site of the nearest triangle that has one.
+/// @returns  the assigned site [triangles]; kNone for triangles with sites, and in parts without sites
 std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     std::vector<std::uint32_t> owner(mesh.triangle_count(), kNone), reached;
     for (std::uint32_t t = 0; t < mesh.triangle_count(); ++t) {
@@ -47,7 +47,8 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) for each triangle around a site, with the triangle's next vertex after the site.
+/// Calls function(triangle, neighbour) for each triangle around a site, with the triangle's next vertex after the site,
+/// counter-clockwise.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -161,8 +162,8 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
     return clearest != kNone && relocate(site, clearest);
 }
 
-/// Returns the squared distance from the nearest other site that a site would have after relocate(); negative if there
-/// is no place.
+/// Returns the squared distance that `site` would have from the nearest other site if relocate() moved it beside `to`;
+/// negative if there is no place for it there.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
@@ -202,7 +203,7 @@ bool Resettlement::relocate(std::uint32_t site, std::uint32_t beside) {
 }
 
 /// Whether a triangle is large enough to be divided.
-/// @param share  share of its area that the smallest of the three parts gets
+/// @param share  share of the triangle's area that the smallest of the three new triangles gets
 bool Resettlement::can_be_divided(std::uint32_t triangle, double share) const {
     constexpr double kMinShape = 1e-5;  // doubled area of each part relative to the longest edge squared
     const auto [a, b, c] = mesh_.places(triangle);
@@ -229,8 +230,8 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Returns the place in a site's small part that is farthest from all other sites. Among places that are far enough,
-/// returns one in the largest triangle.
+/// Returns the place that is farthest from all other sites, in the small part where `site` lies. If several places are
+/// far enough, returns one in the largest triangle.
 Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
     constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
@@ -258,14 +259,15 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     return best;
 }
 
-/// Returns the squared distance that two sites should have.
+/// Returns the squared distance that two sites should have at the density near `site`.
 double Resettlement::enough_squared(std::uint32_t site) const {
     constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
     return least * least;
 }
 
-/// Returns the positions of all other sites in the bounding box of some triangles, and up to `reach` around this box.
+/// Returns the positions of the sites, except `but`, in the bounding box of some triangles and of `but`, and up to
+/// `reach` around this box.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};
@@ -296,7 +298,8 @@ bool Resettlement::separate(std::array<std::uint32_t, 2> pair) {
         moved = site;
     }
     if (best.squared < enough) {
-        // Relative to the distance that two sites should have. In a hexagonal grid, the centre of a triangle has 0.69.
+        // Relative to the distance that two sites should have. In a hexagonal grid, the distance from the centre of a
+        // triangle to its corners is 0.69.
         constexpr double kClear = 0.6;
         const double least = std::sqrt(dot(apart, apart)), clear = kClear * std::sqrt(enough);
         for (const std::uint32_t site : pair) {

@@ -22,31 +22,32 @@ namespace ccdt {
 class Resettlement {
 public:
     /// @param mesh          trimmed, not of a torus, with all sites free
-    /// @param goals         [triangles] of which only the weights are used; must outlive this
+    /// @param goals         goals of all triangles, of which only the weights are used; must outlive this
     /// @param least_height  least height of triangles
     ///
     /// O(triangles).
     Resettlement(Triangulation& mesh, const TriangleGoals& goals, double least_height = 0);
 
-    /// Relocates sites that, together with their neighbours, have a surplus of more than half a site. They move to
-    /// places where more than half a site is missing.
+    /// Relocates sites that, together with their neighbours, have a surplus of more than half a site. Such a site moves
+    /// to a place where more than half a site is missing.
     /// @returns  number of relocated sites
     ///
     /// O(sites), and O(n log n) for the n sites with too many or too few sites around them.
     std::size_t even_out();
 
-    /// Relocates a site next to one of the sites of its part with the largest capacity. Chooses the first place that is
-    /// at least `enough` away from all other sites; if there is none, the place that is farthest from them.
+    /// Relocates a site to a place beside one of the eight sites with the largest capacities in its part of the domain.
+    /// Chooses the first place that is at least `enough` away from all other sites. If there is no such place, chooses
+    /// the one that is farthest from all other sites.
     /// @param least  least distance from other sites at the new place
-    /// @returns      false, without moving the site, if there is no such place, or if the site or the place is near the
-    ///               old or new place of a previously relocated site
+    /// @returns      false, without moving the site, if all places are closer than `least` to other sites, or if the
+    ///               site or the place is near the old or new place of a previously relocated site
     ///
     /// O(sites).
     bool move_away(std::uint32_t site, double least = 0, double enough = 0);
 
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
-    /// the relocated site moves to the place farthest from all other sites, including those of other parts. In a larger
-    /// part, it moves as in move_away().
+    /// the relocated site moves to the place farthest from all other sites, including the sites of other parts. In a
+    /// larger part, the site moves as in move_away().
     /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
     ///           other
     ///
@@ -90,8 +91,8 @@ private:
     std::optional<SmallParts> small_parts_;  ///< created when first needed
     std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, in sites
     std::vector<double> around_;             ///< [sites] sum of the site's own surplus and its neighbours' surpluses
-    std::vector<std::uint32_t> largest_triangle_;  ///< [sites] its largest triangle
-    std::vector<bool> outdated_;                   ///< [sites] whether its data is outdated by a relocation
+    std::vector<std::uint32_t> largest_triangle_;  ///< [sites] largest triangle of each site
+    std::vector<bool> outdated_;                   ///< [sites] whether a relocation has outdated the site's data
 };
 
 }  // namespace ccdt

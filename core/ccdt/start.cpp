@@ -21,8 +21,8 @@ constexpr std::size_t kSitesPerCell = 4;
 /// straits, which sites cannot cross.
 constexpr std::size_t kSitesPerCutCell = 1;
 
-/// Solves for the place in [x0, x1] at which an increasing function has completed a given share of its rise. The
-/// function is linear between neighbouring grid points.
+/// Returns the place in [x0, x1] at which an increasing function has completed a given share of its rise over this
+/// interval. The function is linear between successive whole numbers.
 template <class Function>
 double invert(double x0, double x1, double share, Function&& function) {
     double f0 = function(x0), f1 = function(x1);
@@ -47,7 +47,7 @@ double invert(double x0, double x1, double share, Function&& function) {
     return std::clamp(x0 + (x1 - x0) * (level - f0) / (f1 - f0), x0, x1);
 }
 
-/// Returns the share of each cell that the domain covers [rows * columns].
+/// Returns the share of each grid cell that the domain covers [rows * columns].
 std::vector<double> shares_of(const Domain& domain, int columns, int rows) {
     std::vector<BorderEdge> border;
     border.reserve(domain.corner_count());
@@ -120,7 +120,7 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
     }
 }
 
-/// Returns the capacities of the cells, from which the area of fixed points is subtracted.
+/// Returns the capacities of the cells minus the capacities that fixed points take there.
 /// @param share  share of each cell that the domain covers; empty: all of every cell
 std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);

@@ -25,7 +25,8 @@ public:
         if (torus_) columns_ = cells(sides_.x), rows_ = cells(sides_.y);
     }
 
-    /// Returns the index of a point of the set that is closer to p than the least distance; none if there is none.
+    /// Returns the index of a point of the set that is closer to p than the least distance; none if no point is so
+    /// close.
     std::optional<std::size_t> near(Point p) const {
         const auto [column, row] = cell_of(p);
         for (std::int64_t j = row - 1; j <= row + 1; ++j) {

@@ -12,8 +12,8 @@
 
 namespace ccdt {
 
-/// Weight of a triangle's doubled area, and target of the product of weight and area. Both are in units of half a
-/// site's capacity, so a triangle between three sites has the target 1.
+/// Weight of a triangle's doubled area, and target of the product weight * doubled area. The product and the target are
+/// in units of half a site's capacity, so a triangle between three sites has the target 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;
@@ -78,7 +78,7 @@ private:
     }
 
     std::vector<TriangleGoal> all_;
-    std::vector<double> weights_;  ///< [triangles] negative or -0 for triangles that have goals of their own
+    std::vector<double> weights_;  ///< [triangles] weights; negative or -0 for triangles that have goals of their own
     TriangleGoal common_;
     std::vector<std::uint32_t> triangles_;
     std::vector<TriangleGoal> own_;     ///< [triangles_] goals of these triangles

@@ -14,7 +14,7 @@ namespace {
 struct Piece {
     std::uint32_t row, column;
     double share;    ///< share of the cell between the piece and the cell's left side
-    double left_of;  ///< amount that the piece adds to every cell on its left
+    double left_of;  ///< share that the piece adds to every cell on its left in the row
 };
 
 std::vector<Piece> pieces_of(std::span<const BorderEdge> border, Point scale, int columns, int rows) {

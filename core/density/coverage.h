@@ -18,7 +18,7 @@ struct BorderEdge {
 /// Some cells of a grid: in each row, all cells from the first to the last cell that a border crosses.
 struct CrossedCells {
     struct Row {
-        std::size_t first = 0, end = 0;  ///< columns [first, end); equal if the row has no such cells
+        std::size_t first = 0, end = 0;  ///< columns [first, end); first == end if the row has no such cells
         std::size_t number = 0;          ///< index of the row's first cell in `values`
     };
     std::vector<Row> rows;

@@ -31,7 +31,7 @@ struct CellBlock {
 /// differ by a power of two give identical bytes.
 class Density {
 public:
-    /// The least positive value. It is so small that it affects no number of sites.
+    /// The least positive value. This value is so small that it affects no number of sites.
     static constexpr double kLeast = 0x1p-256;
 
     static Density uniform() { return {}; }

@@ -8,7 +8,8 @@
 namespace ccdt {
 
 /// Cuts the segment ab at the lines of a grid of unit cells. Calls `visit(column, row, x, dy)` for each piece, with the
-/// piece's cell, the abscissa of its midpoint and its signed height. The heights add up to b.y - a.y.
+/// piece's cell, the abscissa of its midpoint and its signed height. The heights add up to b.y - a.y. A horizontal
+/// segment has no pieces.
 ///
 /// @param columns, rows size of the grid in cells; the segment lies within the grid, and pieces on its far sides belong
 ///                 to the last cell

@@ -16,9 +16,9 @@ struct Segments {
 
 /// Cuts several segments at once, like walk_cells(), but also reports horizontal segments. Calls `visit(column, row,
 /// from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends along
-/// the segment, 0 at a and 1 at b. There are as many calls as the segment with the most pieces has pieces; the other
-/// segments get pieces of length 0. The pieces of a segment are bit for bit the same for any other segments and in any
-/// lane.
+/// the segment, 0 at a and 1 at b. The number of calls is the largest number of pieces of any segment; the other
+/// segments get additional pieces of length 0. The pieces of a segment depend neither on the other segments nor on the
+/// lane, bit for bit.
 ///
 /// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>
@@ -35,8 +35,8 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
         Pairs step;  ///< to the next cell
         Pairs cell;
         Pairs distance;  ///< from a to the next line
-        Pairs inverse;
-        Pairs after;
+        Pairs inverse;   ///< 1 / length of the segment along this axis; 0 if the segment does not move along the axis
+        Pairs after;     ///< 0, or 2 (never reached) if the segment does not move along the axis
 
         CCDT_INLINE Pairs next() const { return distance * inverse + after; }
     };

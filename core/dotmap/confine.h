@@ -23,7 +23,7 @@ using Cut = std::function<Result<Domain>(const Domain& area)>;
 /// Errors: those of `cut` except Unusable.
 Result<std::vector<std::uint32_t>> cut_areas(std::span<MapFeature> features, const Cut& cut);
 
-/// Removes the parts of features that lie outside a domain, as cut_areas() does.
+/// Removes the parts of features that lie outside a domain. Features that would vanish are treated as in cut_areas().
 /// @param kept  not a torus
 ///
 /// Errors: Stopped.

@@ -13,13 +13,13 @@
 namespace ccdt {
 
 /// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of the
-/// features' spacings has a grid. It holds the features of this octave and of the two adjacent octaves, with their
-/// dots. The error of a dot is read from the grid of its feature's octave. So all neighbours up to four times as dense
-/// or as sparse are taken into account. Beyond that contrast, the area of the neighbouring feature counts as outside
-/// the border.
+/// features' spacings has a grid, with the features of this octave and of the two adjacent octaves, and the dots of
+/// these features. The error of a dot is read from the grid of its feature's octave. So all neighbours up to four times
+/// as dense or as sparse are taken into account. Beyond that contrast, the area of the neighbouring feature counts as
+/// outside the border.
 class DotError {
 public:
-    /// @param land  its unit frame is the frame of all positions
+    /// @param land  domain in whose unit frame all positions are given
     /// @param dots  used only to look up the feature of each dot
     ///
     /// O(dots + corners of the features).

@@ -43,6 +43,7 @@ std::optional<InteriorSampler> interior_of(const Domain& area) {
 }
 
 /// Returns the position of a point along Morton's curve.
+/// @param share  position in the box that the curve fills, in [0, 1] x [0, 1]
 std::uint64_t along_curve(Point share) {
     std::uint64_t place = 0;
     for (int bit = 15; bit >= 0; --bit) {

@@ -31,7 +31,7 @@ struct FeatureDot {
 /// are in the caller's coordinates.
 class DotGround {
 public:
-    /// Data that all classes of a map share. Must outlive the DotGround of every class.
+    /// Data that all classes of a map share. The referenced data must outlive the DotGround of every class.
     struct Map {
         std::span<const MapFeature> features;
         std::span<const FeatureArea> areas;  ///< areas of the features
@@ -42,7 +42,8 @@ public:
     };
 
     /// Creates the DotGround of one class.
-    /// @param stop  polled regularly; a stop gives the error Stopped
+    /// @param number  number of the class
+    /// @param stop    polled regularly; a stop gives the error Stopped
     ///
     /// Errors: Unusable if the density is zero everywhere in a feature that has dots.
     static Result<DotGround> create(const Map& map, std::size_t number, Executor& executor,
@@ -55,8 +56,8 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Number of dots per squared unit that a feature has where the density is 1. The area that fixed points take
-    /// counts as dots.
+    /// Number of dots per squared unit that a feature has where the density is 1, outside the area that fixed points
+    /// take.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// Returns the wanted density at a point, according to the map's density.
@@ -76,7 +77,7 @@ public:
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
 
-    /// Finds pairs of overlapping features from the positions of dots.
+    /// Finds the pairs of features that overlap. A pair counts if a dot of one feature lies in the other feature.
     /// @param stop  polled regularly; after a stop some overlaps may be missing
     void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
@@ -93,14 +94,15 @@ public:
     /// Whether a dot may lie at a position.
     bool may_lie(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position. It must not be too close to a border beyond which the density is much
-    /// lower.
+    /// Whether a dot may start at a position. The position must not be too close to a border beyond which the density
+    /// is much lower.
     bool is_clear(std::uint32_t feature, Point p) const;
 
-    /// Fast test for is_clear(). It returns true at most positions at which is_clear() would.
+    /// Fast test: if it returns true, so does is_clear(). It returns false at few of the positions that are clear.
     bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
 
-    /// Returns the position that a dot reaches when it moves from one position towards another.
+    /// Returns the position that a dot reaches when it moves from one position towards another, without leaving its
+    /// feature.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
 private:

@@ -31,9 +31,9 @@ constexpr double kSmall = 0.01;    ///< share of the wanted area below which a t
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
 
-/// Returns the wanted doubled area of a triangle between discs with the given radii. For equal radii, it is the area of
-/// a triangle of the hexagonal grid. Along a straight border between small and large discs, the two first rows on both
-/// sides are half a row of small discs plus half a row of large discs apart.
+/// Returns the wanted doubled area of a triangle between discs with the given radii. For equal radii, this is the
+/// doubled area of a triangle of the hexagonal grid. Along a straight border between small and large discs, the
+/// distance between the first rows on the two sides is half a row of small discs plus half a row of large discs.
 double doubled_area(double a, double b, double c) {
     const auto [least, most] = std::minmax({a, b, c});
     if (!(most > 0)) return 0;
@@ -201,7 +201,7 @@ double DotLayer::measure() {
 }
 
 /// Reduces the weight of triangles between dense and sparse dots. The error of such triangles is due to the sparse
-/// dots, which cannot adapt. With full weight, it would draw rows of dense dots onto the border.
+/// dots, which cannot adapt. With full weight, these triangles would draw rows of dense dots onto the border.
 void DotLayer::soften_borders() {
     const auto soften = [this](std::uint32_t triangle) {
         double least = std::numeric_limits<double>::max(), most = 0;
@@ -380,7 +380,8 @@ void DotLayer::apply() {
     areas_.swap(moved_areas_);
 }
 
-/// Whether a triangle has kept enough of its area and has not become a needle.
+/// Whether a triangle has kept enough of its area in a move and has not become a needle.
+/// @param area  doubled area after the move
 bool DotLayer::is_sound(std::uint32_t triangle, double area) const {
     constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
     if (area < kKeptArea * areas_[triangle]) return false;

@@ -31,9 +31,9 @@ class DotLayer {
 public:
     /// @param ground   must outlive this
     /// @param land     union of all features that have dots of the class
-    /// @param control  its executor must outlive this
+    /// @param control  the control's executor must outlive this
     DotLayer(DotGround& ground, Domain land, const Options& options, const Control& control);
-    DotLayer(const DotLayer&) = delete;  // relaxations refer to it
+    DotLayer(const DotLayer&) = delete;  // relaxations refer to this object
     DotLayer& operator=(const DotLayer&) = delete;
 
     /// Draws and triangulates the initial dots. Errors: Unusable for a feature that is too thin; Stopped.
@@ -52,9 +52,9 @@ public:
     /// Measures the triangles, before the first step of a polish.
     void begin();
 
-    /// Moves neighbours that are too near apart, and adds the given moves.
+    /// Pushes apart neighbours that are too close, and adds the given moves.
     /// @param reach   relative to the distance that two neighbours should have
-    /// @param push    share of the missing distance by which the two neighbours move on average
+    /// @param push    mean move of the two neighbours, as a share of the missing distance
     /// @param pushed  [dots] moves caused by other classes; may be empty
     void push_apart(double reach, double push, std::span<const Point> pushed);
 
@@ -116,7 +116,7 @@ private:
     std::optional<CellList> others_;     ///< fixed points without a vertex
     std::vector<double> radii_;          ///< [sites] half of the wanted distance between neighbours, in the unit frame
     std::vector<double> aims_;           ///< [triangles] wanted doubled area
-    std::vector<double> capacities_;     ///< [triangles] area relative to the wanted area, in halves of a dot
+    std::vector<double> capacities_;     ///< [triangles] capacity in dots: half of area / wanted area
     std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
     std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves
     std::optional<Relaxation> relaxation_;     ///< during iterations only

@@ -115,7 +115,7 @@ Result<void> DotMap::make_layers() {
 }
 
 PolishSettings DotMap::settings() const {
-    // With fixed points, dots are treated like the sites of boxes, which are moved by pushes alone besides transport.
+    // With fixed points, the polish is the same as for sites in a box: no relaxation follows the pushes.
     const bool is_pushed_alone = !options_.fixed.empty();
     const bool is_smooth = map_.density.is_smooth();
     if (used_.size() == 1 && is_smooth && !is_pushed_alone) return map_settings(options_.quality);

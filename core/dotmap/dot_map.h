@@ -14,15 +14,15 @@ namespace ccdt {
 
 /// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot
 /// leaves its feature. The distance between neighbours in two features lies between the spacings of these features.
-/// Overlapping features each keep their dots. The dots of each class are evenly distributed, and dots
-/// of different classes keep apart.
+/// Overlapping features each keep their dots. The dots of each class are evenly distributed, and dots of different
+/// classes keep apart.
 ///
 /// All dots of a class are the sites of one triangulation, of the union of all features that have such dots. Each dot
 /// has a disc as large as its share of the feature. The target of a triangle follows from the discs of its corners. A
 /// move that would leave a feature slides along its border instead. Long waves of density error are removed across
 /// borders between similar densities; at other borders, they are removed on each side separately.
 ///
-/// @param features  all with the same number of classes, and at least one dot in all
+/// @param features  all with the same number of classes; together they have at least one dot
 /// @param box       box over which the density is stretched
 /// @param density   wanted density, relative to other places in the same feature
 /// @param options   the number of sites is ignored, as features have numbers of dots; no mesh is kept

@@ -23,7 +23,7 @@ FeatureArea::FeatureArea(const Domain& domain, const Clearance& clearance, std::
             heights += std::abs(b.y - a.y);
         }
     }
-    // The largest number of rows for which an edge lies in four rows on average, or fewer.
+    // The number of rows is the largest for which an edge lies in at most four rows on average.
     constexpr double kEach = 4;
     const double spans = std::max(heights / bounds_.height(), kEach);
     const auto rows = static_cast<std::size_t>(1 + kEach * static_cast<double>(all.size()) / spans);

@@ -24,6 +24,7 @@ public:
     };
 
     /// Returns the distance that points should keep from an edge.
+    /// @param middle   middle of the edge
     /// @param inwards  unit normal of the edge, pointing inwards
     using Clearance = std::function<double(Point middle, Point inwards)>;
 
@@ -49,8 +50,9 @@ public:
     }
 
     /// Returns the end of a move from one position towards another that does not leave the area. If `to` is inside, the
-    /// move ends there. Otherwise the point slides along the obstructing edge. If that leaves the area, the point moves
-    /// half of the way to the edge, or not at all. A point that keeps the clearance continues to keep it.
+    /// move ends there. Otherwise the point slides along the obstructing edge. If sliding would leave the area, too,
+    /// the point moves half of the way to the edge, or not at all. A point that keeps the clearance continues to keep
+    /// it.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 

@@ -19,7 +19,7 @@ struct GlobeDots {
     std::vector<std::uint32_t> lost;  ///< features that lost their dots because the buffer covers all of their area
 };
 
-/// Distributes dots as distribute_dots() does. They are evenly distributed on the ground, within each feature.
+/// Distributes dots as distribute_dots() does, but evenly on the ground within each feature.
 ///
 /// @param features  in longitude and latitude
 /// @param region    union of the features, in longitude and latitude, see distribute_on_globe()

@@ -13,7 +13,7 @@
 namespace ccdt {
 
 /// Finds the area in which each of several points lies. Where areas overlap, the result is the first of them. If a
-/// point lies in no area, or on a border that two areas share, it belongs to the area whose border is nearest.
+/// point lies in no area, or on a border that two areas share, the result is the area whose border is nearest.
 ///
 /// @param areas   [n >= 1], none of them a torus
 /// @param period  distance along x after which places repeat, such as 360 degrees of longitude; 0: places do not repeat

@@ -12,8 +12,8 @@
 namespace ccdt {
 namespace {
 
-/// Number of lines per task. It exceeds the number of lines transformed at once, and as many columns fill whole cache
-/// lines in each row of the grid.
+/// Number of lines per task. This is more than the number of lines transformed at once. Also, this number of columns
+/// fills whole cache lines in each row of the grid.
 constexpr std::size_t kLines = 16;
 
 struct Free {
@@ -55,8 +55,8 @@ std::size_t product(int columns, int rows) {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
 
-/// Copies a few columns at a time and transforms the copies. In place, the large strides of a big grid would map to few
-/// sets of the cache.
+/// Copies a few columns at a time and transforms the copies. In place, the numbers of a column would be a large stride
+/// apart, and so share few sets of the cache.
 /// @param grid       row by row
 /// @param transform  called with the lines and a pointer to the first line
 template <class Value, class Transform>

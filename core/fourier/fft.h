@@ -38,8 +38,8 @@ public:
     /// Cells of the grid [rows * columns], row by row.
     std::span<double> grid();
 
-    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) is in row y mod rows. The columns of
-    /// negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
+    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows. The
+    /// columns of negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
@@ -77,8 +77,8 @@ public:
     /// 0.
     void release_memory();
 
-    /// Cells of the grid [rows * columns], row by row. They hold values before forward(), and coefficients of frequency
-    /// (x, y) afterwards.
+    /// Cells of the grid [rows * columns], row by row. Before forward(), the cells hold values. After it, cell (x, y)
+    /// holds the coefficient of frequency (x, y).
     std::span<double> grid();
 
     /// Memory that begins with the grid. Its size in numbers is the larger of `spare` and the number of cells.

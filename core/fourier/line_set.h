@@ -14,9 +14,9 @@ struct LineSet {
     std::size_t apart;  ///< distance between successive lines
 };
 
-/// Transforms of lines, several lines at once. The result of a line is bit for bit the same for any other lines and on
-/// any processor. Uses pocketfft (Reinecke 2019), which caches its tables for recent sizes. Thread-safe. The functions
-/// throw std::bad_alloc. O(n log n) for n numbers.
+/// Transforms of lines, several lines at once. The result of a line depends neither on the other lines nor on the
+/// processor, bit for bit. Uses pocketfft (Reinecke 2019), which caches its tables for recent sizes. Thread-safe. The
+/// functions throw std::bad_alloc. O(n log n) for n numbers.
 struct LineTransforms {
     /// DCT-II in place: Y[k] = 2 sum over j of y[j] cos(pi k (j + 1/2) / size).
     void (*cosine)(const LineSet& lines, double* values);
@@ -25,7 +25,7 @@ struct LineTransforms {
     void (*cosine_back)(const LineSet& lines, double* values);
 
     /// Y[k] = sum over j of y[j] e^(-2 pi i k j / size), for k from 0 to size / 2.
-    /// @param apart  distance between successive lines of coefficients, which are contiguous
+    /// @param apart  distance between successive lines of coefficients; the coefficients of a line are contiguous
     void (*real)(const LineSet& lines, const double* values, std::size_t apart, std::complex<double>* coefficients);
 
     /// Inverse of real(): real() followed by real_back() multiplies by size.

@@ -4,8 +4,8 @@
 // Implements the transforms of line_set.h for the instruction set for which the including file compiles pocketfft. No
 // other file includes pocketfft.
 
-// Debian 12 has no package of pocketfft. It ships a copy of this header-only library among the third-party headers of
-// gemmi, a library for crystallography, which is not used otherwise.
+// Debian 12 has no package of pocketfft. A copy of this header-only library is among the third-party headers in the
+// package of gemmi, a library for crystallography. Nothing else of gemmi is used.
 #define POCKETFFT_NO_MULTITHREADING
 // pocketfft allocates with aligned_alloc(), and passes sizes that are not multiples of the alignment, which C forbids.
 // The only way to make it use malloc() instead is this macro, although its name is reserved for libc++.

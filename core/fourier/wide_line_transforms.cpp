@@ -19,7 +19,7 @@
 #include <string>
 #include <vector>
 
-// pocketfft derives its vector width from __AVX__, which the pragma does not define. The third macro renames
+// pocketfft derives its vector width from __AVX__, which the pragma does not define. The last macro renames
 // pocketfft's namespace, to keep this code apart from the code compiled for every processor.
 #pragma GCC push_options
 #pragma GCC target("avx2")

@@ -184,7 +184,8 @@ void Cover::examine(std::uint32_t set, Point place) {
     add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
 }
 
-/// Decides for each thin face whether it is covered: if all neighbouring faces differ from it, it takes their state.
+/// Decides for each thin face whether it is covered. A thin face takes the state of its neighbours if they are all
+/// covered and it is not, or the other way round.
 void Cover::settle_thin_faces() {
     std::vector<bool> has_like(faces_.size(), false);
     for (std::uint32_t t = 0; t < map_.triangles.size(); ++t) {
@@ -221,7 +222,7 @@ void Cover::find_meetings() {
     }
 }
 
-/// Reports parts whose inside is not connected. Rings of a part may touch, but must not cut it.
+/// Reports parts whose inside is not connected. Rings of a part may touch, but must not divide its inside.
 void Cover::find_cut_parts() {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
         const std::uint32_t outer = parts_[p].outer;
@@ -264,7 +265,8 @@ std::vector<Ring> Cover::trace() const {
             while (!is_done[3 * t + i]) {
                 is_done[3 * t + i] = true;
                 ring.push_back(corner(t, i));
-                // Advances to the next edge of the border by turning through the triangles around its end point.
+                // Advances to the next edge of the border: turns through the triangles around the end point of this
+                // edge.
                 i = (i + 1) % 3;
                 while (!is_border(t, i)) {
                     const std::uint32_t around = map_.triangles[t].corners[i];

@@ -18,22 +18,22 @@ namespace ccdt {
 /// parts.
 class Cover {
 public:
-    /// The role of a group.
+    /// The role of a group: the number of its part, and whether the group is a hole of the part.
     struct Kind {
         std::size_t part = 0;
         bool is_hole = false;
     };
 
     /// @param kinds       [groups]
-    /// @param resolution  faces of about this thickness or less count as empty
+    /// @param resolution  faces of about this thickness or less count as empty; in the unit frame
     /// @param stop        polled between steps, each of which visits every triangle once; after a stop the object must
     ///                    not be used
     ///
-    /// All arguments but the last must outlive this object.
+    /// All arguments except `stop` must outlive this object.
     Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
           const std::stop_token& stop = {});
 
-    /// Faults of the rings. Empty if they are valid by OGC Simple Features.
+    /// Faults of the rings. Empty if the rings are valid by OGC Simple Features.
     const Faults& faults() const { return faults_; }
 
     /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.
@@ -55,7 +55,8 @@ private:
     struct Part {
         std::uint32_t outer = 0;  ///< group of the outer ring
         std::size_t holes = 0;    ///< holes that contain the current triangle
-        std::size_t faces = 0;    ///< faces covered by this part alone and entered across its own border
+        std::size_t faces = 0;    ///< faces that no other part covers and that the walk entered across this part's
+                                  ///< border
     };
     /// An input point that coincides with other input points.
     struct Shared {
@@ -102,7 +103,8 @@ private:
     std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
     std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
     std::size_t passed_ = 0;             ///< number of triangles of thick faces entered so far
-    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles of thick faces entered while it was open
+    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles of thick faces entered while the ring was
+                                         ///< open
 };
 
 }  // namespace ccdt

@@ -182,9 +182,9 @@ double distance_to_line(Point p, Point a, Point b) {
 constexpr std::size_t kVeryMany = 100'000;
 
 /// Returns the order in which to insert segments. The time to insert a segment grows with the number of triangles that
-/// it crosses. It crosses no triangle beyond a neighbouring segment that has already been inserted. So if there are
+/// it crosses. A segment crosses no triangle beyond a neighbouring segment that is already inserted. So if there are
 /// very many segments, they are inserted in the order of their numbers with reversed bits, which separates neighbours
-/// along a chain. Otherwise n needles beside each other can take O(n^2).
+/// along a chain. In another order, the segments of n needles beside each other can take O(n^2).
 ///
 /// Source: Shewchuk and Brown, Fast segment insertion and incremental construction of constrained Delaunay
 /// triangulations, Computational Geometry 48 (2015). Departure: the order is not random.
@@ -263,7 +263,7 @@ private:
     struct Piece {
         Vertex from;
         Vertex to;
-        std::uint32_t segment;  ///< kNone: already inserted once, so that its meetings are not reported again
+        std::uint32_t segment;  ///< kNone if it was inserted before, so that its meetings are not reported again
         Groups groups;
     };
     struct Edge {
@@ -291,7 +291,8 @@ private:
         return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
     }
 
-    /// Returns the groups along an edge. Only edges other than one entire segment have an entry.
+    /// Returns the groups along an edge, in the edge's entry in `edges_`. Creates the entry if there is none; an edge
+    /// that is one entire segment needs none.
     Groups& groups_along(const Ends& ends, bool is_constrained) {
         const auto [found, is_new] = edges_.try_emplace(key(ends));
         Groups& groups = found->second.groups;

@@ -28,7 +28,7 @@ struct ConstrainedDelaunay {
     /// A segment that begins at one of several coincident points.
     struct Branch {
         Segment vertices;     ///< the two vertices of the segment
-        std::uint32_t point;  ///< the input point at which it begins
+        std::uint32_t point;  ///< the input point at which the segment begins
     };
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -59,7 +59,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
 /// Points, each joined by a segment to the next one of its chain. Chains are closed; several can form a group.
 struct Chains {
     std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
-    /// [points] the point at which the segment that begins here ends; the point itself if no segment begins here.
+    /// [points] end point of the segment that begins at this point; the point itself if no segment begins there.
     std::vector<std::uint32_t> next;
     std::vector<std::uint32_t> group;  ///< [points] the group of the chain, below `groups`
     std::uint32_t groups = 0;
@@ -78,7 +78,7 @@ struct Arrangement {
         enum class Kind { Touch, Overlap, Cross };
         Kind kind;
         std::uint32_t segment;  ///< identified by the point at which it begins
-        std::uint32_t vertex;   ///< the vertex that it touches; kNone if it meets an edge
+        std::uint32_t vertex;   ///< the vertex that the segment touches; kNone if it meets an edge
         /// A group along the edge that the segment meets, preferably the segment's own group; kNone if it meets a
         /// vertex.
         std::uint32_t group;
@@ -92,7 +92,8 @@ struct Arrangement {
     std::vector<std::uint32_t> vertex_of;
     std::vector<Meeting> meetings;
 
-    /// Returns the groups that have an odd number of segments along an edge, in ascending order.
+    /// Returns the groups of a set (see Triangle::sets) in ascending order. These are the groups that have an odd
+    /// number of segments along each edge with this set.
     std::span<const std::uint32_t> groups_of(std::uint32_t set) const {
         return {members.data() + begins[set], members.data() + begins[set + 1]};
     }
@@ -109,14 +110,15 @@ struct TooManyCrossings {
 /// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The
 /// triangulation is Delaunay unless there are very many segments.
 ///
-/// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
-/// @param most       limit on the pieces that crossings create
+/// @param tolerance  a segment that crosses another segment but ends within this distance of it only counts as touching
+///                   it
+/// @param most       limit on the number of pieces that crossings create
 /// @param stop       polled regularly; after a stop the result must not be used
 ///
 /// Each crossing becomes a vertex at the exact intersection, rounded. Because of the rounding, a piece can cross
-/// further pieces; these crossings are cut in the same way. So no two edges cross, and all chains remain closed. The
-/// number of segments along the edges tells on which side of a chain a triangle lies. Each cut moves a piece by at most
-/// a rounding error. Nothing else moves.
+/// further pieces; these crossings are cut in the same way. So no two edges cross, and all chains remain closed.
+/// Therefore the number of segments crossed on the way to a triangle tells whether it lies inside a chain. Each cut
+/// moves a piece by at most a rounding error. Nothing else moves.
 ///
 /// Deterministic. O(n log n) for inputs that occur in practice, plus some microseconds for each crossing.
 tl::expected<Arrangement, TooManyCrossings> arrange(const Chains& chains, double tolerance, std::size_t most,

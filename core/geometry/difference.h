@@ -10,8 +10,8 @@
 
 namespace ccdt {
 
-/// Clips a ring to a box. The result has edges along the sides where the ring is cut off. It encloses the same area
-/// within the box by the even-odd rule. Intersections with the sides are rounded.
+/// Clips a ring to a box. The result has edges along the sides where the ring is cut off. By the even-odd rule, the
+/// result encloses the same area within the box. Intersections with the sides are rounded.
 Ring clipped(Ring ring, const Box& box);
 
 /// Subtracts areas from a domain. Areas may extend beyond the domain by any distance.
@@ -19,13 +19,14 @@ Ring clipped(Ring ring, const Box& box);
 /// @param domain  not a torus
 /// @param areas   in the domain's coordinates
 ///
-/// The unit frame and the bounding box do not change. An edge of an area may end far outside the domain. Even then, the
-/// part of the edge inside the domain moves by no more than the rounding of the domain's coordinates.
+/// The unit frame and the bounding box of the domain do not change. Even if an edge of an area ends far outside the
+/// domain, its part inside the domain moves by no more than the rounding of the domain's coordinates.
 ///
 /// Errors: Unusable if nothing is left or the areas cross too often; Stopped. Deterministic.
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop = {});
 
-/// Returns the area between a domain and a larger box, which contains `box` with a margin.
+/// Returns the area outside a domain, as far as a larger box. The larger box contains the domain and `box`, with a
+/// margin.
 /// @param domain  not a torus
 Area outside_of(const Domain& domain, const Box& box);
 

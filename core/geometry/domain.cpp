@@ -101,8 +101,8 @@ Result<FramedRings> to_frame(const std::vector<PolygonPart>& parts) {
     return FramedRings{*std::move(given), *frame};
 }
 
-/// Moves rings into the frame of their own bounding box. Parts that a repair drops can have extended the previous box.
-/// @param frame  the frame of the rings; replaced
+/// Moves rings into the frame of their own bounding box. The box can be smaller than before if a repair dropped parts.
+/// @param frame  the frame of the rings; replaced by the new frame
 Result<std::vector<Ring>> tighten(std::vector<Ring> rings, UnitFrame& frame, const std::vector<RingInput>& given,
                                   const std::stop_token& stop) {
     // One pass suffices in all tests and fuzzing (Domain.*, Fuzz.repair, Fuzz.run_sample). Rounding in the tighter

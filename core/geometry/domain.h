@@ -22,9 +22,9 @@ struct RepairedArea;
 ///
 /// Rings are kept normalised, in the unit frame: the longer side of the bounding box is 1 and its lower left corner is
 /// the origin. Successive corners differ. The inside lies on the left, so outer rings run counter-clockwise and holes
-/// clockwise. Rings do not cross. They may touch themselves and each other, but only at corners. At a corner where
-/// several separate sectors of the inside meet, each sector has a corner of its own, between the two edges that bound
-/// it. `to_user` converts a point of the unit frame to the caller's coordinates.
+/// clockwise. Rings do not cross. They may touch themselves and each other, but only at corners. Where several separate
+/// sectors of the inside meet at one point, each sector has its own corner there, between the two edges that bound the
+/// sector. `to_user` converts a point of the unit frame to the caller's coordinates.
 ///
 /// Guaranteed ranges, in the caller's coordinates: the longer side is between 1e-140 and 1e140, and no coordinate
 /// exceeds 1e9 times the longer side. The shorter side is at least 1e-12 times the longer side, and the area at least
@@ -33,7 +33,7 @@ struct RepairedArea;
 class Domain {
 public:
     /// Distance in the unit frame below which a corner counts as lying on the left or lower side of the bounding box.
-    /// It is far below the resolution of points.
+    /// This distance is far below the resolution of points.
     static constexpr double kLeast = kLeastCoordinate;
 
     /// Creates a domain from polygons.
@@ -61,18 +61,18 @@ public:
     static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
 
     /// Computes the area that a domain made by repair() would enclose. The extent of the area may be out of range for a
-    /// domain. Errors: as repair(), except those about the extent.
+    /// domain. Errors: as repair(), except for errors about the extent.
     static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// Creates the union of several domains, none of which is a torus. They may touch, overlap and share edges. Errors:
-    /// as repair().
+    /// Creates the union of several domains, none of which is a torus. The domains may touch, overlap and share edges.
+    /// Errors: as repair().
     /// @param domains  at least one
     static Result<Domain> united(std::span<const Domain* const> domains, const std::stop_token& stop = {});
 
     /// Rectangle [0, width] x [0, height].
     static Result<Domain> rectangle(double width, double height);
 
-    /// Torus [0, width) x [0, height) with opposite sides joined: points on it tile the plane.
+    /// Torus [0, width) x [0, height) with opposite sides joined, so that copies of a pattern on it tile the plane.
     /// Errors (Unusable): a side that is not finite and positive; an aspect ratio above 1000.
     static Result<Domain> torus(double width, double height);
 
@@ -125,7 +125,8 @@ public:
 private:
     Domain() = default;
 
-    /// Checks that valid rings have enough area for a domain, and builds it.
+    /// Checks that valid rings have enough area for a domain, and builds the domain.
+    /// @param given  the caller's rings, for error messages
     static Result<Domain> make(std::vector<Ring> rings, const UnitFrame& frame, const std::vector<RingInput>& given);
 
     std::vector<Ring> rings_;

@@ -51,7 +51,7 @@ private:
         Fault fault = Fault::Touches;
         std::size_t corner = kNoCorner;
         Point place;
-        std::size_t places = 0;
+        std::size_t places = 0;  ///< number of places with this fault
     };
     std::map<std::pair<std::size_t, std::size_t>, Found> found_;  ///< keyed by the ring and the other ring
     std::set<std::size_t> concerned_;

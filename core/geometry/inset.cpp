@@ -57,10 +57,11 @@ struct Reach {
 
 /// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
 ///
-/// First case: the discs are centred at the border points. If a point of the domain is too near to the border, its
-/// nearest border point lies on an edge with the point on its left, or at a reflex corner with the point between the
-/// normals of the corner's two edges. A run of many edges close to one segment is replaced by a capsule around the
-/// segment. So a border with detail much finer than the distance has few pieces.
+/// First case: the discs are centred at the border points. If a point of the domain is too near to the border, the
+/// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of
+/// the edge; at a reflex corner, it lies between the normals of the corner's two edges. So a piece is the neighbourhood
+/// of an edge, on its left, with the reflex corners at its ends. A run of many edges close to one segment is replaced
+/// by a capsule around the segment. So a border with detail much finer than the distance has few pieces.
 ///
 /// Second case: the discs have other centres. Each piece is then a capsule. If there are many pieces and the discs
 /// hardly differ, all edges use the largest distance instead.
@@ -121,7 +122,8 @@ private:
         }
     }
 
-    /// Returns the run of edges that begins at a corner: one edge, or so many edges that a capsule is less work.
+    /// Returns the run of edges that begins at a corner: a single edge, or several edges if one capsule around them is
+    /// less work.
     Run longest_run(const Ring& ring, std::size_t first) const {
         constexpr std::size_t kFewest = 4;
         Run longest;
@@ -183,7 +185,7 @@ private:
         if (most - least <= indifference_) same_ = most;
     }
 
-    /// Returns the radius of the disc around a point that contains another disc.
+    /// Returns the radius of the smallest disc around `p` that contains another disc.
     static double needed(Point p, const Disc& disc) { return disc.radius + length(disc.centre - p); }
 
     /// Returns the angle between corners of the polygon around an arc. The polygon deviates from the arc by no more
@@ -220,7 +222,7 @@ public:
     std::vector<Area> take() { return std::move(areas_); }
 
     /// Adds the neighbourhood of a piece.
-    /// @param is_after  whether the preceding piece, and with it the corner in between, has been added
+    /// @param is_after  whether the preceding piece has been added, and with it the corner between the two pieces
     void add(const Reach& reach, bool is_after) {
         if (!reach.is_edge) return add_capsule(reach.a, reach.b, reach.distance);
         add_edge(reach.a, reach.b, reach.distance);
@@ -228,10 +230,10 @@ public:
         add_corner_after(reach);
     }
 
-    /// Returns how many of the first pieces one polygon can represent, up to the last corner; at least 1. Such pieces
-    /// are edges of nearly one direction, long enough that no offset line degenerates. Every offset line is then a
-    /// graph over that direction, at any distance up to the full one. A line at a greater distance lies above one at a
-    /// smaller distance, so no two lines cross.
+    /// Returns how many of the first pieces one polygon can represent (without the neighbourhood of the run's last
+    /// corner); at least 1. The pieces of such a run are edges of similar direction, long enough that no offset line
+    /// degenerates. At any distance up to the full one, the offset line of the run is then a graph over that direction.
+    /// A line at a greater distance lies above a line at a smaller distance, so no two lines cross.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine
@@ -250,7 +252,7 @@ public:
         return run;
     }
 
-    /// Adds the neighbourhood of a simple run of edges, on their left, between the normals at its ends.
+    /// Adds the neighbourhood of a simple run of edges, on their left, between the normals at both ends of the run.
     void add_run(std::span<const Reach> run) {
         Ring strip;
         for (const Reach& edge : run) strip.push_back(edge.a);
@@ -261,7 +263,8 @@ public:
         add(std::move(strip));
     }
 
-    /// Whether the offset line of an edge has positive length between those of its neighbours.
+    /// Whether the offset line of an edge keeps enough length (kKept) between the offset lines of the neighbouring
+    /// edges.
     static bool keeps_line(const Reach& edge) {
         const Point along = edge.b - edge.a;
         return shortened(edge.a - edge.before, along, edge.distance) +
@@ -271,7 +274,7 @@ public:
 
     /// Returns the offset lines of a domain's rings, joined by arcs; none if an edge is so short that its offset line
     /// has no length, or if a line leaves the unit square.
-    /// @param edges  of all rings
+    /// @param edges  the edges of all rings, in order
     static std::optional<Area> parallels(std::span<const Ring> rings, std::span<const Reach> edges) {
         Area lines;
         for (const Ring& ring : rings) {
@@ -306,7 +309,7 @@ public:
     }
 
 private:
-    static constexpr double kKept = 0.01;  ///< least share of its length that an offset line must keep
+    static constexpr double kKept = 0.01;  ///< least length of an offset line, relative to its edge
 
     static Point along(const Reach& edge) {
         const Point by = edge.b - edge.a;
@@ -315,7 +318,8 @@ private:
 
     static double turn_between(Point in, Point out) { return std::atan2(cross(in, out), dot(in, out)); }
 
-    /// Returns by how much the corner shortens the offset line of each of its two edges.
+    /// Returns by how much the corner between two edges shortens the offset line of each of them.
+    /// @param in, out  vectors along the edge that ends at the corner, and along the edge that begins there
     static double shortened(Point in, Point out, double distance) {
         const double turn = turn_between(in, out);
         return turn > 0 ? distance * std::tan(turn / 2) : 0;
@@ -360,8 +364,8 @@ private:
         add(std::move(fan));
     }
 
-    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to that of the
-    /// preceding edge.
+    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to the normal of
+    /// the preceding edge.
     static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
@@ -401,7 +405,7 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
 }
 
 /// A quadtree over the unit square. A square is divided until few pieces of the border can matter in it. The nearest
-/// piece alone decides whether a point is too near; so a piece does not matter in a square if
+/// piece alone decides whether a point is too near to the border. So a piece does not matter in a square if
 /// another piece is nearer to all of the square.
 class ReachTree {
 public:
@@ -445,8 +449,8 @@ public:
         return areas;
     }
 
-    /// Returns the offset lines of all edges, if they do not meet and are exactly the new border; else none. The caller
-    /// must drop rings inside the removed area.
+    /// Returns the offset lines of all edges if these lines do not meet and are exactly the new border; else none. The
+    /// caller must drop rings inside the removed area.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;
@@ -486,7 +490,8 @@ public:
     /// Whether a corner of the result of subtracting border() is too near to the border.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
-                         kRoundings = 2;  // relative to the distance; in resolutions, half of the margin of the discs
+                         kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
+                                          // the margin of the discs
         std::uint32_t at = 0;
         Cell cell = kRoot;
         while (squares_[at].kind == Kind::Divided) {
@@ -515,10 +520,10 @@ private:
         Box box() const { return {centre - Point{half, half}, centre + Point{half, half}}; }
     };
     enum class Kind : std::uint8_t {
-        Clear,    ///< no point of it is too near
-        Near,     ///< all of it is too near
+        Clear,    ///< no point of the square is too near to the border
+        Near,     ///< all points of the square are too near
         Border,   ///< a few pieces of the border decide
-        Crowded,  ///< more pieces decide, but the square is so small that all of it may count as too near
+        Crowded,  ///< more pieces decide, but the square is small enough to count as too near as a whole
         Divided,  ///< divided into four
     };
     struct Square {
@@ -528,15 +533,15 @@ private:
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
 
-    /// Whether there are enough pieces for combining them to pay off. Combining rounds corners differently than
-    /// crossings do.
+    /// Whether there are so many pieces that combining them saves time. Combined and separate pieces differ in how
+    /// corners of the result are rounded.
     bool has_many() const {
         constexpr std::size_t kMany = 10'000;
         return reaches_.size() > kMany;
     }
 
-    /// Whether there are very many squares and they may become coarser. Exact squares cost less than coarse ones, whose
-    /// sides all become edges of the removed area.
+    /// Whether there are very many squares although larger squares are allowed. Exact squares cost less than coarse
+    /// ones, whose sides all become edges of the removed area.
     bool has_very_many_squares() const {
         constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
         return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;
@@ -655,8 +660,8 @@ private:
     double coarse_;
     const double coarsest_;
     std::vector<Square> squares_;
-    std::vector<std::uint32_t> members_;  ///< pieces of the border
-    std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near somewhere along it
+    std::vector<std::uint32_t> members_;  ///< pieces of all squares of kind Border, concatenated
+    std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near some point of the piece
     std::stop_token stop_;
 };
 
@@ -675,7 +680,7 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
 
 /// Returns the area outside the neighbourhood of the border, inside and outside the domain, together with leftover
 /// rings inside that neighbourhood. Requires discs with a radius above 0 around all points of the border. No edge of
-/// the domain takes part in the boolean operation, since it would be cut very often if there are very many.
+/// the domain takes part in the boolean operation, since very many edges would be cut very often.
 Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     const Point most = domain.unit_bounds().max;
     const auto strip = tree.border();
@@ -708,17 +713,17 @@ void erase_outside(Area& rings, const Domain& domain) {
     std::erase_if(rings, [&](const Ring&) { return !is_inside[i++]; });
 }
 
-/// Simplifies the border of an area, of which rings may share corners.
+/// Simplifies the border of an area, whose rings may share corners.
 Result<Area> simplified(const Area& area, double tolerance, double resolution, const std::stop_token& stop) {
     Area simple;
     for (const Ring& ring : area) simple.push_back(ccdt::simplified(ring, tolerance));
     return difference(simple, {}, resolution, stop, kMore);
 }
 
-/// Subtracts the neighbourhood of the border where the new border runs. The remaining area consists of the eroded
-/// domain and of rings that are too near to the border, which are dropped.
+/// Subtracts the neighbourhood of the border, at least where the new border runs. The remaining area consists of the
+/// eroded domain and of rings that are too near to the border, which are dropped.
 /// @param is_coarse  whether the new border may be much farther from the old one than the indifference
-/// @returns          none if the border is too fine, and a coarse border is possible
+/// @returns          none if the border is too fine, and a coarse border is allowed
 Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                                             double indifference, bool is_coarse, const std::stop_token& stop) {
     constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // of the indifference

@@ -19,21 +19,22 @@ struct Disc {
 ///
 /// @param domain        not a torus
 /// @param distance      > 0, in the domain's coordinates
-/// @param indifference  additional distance, in the domain's coordinates, by which the new border may be farther from
-///                      the old one; 0 requires the exact border, however much time that takes
+/// @param indifference  about how much farther from the old border the new one may be, in the domain's coordinates (see
+///                      below for exceptions); 0 requires the exact border, however much time that takes
 ///
-/// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one, and at
-/// most 1 % farther: arcs around corners become circumscribed polygons, and borders with detail much finer than the
-/// distance are simplified.
+/// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one. If
+/// `indifference` is 0, it is at most 1 % farther: arcs around corners become circumscribed polygons, and borders with
+/// detail much finer than the distance are simplified.
 ///
 /// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, even if
 /// the border is ragged.
 ///
-/// If an indifference is given and the domain has more than 50,000 corners, the additional distance can be 40 times the
-/// indifference. It can be 120 times the indifference where corners are so dense that a quadtree would need very many
-/// squares. The latter also applies to domains with fewer corners. In these cases the domain's edges are not
-/// intersected at all. Instead, the squares that the new border may cross are removed as a whole, and the resulting
-/// border is simplified.
+/// If `indifference` is not 0, the new border can be much farther from the old one in two cases:
+/// - by up to 40 times the indifference, if the domain has more than 50,000 corners;
+/// - by up to 120 times the indifference, for any number of corners, if a quadtree of the border would need very many
+///   squares.
+/// In both cases the domain's edges are not intersected at all. Instead, the squares of the quadtree that the new
+/// border may cross are removed as a whole, and the resulting border is simplified.
 ///
 /// Why not GEOS' buffer of a negative distance: its arcs cut corners, and it drops detail of the border that is finer
 /// than a hundredth of the distance. Both faults leave points too near to the border.
@@ -44,14 +45,14 @@ Result<Domain> inset(const Domain& domain, double distance, double indifference 
 using DiscAround = std::function<Disc(Point)>;
 
 /// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
-/// @param indifference  as above. If there are many corners and their discs differ by less than this, all discs count
-///                      as equally large, which is much faster. Squares are only removed as a whole if all discs
-///                      have a radius above 0.
+/// @param indifference  as above. In addition, if there are many corners and their discs differ by less than the
+///                      indifference, all discs count as equally large, which is much faster. Squares are removed as a
+///                      whole only if all discs have a radius above 0.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 
-/// Returns the largest distance of any point of a domain from its border, in the domain's coordinates. Some point
-/// attains the returned distance, which is at most 1 % below the true maximum.
+/// Returns the largest distance of any point of a domain from the domain's border, in the domain's coordinates. Some
+/// point attains the returned distance, which is at most 1 % below the true maximum.
 /// @param stop  polled regularly; a stop returns the best value so far
 ///
 /// O(n) for each of some hundred trial points. Source: Garcia-Castellanos, Lombardo, Poles of inaccessibility, Scottish

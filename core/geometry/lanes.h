@@ -25,8 +25,9 @@ inline bool has_two_lanes() {
 #endif
 }
 
-/// Arithmetic on one pair at a time, as in pair.h, and on one number for each pair. The names of the operations are the
-/// same as in TwoLanes, so that a template serves both.
+/// The counterpart of TwoLanes with one lane. Its operations process one pair (`Pairs`, see pair.h) or one number
+/// (`Numbers`), where TwoLanes processes one pair or one number for each lane. The operations have the same names, so
+/// that a template can use either type.
 struct OneLane {
     static constexpr std::size_t kCount = 1;
     using Pairs = Pair;
@@ -47,8 +48,8 @@ struct OneLane {
     static bool any(decltype(Pairs{} < Pairs{}) found) { return (found[0] | found[1]) != 0; }
 };
 
-/// The same arithmetic on two lanes at once. The result of each lane is bit for bit that of OneLane, since products are
-/// always rounded before they are added (no fused multiply-add).
+/// Arithmetic on two lanes at once, each with one pair (`Pairs`) or one number (`Numbers`). The result of each lane is
+/// bit for bit the result of OneLane, since products are always rounded before they are added (no fused multiply-add).
 struct TwoLanes {
     static constexpr std::size_t kCount = 2;
     using Pairs = double __attribute__((vector_size(2 * sizeof(Pair))));
@@ -95,7 +96,8 @@ CCDT_INLINE inline auto with_lanes(Function&& function, bool wide = has_two_lane
     return wide ? by_two_lanes(function) : function(OneLane{});
 }
 
-/// Eight small numbers in one or several vector registers. The operations are the same in either case.
+/// Eight 32-bit numbers, which the compiler keeps in one or several vector registers. The source code is the same in
+/// either case.
 struct EightLanes {
     static constexpr std::uint32_t kCount = 8;
     using Floats = float __attribute__((vector_size(kCount * sizeof(float))));

@@ -18,13 +18,13 @@ struct PixelSet {
 };
 
 /// Traces the border of the marked pixels, stretched over a box, as chains of axis-parallel edges. No chain crosses
-/// itself or another. Where two marked pixels touch only at a corner, two chains touch.
+/// itself or another. Where two marked pixels touch only at a corner, the chains around them touch.
 ///
 /// @param most  limit on the number of corners
-/// @returns     none if there are more corners
+/// @returns     none if there are more corners than `most`
 ///
-/// Corners on the same pixel row or column share that coordinate exactly; corners on the box have the box's coordinate.
-/// O(pixels).
+/// Corners on the same pixel row or column share that coordinate exactly; corners on a side of the box have exactly the
+/// coordinate of this side. O(pixels).
 std::optional<Area> outline_of(const PixelSet& pixels, const Box& box, std::size_t most);
 
 }  // namespace ccdt

@@ -23,10 +23,11 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
-/// Coordinates of corners below this value count as 0. It is far below the resolution of points.
+/// Coordinates of corners below this value count as 0. The value is far below the resolution of points.
 inline constexpr double kLeastCoordinate = 0x1p-100;
 
-/// Adding and then subtracting this value rounds numbers in [-2, 2) to multiples of 2^-50, whose sums are exact.
+/// Adding and then subtracting this value rounds numbers in [-2, 2) to multiples of 2^-50. Sums of such multiples are
+/// exact.
 inline constexpr double kSnapping = 6;
 
 inline Point snapped(Point p) {

@@ -15,7 +15,7 @@
 
 namespace ccdt {
 
-/// Returns the largest number of pieces that crossings may create. It allows for scribbles and bounds the memory.
+/// Returns the largest number of pieces that crossings may create. The limit permits scribbles, but bounds the memory.
 /// @param more  additional pieces per corner
 constexpr std::size_t max_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;
@@ -23,8 +23,8 @@ constexpr std::size_t max_pieces(std::size_t corners, std::size_t more = 0) {
 
 /// The border of the area that rings enclose, and the faults of the rings.
 struct Enclosed {
-    /// The inside lies on the left. Rings touch only at corners. At a corner where several separate sectors of the
-    /// inside meet, each sector has a corner of its own.
+    /// The inside lies on the left. Rings touch only at corners. Where several separate sectors of the inside meet at
+    /// one point, each sector has its own corner there.
     std::vector<Ring> rings;
     std::vector<Repair> repairs;
 };
@@ -44,8 +44,8 @@ struct Enclosed {
 /// Errors (Unusable): crossings that create more pieces than max_pieces() allows.
 ///
 /// The result equals that of GEOS' MakeValid with the structure method. Why not GEOS: it works in the caller's
-/// coordinates, and conversion of its result to the unit frame could make the result invalid again. Its overlays snap
-/// vertices together where rounding interferes. Its interruption affects the whole process. Why not CGAL's
+/// coordinates, and conversion of its result to the unit frame could make the result invalid again. The overlays of
+/// GEOS snap vertices together where rounding interferes. Interrupting GEOS affects the whole process. Why not CGAL's
 /// Constrained_triangulation_plus_2: it keeps a list of vertices, some hundred bytes, for each segment, although few
 /// segments are cut.
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,

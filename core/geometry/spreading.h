@@ -6,8 +6,8 @@
 
 #include "core/geometry/pair.h"
 
-// Spreads points on a grid, and reads values from it, with the product of a kernel along x and the same kernel along y.
-// A tap is one of the grid points that the kernel covers.
+// Spreads points on a grid, and reads values from the grid, with the product of a kernel along x and the same kernel
+// along y. A tap is one of the grid points that the kernel covers.
 
 namespace ccdt {
 

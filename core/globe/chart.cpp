@@ -29,7 +29,7 @@ double conformal_tangent(double tangent) {
 
 /// Returns the tangent of the geodetic latitude for the tangent of a conformal latitude.
 double geodetic_tangent(double conformal) {
-    constexpr int kSteps = 3;  // the initial error is 1e-5, and each step squares it
+    constexpr int kSteps = 3;  // the initial error is 1e-5, and each step squares the error
     double tangent = conformal / (1 - kSquare);
     for (int i = 0; i < kSteps; ++i) {
         const double found = conformal_tangent(tangent);

@@ -11,13 +11,13 @@
 
 namespace ccdt {
 
-/// Returns the disc in a chart's plane that contains all points within a distance in metres of a point on the ground.
-/// The radius has a margin of 1 part in 1,000, for two reasons: the edges of a charted region are accurate only to this
-/// degree, and discs are placed along an edge in steps. If the disc would contain the point opposite the chart's
-/// centre, its radius is the largest double.
+/// Returns a disc in a chart's plane that contains all points whose distance on the ground from the point `place` is at
+/// most `metres`. The radius has a margin of 1 part in 1,000, for two reasons: the edges of a charted region are
+/// accurate only to this degree, and discs are placed along an edge in steps. If the disc would contain the point
+/// opposite the chart's centre, its radius is the largest double.
 ///
-/// Distances on the conformal sphere equal those on the ground up to a factor, which varies with latitude by less than
-/// 0.007 per radian. A disc on the sphere is a disc in the plane, but with another centre.
+/// Distances on the conformal sphere equal distances on the ground up to a factor, which varies with latitude by less
+/// than 0.007 per radian. A disc on the sphere is a disc in the plane, but with another centre.
 Disc disc_on_ground(const Chart& chart, Point place, double metres);
 
 /// Erodes a part by `buffer` metres on the ground. If the region was divided into two parts along a circle, this circle

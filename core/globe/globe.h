@@ -18,9 +18,9 @@ struct GlobeDistribution {
     double pitch = 0;    ///< square root of the ground area per site, in metres
 };
 
-/// Distributes sites over a region of the globe. On the ground, their number per square kilometre follows the wanted
-/// density, and they are isotropic. The computation takes place in a conformal plane (region.h), whose scale is part of
-/// the density.
+/// Distributes sites over a region of the globe. On the ground, the number of sites per square kilometre follows the
+/// wanted density, and the pattern is isotropic. The computation takes place in a conformal plane (region.h), whose
+/// scale is part of the density.
 ///
 /// @param region   in longitude and latitude, see chart_region(). Parts that overlap only after a shift by a whole turn
 ///                 are not recognised as the same ground, and their overlap is left out.
@@ -28,7 +28,7 @@ struct GlobeDistribution {
 /// @param options  fixed points are in degrees as well; if the region is divided into two parts, sites are divided in
 ///                 proportion to the ground that fixed points leave in each part
 /// @param buffer   least distance of sites from the border on the ground, in metres; a cut does not count as border
-/// @returns        sites strictly inside the region; iterations, trace and variation are those of the larger part;
+/// @returns        sites strictly inside the region; iterations, trace and variation are taken from the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
 /// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero everywhere in the region, or if

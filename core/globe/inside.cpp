@@ -27,7 +27,7 @@ Inside::Inside(const std::vector<Ring>& rings) {
     }
     west_ = box.min.x;
     extent_ = std::max(box.width(), box.height());
-    // The largest number of columns for which an edge lies in four columns on average, or fewer.
+    // The number of columns is the largest for which an edge lies in at most four columns on average.
     constexpr double kEach = 4;
     double widths = 0;
     for (const Edge& edge : edges_) widths += std::abs(edge.b.x - edge.a.x);

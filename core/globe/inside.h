@@ -19,10 +19,10 @@ public:
     /// Whether a point lies inside. O(edges directly above and below the point).
     bool contains(Point p) const;
 
-    /// Returns the position inside that is nearest to p, moved inwards by the least sufficient distance of 1e-12 to
-    /// 1e-3 of the rings' extent. Returns p if it is inside already, or if no such distance suffices. O(edges) for
-    /// points outside.
-    /// @param stretch  scale of distances along x relative to those along y
+    /// Returns p if it is inside. Otherwise returns the nearest point of the rings, moved inwards by the least distance
+    /// that suffices for the result to be inside: 1e-12 to 1e-3 of the rings' extent. If no such distance suffices,
+    /// returns p. O(edges) for points outside.
+    /// @param stretch  scale of distances along x relative to distances along y
     Point nearest(Point p, double stretch) const;
 
 private:

@@ -35,7 +35,8 @@ Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     return {};
 }
 
-/// Whether a ring jumps from one side of a map to the other. Such a ring has no edges all around the globe.
+/// Whether a ring jumps from one side of a map to the other. In such a ring, an edge of 360 degrees has no length; it
+/// does not go around the globe.
 bool jumps(const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const double jump = std::abs(ring[(i + 1) % ring.size()].x - ring[i].x);
@@ -89,7 +90,7 @@ void put_larger_outside(PolygonPart& part) {
     }
 }
 
-/// Shifts a hole by whole turns to its outer ring.
+/// Shifts a hole by whole turns to the longitudes of its outer ring.
 void follow(const Ring& outer, Ring& hole) {
     if (outer.empty() || hole.empty()) return;
     const auto by_longitude = [](Point a, Point b) { return a.x < b.x; };
@@ -173,7 +174,8 @@ private:
     double west_ = 0, east_ = 0;
     bool closes_ = false;            ///< whether the east and west sides are the same meridian
     std::vector<double> seam_;       ///< latitudes of corners on the seam
-    std::vector<int> seam_sides_;    ///< for each piece of the seam between two corners, how often it is an edge
+    std::vector<int> seam_sides_;    ///< [pieces of the seam between successive corners] number of edges along the
+                                     ///< piece
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
     double step_ = 0;                ///< in radians
     std::size_t stride_ = 1;         ///< stride of the points used in a search
@@ -347,7 +349,8 @@ bool is_straight(Point a, Point b, double tolerance) {
     return dot(along, along) * kDegree * kDegree < tolerance;
 }
 
-/// Calls `visit(a, b)` for all edges that are curved on a chart.
+/// Calls `visit(a, b)` for all edges that count as border. These are curved on a chart. Edges along a pole, and pieces
+/// that both sides of the seam have in common, do not count.
 template <class Visit>
 void Charting::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
@@ -398,7 +401,8 @@ void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point
     });
 }
 
-/// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the ring runs back and forth.
+/// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the rings run back and forth
+/// along the same line.
 std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {

@@ -14,9 +14,9 @@ namespace ccdt {
 
 /// Rewrites polygons on the globe so that in degrees each ring is closed and has no jumps. An edge that spans more than
 /// 180 and less than 360 degrees of longitude is replaced by the edge that takes the shorter way around the globe. A
-/// ring that goes around a pole gets an edge along the pole that is nearer to most of it. Holes are shifted by whole
-/// turns to their outer ring. In a ring with such edges, an edge of 360 degrees counts as an edge of zero length.
-/// Indices of corners are preserved.
+/// ring that goes around a pole gets an edge along the pole in the hemisphere of the ring's mean latitude. Holes are
+/// shifted by whole turns to their outer ring. In a ring with an edge that is replaced in this way, an edge of 360
+/// degrees counts as an edge of zero length. Indices of corners are preserved.
 ///
 /// @param parts  positions in longitude and latitude, degrees
 ///
@@ -40,7 +40,8 @@ struct ChartedPart {
     double seam = 0;
     /// Deviation of edges, in metres on the ground, if it is not negligible relative to the buffer; else 0.
     double error = 0;
-    double indifference = 0;  ///< distance in the plane that makes no visible difference to sites with a buffer
+    double indifference = 0;  ///< indifference for inset(), in the plane: too small a distance to be visible in the
+                              ///< pattern
 };
 
 /// Projects a region of the globe onto charts. If a cap of some degrees lies outside the region, one chart suffices.

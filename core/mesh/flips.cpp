@@ -14,7 +14,7 @@ namespace {
 using Mesh = Triangulation;
 constexpr std::uint32_t kNone = Mesh::kNone;
 
-/// An edge that is not Delaunay, and the block of the four vertices of its two triangles.
+/// An edge that is not Delaunay, and the smallest block that contains the four vertices of its two triangles.
 struct Flip {
     std::uint32_t edge;
     SiteBlocks::Block block;

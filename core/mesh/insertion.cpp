@@ -26,15 +26,16 @@ struct Batch {
     const std::stop_token& stop;
 };
 
-/// A triangle, and a point relative to the position of its first corner.
+/// A triangle on the way to a point, and the point. On a torus, this is the periodic copy that fits
+/// Triangulation::places().
 struct Location {
     std::uint32_t triangle;
     Point point;
     Shift shift;  ///< shift of the point from its given position
 };
 
-/// Result of an attempt to insert a site. Elsewhere: the position, or a triangle that would change, lies outside the
-/// region.
+/// Result of an attempt to insert a site. Refused: insert_site() rejects the position. Elsewhere: the position, or a
+/// triangle that would change, lies outside the region.
 enum class Outcome { Done, Refused, Elsewhere };
 
 /// Walks towards a place. Each step crosses an edge that has the place on its right. The edge tried first varies from
@@ -158,7 +159,7 @@ bool insert_site(Triangulation& mesh, std::uint32_t site, Point p, double margin
 std::vector<std::uint32_t> insert_sites(Triangulation& mesh, std::span<const std::uint32_t> sites, const Draw& draw,
                                         int attempts, double margin, const std::stop_token& stop) {
     constexpr std::size_t kSamplesPerBlock = 64;    // triangles sampled per block, to find one inside each block
-    constexpr std::size_t kMinSitesPerBlock = 384;  // with fewer sites, too little of a block lies inside its rim
+    constexpr std::size_t kMinSitesPerBlock = 384;  // with fewer, most triangles of a block touch other blocks
     if (sites.empty()) return {};
     Regions regions(mesh.blocks(),
                     kMinSitesPerBlock * mesh.blocks().sites() / std::max(sites.size(), kMinSitesPerBlock));

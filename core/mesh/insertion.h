@@ -21,18 +21,21 @@ namespace ccdt {
 ///                border, or coincides with a vertex
 bool insert_site(Triangulation& mesh, std::uint32_t site, Point p, double margin = 0);
 
-/// Returns the position to try for a site at a given attempt. Called from several threads.
+/// Returns the position to try for a site at an attempt, counted from 0. Several threads may call it at once.
 using Draw = std::function<Point(std::uint32_t site, int attempt)>;
 
 /// Inserts sites, each at the first of several positions that insert_site() accepts.
-/// @param sites     in ascending order and evenly spread; other calls insert the sites numbered in between
-/// @param attempts  positions to try for each site
+/// @param sites     numbers of the sites to insert, ascending and evenly spread over all sites; other calls insert the
+///                  sites in between
+/// @param attempts  number of positions to try for each site
+/// @param margin    as in insert_site()
 /// @param stop      polled regularly; after a stop the triangulation must not be used
 /// @returns         the sites for which no position was accepted; they must be inserted before trim()
 std::vector<std::uint32_t> insert_sites(Triangulation& mesh, std::span<const std::uint32_t> sites, const Draw& draw,
                                         int attempts, double margin, const std::stop_token& stop = {});
 
-/// Returns the part of the domain in which a position lies; kNone outside the domain. Not for a torus.
+/// Returns the part of the domain in which a position lies; kNone outside the domain. Not for a torus; only before
+/// trim().
 std::uint32_t part_at(Triangulation& mesh, Point p);
 
 }  // namespace ccdt

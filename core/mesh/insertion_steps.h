@@ -8,10 +8,10 @@
 
 namespace ccdt {
 
-/// Lists sites in the best order of insertion: coarse to fine. The sites are numbered along a space-filling curve.
-/// Points that are far apart come first, which keeps the triangles round. Within a step, successive points are
-/// neighbours, which keeps the walks of point location short.
-/// @param visit  called with the sites of each step, in ascending order; returns false to end
+/// Lists all sites in steps, in the best order for their insertion. The sites are numbered along a space-filling curve.
+/// The first steps have few sites far apart, which keeps the triangles round. Within a step, successive sites are close
+/// together, which keeps the walks of point location short.
+/// @param visit  called with the sites of each step, in ascending order; returns false to end the enumeration
 /// @returns      false if `visit` ended the enumeration
 template <class Visit>
 bool for_insertion_steps(std::size_t sites, Visit&& visit) {

@@ -15,8 +15,8 @@ using Mesh = Triangulation;
 constexpr std::uint32_t kNone = Mesh::kNone;
 using Triangle = Mesh::Triangle;
 
-/// Marks triangles outside the domain, by a flood fill. It starts from the triangles at the box, which are outside, and
-/// changes sides at each segment.
+/// Marks triangles outside the domain, by a flood fill. The fill starts at a side of the box, which is outside, and
+/// changes between outside and inside at each segment.
 void mark_outside(Triangulation& mesh) {
     std::vector<bool> seen(mesh.triangle_count(), false);
     std::vector<std::uint32_t> stack;
@@ -41,8 +41,8 @@ void mark_outside(Triangulation& mesh) {
     }
 }
 
-/// Gives each fan of triangles its own vertex, where several segments begin at the same place. The vertex is the input
-/// point at which a segment begins that has the fan on its left.
+/// Where several segments begin at the same place, gives each fan of inside triangles there its own vertex. This vertex
+/// is the input point at which the segment begins that bounds the fan and has the fan on its left.
 void separate(Triangulation& mesh, std::span<const ConstrainedDelaunay::Branch> branches) {
     if (branches.empty()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex

@@ -19,7 +19,8 @@ namespace ccdt {
 ///                left
 Triangulation mesh_of_border(std::size_t sites, const ConstrainedDelaunay& border);
 
-/// Returns the corners of the triangles inside the domain, or inside one part of it. Only before trim().
+/// Returns the corners of the triangles inside one part of the domain, or for kNone, inside the whole domain. Only
+/// before trim().
 std::vector<std::array<Point, 3>> inside_triangles(const Triangulation& mesh,
                                                    std::uint32_t part = Triangulation::kNone);
 

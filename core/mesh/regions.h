@@ -18,12 +18,12 @@ struct Region {
     /// A site still to be inserted.
     struct Site {
         std::uint32_t number = 0;  ///< index in the list of sites to insert
-        /// Triangle at which the search for the site's position left a smaller region.
+        /// Triangle at which the search for the site's position left a smaller region; kNone before the first search.
         std::uint32_t triangle = Triangulation::kNone;
     };
 
     std::uint32_t first = 0;                    ///< first vertex of the block
-    std::uint32_t size = Triangulation::kNone;  ///< number of vertices; kNone for the last level's block with all
+    std::uint32_t size = Triangulation::kNone;  ///< number of vertices; kNone for the last level, whose block has all
     std::uint32_t last = Triangulation::kNone;  ///< a triangle of the region, near the last insertion
     std::vector<std::uint32_t> stack;           ///< edges that may not be Delaunay
     std::vector<std::uint32_t> edges;           ///< edges left for a larger region
@@ -37,7 +37,7 @@ struct Region {
 /// The regions of all levels of blocks.
 class Regions {
 public:
-    /// @param sites  least number of sites in the blocks of the first level
+    /// @param sites  least number of sites per block; levels with smaller blocks are left out
     Regions(const SiteBlocks& blocks, std::size_t sites) {
         while (first_level_ < blocks.last_level() && blocks.sites() / blocks.count(first_level_) < sites)
             ++first_level_;
@@ -62,8 +62,8 @@ public:
         return level + 1 >= levels_.size() ? whole() : levels_[level][block.number >> 2 * higher];
     }
 
-    /// Processes all regions of a level in parallel, then those of the next level, which inherit the unfinished work.
-    /// Must be called only once.
+    /// Processes the regions level by level. All regions of a level are processed in parallel, and their unfinished
+    /// work is passed on to the regions of the next level. Must be called only once.
     /// @param work  called with each region
     /// @returns     the region of the last level
     template <class Work>

@@ -11,8 +11,8 @@ namespace ccdt {
 
 /// Divides sites that are numbered along a space-filling curve into blocks of neighbours. On each further level, up to
 /// four blocks are joined into a larger block, until a single block remains. Operations that touch only the sites of
-/// one block can run in parallel with those of other blocks of the same level. The blocks depend on the number of sites
-/// alone.
+/// one block can run in parallel with operations on other blocks of the same level. The blocks depend on the number of
+/// sites alone.
 class SiteBlocks {
 public:
     /// Least number of sites of a block, unless there is only one block.
@@ -51,8 +51,8 @@ public:
         return block(first, apart);
     }
 
-    /// Returns the smallest block that contains a level-0 block and all blocks whose numbers differ from it only in the
-    /// bits `apart`.
+    /// Returns the smallest block that contains the level-0 block `number` and all level-0 blocks whose numbers differ
+    /// from `number` only in the bits of `apart`.
     Block block(std::uint32_t number, std::uint32_t apart) const {
         const int level = std::min(last_level(), (static_cast<int>(std::bit_width(apart)) + 1) / 2);
         return {level, level == last_level() ? 0 : number >> (2 * level)};

@@ -92,7 +92,7 @@ void Triangulation::flip(std::uint32_t edge) {
     }
     if (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(twin))) flip_shifts(edge);
     if (this->twin(twin_next) == edge_next) {
-        join(edge, twin);  // a parallelogram around the torus with two sides joined
+        join(edge, twin);  // the two triangles share a second edge, around the torus
     } else {
         join(edge, this->twin(twin_next));
         join(twin, this->twin(edge_next));

@@ -14,7 +14,7 @@
 
 namespace ccdt {
 
-/// A number of whole periods of a torus in each direction.
+/// A translation on a torus: the numbers of whole periods along x and along y.
 struct Shift {
     std::int8_t x = 0;
     std::int8_t y = 0;
@@ -43,12 +43,14 @@ class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// Copies a triangulation. Use mesh_of_border() to build the mesh of a domain.
+    /// Copies the triangulation of a border. To build the mesh of a domain, use mesh_of_border(), which also marks the
+    /// inside.
     /// @param sites  number of sites to be inserted; the sites come first in the numbering, then the points of the
     /// border
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
-    /// Starts the triangulation of a torus.
+    /// Creates the triangulation of a torus, without any site so far.
+    /// @param sites   number of sites to be inserted
     /// @param period  sides of the torus, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
@@ -87,7 +89,8 @@ public:
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
     std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
-    /// Whether a corner of the triangle is shifted relative to the others; only on a torus.
+    /// Whether a corner of the triangle is shifted by periods relative to the others, which is possible only on a
+    /// torus.
     bool crosses_seam(std::uint32_t triangle) const { return (triangles_[triangle].flags & Triangle::kSeam) != 0; }
 
     /// Periods by which the edge's target is shifted relative to its origin.
@@ -107,7 +110,7 @@ public:
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
-    /// Positions of the corners; the first one is at its stored position.
+    /// Positions of the corners. The first corner has its stored position; the others are shifted so as to fit.
     std::array<Point, 3> places(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
@@ -132,11 +135,11 @@ public:
 
     /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part in which a vertex lies; kNone for a vertex outside the domain. Before trim(), the four corners of the box
-    /// are vertices outside.
+    /// Part in which a vertex lies; kNone for a vertex outside the domain. Until trim(), the four corners of the box
+    /// are such vertices.
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
 
-    /// Wraps sites of a torus that have left the box by a quarter of a period or more back into it.
+    /// Moves sites of a torus back into the box if they have left it by a quarter of a period or more.
     void wrap();
 
     /// Whether the last restore_delaunay() changed a triangle around the vertex.
@@ -179,17 +182,17 @@ public:
     void join(std::uint32_t edge, std::uint32_t twin);
     /// Splits a triangle into three at a site.
     /// @param shift  shift of the site from its stored position to its position in the triangle
-    /// @param u, v   unused triangles
+    /// @param u, v   two unused triangles, which become parts of the divided one
     void divide(std::uint32_t site, std::uint32_t triangle, Shift shift, std::uint32_t u, std::uint32_t v);
     /// Replaces the edge a-b of triangles (a, b, c) and (b, a, d) by d-c of (a, d, c) and (b, c, d).
     void flip(std::uint32_t edge);
-    /// Sets the stored edge of its origin to this edge. Changes a vertex of the border only if the edge lies on the
-    /// border.
+    /// Makes `edge` the stored edge of the vertex where it starts (see edge_of). If that vertex is on the border, does
+    /// so only if `edge` is an edge of the border, too.
     void keep_edge(std::uint32_t edge);
     /// Sets has_changed() of all vertices to false.
     void forget_changes() { changed_.assign(points_.size(), 0); }
 
-    /// Sets the part of each vertex, and the number of parts.
+    /// Sets the part of each vertex [vertices], and the number of parts.
     void set_parts(std::vector<std::uint32_t> part_of, std::size_t count);
     void set_part(std::uint32_t vertex, std::uint32_t part) {
         if (!part_of_.empty()) part_of_[vertex] = part;
