@@ -29,17 +29,20 @@ Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector
 
 /// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
 ///
-/// @param options  options in the query, none of which may also be a member of the object
-/// Errors: those of parse_halftone() and of JsonDocument::parse. The field of a member is its JSON Pointer.
+/// @param options  options in the query; none of them may also be a member of the object
+/// Errors: those of parse_halftone() and of JsonDocument::parse. If an error is about a member of the object,
+/// Error::field is a JSON Pointer to this member.
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits);
 
 /// Decodes the picture, distributes the dots, and writes them in the requested format.
 ///
-/// @param decode   reads the picture
+/// @param decode   decodes the picture
 /// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
 /// @param timings  receives the times of the completed stages
-/// @returns        a file in the requested format
+/// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
+///                 the whole body
+/// @returns        the answer; without its body if the sink received the body
 /// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more than
 /// limits.max_pixels, or a side longer than the format allows; Stopped. Same request, same bytes, except for
 /// `elapsed_ms` in JSON.
