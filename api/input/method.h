@@ -32,8 +32,7 @@ struct Method {
     std::size_t max_sites;
     int iterations;         ///< default number of iterations
     MethodOptions options;  ///< options that the method supports
-    /// Estimates the cost of a run.
-    /// @param is_uniform  whether the density is uniform
+    /// Estimates the cost of a run; `is_uniform` states whether the density is uniform.
     Estimate (&cost)(const Options& options, bool is_uniform);
     decltype(distribute)& run;
 };
