@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/analyze/analyze.h"
+#include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
@@ -35,6 +36,10 @@ Json describe(const PointFormat& format) {
 }
 
 Json describe(const MaskFormat& format) {
+    return describe(format.file);
+}
+
+Json describe(const DeviceFormat& format) {
     return describe(format.file);
 }
 
@@ -106,18 +111,21 @@ std::string_view name_of(OfferedPictures pictures) {
 }  // namespace
 
 std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
-    const Json document = {{"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
-                           {"halftone",
-                            {{"formats", describe_all(halftone_formats())},
-                             {"options", halftone_options()},
-                             {"pictures", name_of(pictures)}}},
-                           {"sample",
-                            {{"formats", describe_all(sample_formats())},
-                             {"inputs", describe_maps()},
-                             {"masks", describe_all(mask_formats())},
-                             {"options", sample_options()},
-                             {"methods", describe_methods(limits)}}},
-                           {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
+    const Json document = {
+        {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
+        {"halftone",
+         {{"formats", describe_all(halftone_formats())},
+          {"options", halftone_options()},
+          {"devices",
+           {{"names", device_names()}, {"formats", describe_all(device_formats())}, {"options", device_options()}}},
+          {"pictures", name_of(pictures)}}},
+        {"sample",
+         {{"formats", describe_all(sample_formats())},
+          {"inputs", describe_maps()},
+          {"masks", describe_all(mask_formats())},
+          {"options", sample_options()},
+          {"methods", describe_methods(limits)}}},
+        {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
     return document.dump() + '\n';
 }
 

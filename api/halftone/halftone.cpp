@@ -7,7 +7,6 @@
 
 #include "api/halftone/halftone_answer.h"
 #include "api/halftone/halftone_plan.h"
-#include "api/image/embedded_image.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
@@ -20,14 +19,11 @@ namespace {
 constexpr Interval kScales = {.min = 0.1, .max = 16};
 constexpr Interval kMinutes = {.min = 0.1, .max = 10'000};
 constexpr Interval kDetails = {.min = 0, .max = 1};
-constexpr std::uint64_t kMaxSide = 65'535;  // pixels
 constexpr Interval kRadii = {.min = 0, .max = 65536, .above_min = true};
 
 constexpr std::array<Choice<Dots>, 3> kDots = {{{"both", Dots::Both}, {"ink", Dots::Ink}, {"paper", Dots::Paper}}};
 
 constexpr std::array<Choice<Layers>, 2> kLayers = {{{"ink", Layers::Ink}, {"kind", Layers::Kind}}};
-
-constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
 
 constexpr std::array<Choice<Tone>, 3> kTones = {
     {{"linear", Tone::Linear}, {"perceptual", Tone::Perceptual}, {"density", Tone::Density}}};
@@ -49,29 +45,6 @@ Result<void> read_dot(const Input& input, std::optional<DotRadius>& dot) {
     }
     dot = DotRadius{*radius, millimetres};
     return {};
-}
-
-/// Reads a list of two or three numbers: black point, white point, and optionally gamma.
-Result<void> read_levels(const Input& input, Levels& levels) {
-    struct Level {
-        std::string_view name;
-        double Levels::*value;
-        Interval allowed;
-    };
-    static constexpr std::array<Level, 3> kLevels = {{{"black point", &Levels::black, {.min = 0, .max = 1}},
-                                                      {"white point", &Levels::white, {.min = 0, .max = 1}},
-                                                      {"gamma", &Levels::gamma, {.min = 0.1, .max = 10}}}};
-    auto parts = read_list(input, kLevels.size(), "value");
-    if (!parts) return tl::unexpected(parts.error());
-    if (parts->size() < 2)
-        return malformed(input, "must be a black point and a white point, both from 0 to 1, and optionally gamma");
-    for (std::size_t i = 0; i < parts->size(); ++i) {
-        Input& part = (*parts)[i];
-        part.name = input.name + ": " + std::string(kLevels[i].name);
-        if (auto read = assign(levels.*kLevels[i].value, read_number(part, kLevels[i].allowed)); !read) return read;
-    }
-    if (levels.black < levels.white) return {};
-    return malformed(input, "must have a black point below the white point");
 }
 
 /// A request that is being parsed. Values that depend on several options are determined after all options have been
@@ -98,15 +71,13 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
     {"on_deadline",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
     {"scale", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.scale, read_number(i, kScales)); }},
-    {"width",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_integer(i, 1, kMaxSide)); }},
-    {"height",
-     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_integer(i, 1, kMaxSide)); }},
-    {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_choice<Fit>(i, kFits)); }},
+    {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
+    {"height", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.height, read_side(i)); }},
+    {"fit", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.fit, read_fit(i)); }},
     {"dot", [](const Input& i, const Limits&, Draft& d) { return read_dot(i, d.request.dot); }},
     {"detail",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.detail, read_number(i, kDetails)); }},
-    {"levels", [](const Input& i, const Limits&, Draft& d) { return read_levels(i, d.request.levels); }},
+    {"levels", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.levels, read_levels(i)); }},
     {"antialias", [](const Input& i, const Limits&, Draft& d) { return assign(d.antialias, read_boolean(i)); }},
     {"dots", [](const Input& i, const Limits&, Draft& d) { return assign(d.dots, read_choice<Dots>(i, kDots)); }},
     {"invert", [](const Input& i, const Limits&, Draft& d) { return assign(d.invert, read_boolean(i)); }},
@@ -251,16 +222,6 @@ Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& i
     return {};
 }
 
-/// Adds the picture to the request. Errors: those of `request` and of `image`.
-Result<HalftoneRequest> with_image(Result<HalftoneRequest> request, const Result<ImageFile>& image) {
-    ErrorList errors;
-    errors.add(request);
-    errors.add(image);
-    if (auto right = errors.result(); !right) return tl::unexpected(right.error());
-    request->image = *image;
-    return request;
-}
-
 /// Checks that the request gives width_mm if it gives the radius in millimetres.
 Result<void> check_dot(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (!request.dot || !request.dot->millimetres || request.drawing.width_mm) return {};
@@ -307,30 +268,22 @@ std::vector<std::string_view> halftone_options() {
     return names_of<Draft>(kRules);
 }
 
+Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits) {
+    HalftoneRequest request;
+    request.image_field = input.image_field;
+    return with_image(parse_options(std::move(request), input.options, accept, limits), input);
+}
+
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits) {
-    const auto file = read_image_header(image, limits.max_pixels).map([&](const ImageHeader& header) {
-        return ImageFile{image, header, nullptr};
-    });
-    HalftoneRequest request;
-    return with_image(parse_options(std::move(request), inputs_of(options), accept, limits), file);
+    return parse_halftone(read_halftone(image, options, limits), accept, limits);
 }
 
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits) {
-    const auto document = JsonDocument::parse(body);
-    if (!document) return tl::unexpected(document.error());
-    auto inputs = inputs_of(document->root(), "");
-    if (!inputs) return tl::unexpected(inputs.error());
-    HalftoneRequest request;
-    request.image_field = "/image";
-    Result<ImageFile> file = failure(ErrorCode::Malformed, "image is missing", request.image_field);
-    if (const auto image = std::ranges::find(*inputs, "image", &Input::name); image != inputs->end()) {
-        file = read_embedded_image(*image, limits);
-        inputs->erase(image);
-    }
-    for (auto& input : inputs_of(options)) inputs->push_back(std::move(input));
-    return with_image(parse_options(std::move(request), *inputs, accept, limits), file);
+    const auto input = read_halftone_json(body, options, limits);
+    if (!input) return tl::unexpected(input.error());
+    return parse_halftone(*input, accept, limits);
 }
 
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,

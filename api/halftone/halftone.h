@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/halftone/halftone_input.h"
 #include "api/halftone/halftone_request.h"
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
@@ -16,22 +17,19 @@ namespace ccdt::api {
 /// Returns the names of the options. Each option may be given as text.
 std::vector<std::string_view> halftone_options();
 
-/// Reads a request whose image is the body or a part of a form. Options are given as text.
+/// Reads the options of a request.
 ///
-/// @param image    the file's bytes, which must outlive the request
-/// @param options  in the order of the request
-/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// @param input   image and options; the bytes of the image must outlive the request
+/// @param accept  the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: Malformed for an option that is unknown, repeated or out of range, and for a missing image; Unsupported for
 /// an image in a format that the server does not read; LimitExceeded for too many sites; NotAcceptable if the client
-/// accepts none of the formats. Error::field is the option's name. Does no expensive work: the image is not decoded.
+/// accepts none of the formats. Error::field is the option's name, or the JSON Pointer of a member. Does no expensive
+/// work: the image is not decoded.
+Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits);
+
+/// Reads image and options by read_halftone() or read_halftone_json(), then the options. Errors: those of both steps.
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits);
-
-/// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
-///
-/// @param options  options in the query; none of them may also be a member of the object
-/// Errors: those of parse_halftone() and of JsonDocument::parse. If an error is about a member of the object,
-/// Error::field is a JSON Pointer to this member.
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits);
 

@@ -11,6 +11,7 @@
 #include "api/image/image_header.h"
 #include "api/input/drawing_options.h"
 #include "api/input/palette.h"
+#include "api/input/picture_options.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
 #include "api/run/options.h"
@@ -33,12 +34,6 @@ enum class Dots {
             ///< ground
     Ink,    ///< ink dots on paper
     Paper,  ///< light dots, which draw the light parts of the picture, on black
-};
-
-/// Ways to fit a picture into a drawing whose width and height are both given.
-enum class Fit {
-    Contain,  ///< the whole picture is drawn, as large as fits into both sides
-    Cover,    ///< the middle of the picture is drawn, with exactly these sides
 };
 
 /// Request to /halftone, with its options.

@@ -29,9 +29,12 @@
 namespace ccdt::server {
 namespace {
 
-/// Duration above which a computation fragments the heap, so that free memory is returned to the system afterwards.
-/// This takes less than a millisecond, after the answer was sent.
-constexpr std::chrono::milliseconds kLong{50};
+/// Returns free memory to the system, after a computation that has freed much of it. This takes less than a
+/// millisecond, after the answer was sent. Short computations keep their memory for the next one.
+void give_back_memory() {
+    constexpr std::size_t kMuch = std::size_t{1} << 20;
+    if (mallinfo2().fordblks > kMuch) malloc_trim(0);
+}
 
 /// A request that has arrived, and the source by which its computation is stopped.
 struct Task {
@@ -238,9 +241,8 @@ void run_compute_process(ComputeFiles files, const Computer& compute) {
         [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });
     while (true) {
         const Task task = inbox.wait();
-        const auto start = std::chrono::steady_clock::now();
         reply_to(task, compute, decoder, lent, files.channel.get());
-        if (std::chrono::steady_clock::now() - start > kLong) malloc_trim(0);
+        give_back_memory();
     }
 }
 

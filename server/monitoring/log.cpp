@@ -2,11 +2,13 @@
 #include "server/monitoring/log.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <spdlog/logger.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
@@ -28,7 +30,11 @@ std::string member(LogFormat format, std::string_view message) {
 
 /// Whether a query parameter is certainly an option. Anything else may be a key.
 bool is_plain_option(const api::TextOption& option) {
-    static const auto known = api::halftone_options();  // other paths have no options
+    static const auto known = [] {  // other paths have no options
+        auto names = api::halftone_options();
+        std::ranges::copy(api::device_options(), std::back_inserter(names));
+        return names;
+    }();
     const auto is_plain = [](char c) {
         return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
                std::string_view("#+,-._").find(c) != std::string_view::npos;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "api/analyze/analyze.h"
+#include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/map/shapefile_reader.h"
@@ -65,6 +66,10 @@ Result<api::Answer> compute(const api::HalftoneRequest& request, const api::Limi
                             const Control& control, api::Timings& timings, api::BodySink* sink) {
     return api::run_halftone(request, limits, decode, control, timings, sink);
 }
+Result<api::Answer> compute(const api::DeviceRequest& request, const api::Limits& limits, const api::Decode& decode,
+                            const Control& control, api::Timings& timings, api::BodySink* /*sink*/) {
+    return api::run_device(request, limits, decode, control, timings);
+}
 Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits& limits, const api::Decode& decode,
                             const Control& control, api::Timings& timings, api::BodySink* sink) {
     return api::run_sample(request, limits, decode, control, timings, sink);
@@ -108,9 +113,11 @@ Result<ParsedPointer> pack(Result<Request> request, const api::Limits& limits) {
 
 Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits) {
     const auto options = parse_query(request.query);
-    if (holds_json(request))
-        return pack(api::parse_halftone_json(request.body, options, request.accept, limits), limits);
-    return pack(api::parse_halftone(request.body, options, request.accept, limits), limits);
+    const auto input = holds_json(request) ? api::read_halftone_json(request.body, options, limits)
+                                           : api::read_halftone(request.body, options, limits);
+    if (!input) return tl::unexpected(input.error());
+    if (input->has("device")) return pack(api::parse_device(*input, request.accept, limits), limits);
+    return pack(api::parse_halftone(*input, request.accept, limits), limits);
 }
 
 Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits) {

@@ -80,7 +80,9 @@ TEST_P(Documented, HaveTheFormatsThatAreDocumented) {
     const Json& answers = openapi().at("paths").at('/' + GetParam().name).at("post").at("responses").at("200");
     std::set<std::string> types;
     for (const auto& [type, content] : resolve(answers).at("content").items()) types.insert(type);
-    const auto made = all(formats, "media_type");
+    auto made = all(formats, "media_type");
+    if (endpoint.contains("devices"))
+        std::ranges::copy(all(endpoint.at("devices").at("formats"), "media_type"), std::back_inserter(made));
     EXPECT_EQ(types, std::set<std::string>(made.begin(), made.end()));
 }
 
@@ -146,6 +148,16 @@ TEST(Capabilities, ReportWhetherServerOffersPictures) {
     EXPECT_EQ(offered(OfferedPictures::None), "none");
     EXPECT_EQ(offered(OfferedPictures::Unsigned), "unsigned");
     EXPECT_EQ(offered(OfferedPictures::Signed), "signed");
+}
+
+TEST(Capabilities, ListDevicesWithDocumentedNamesFormatsAndOptions) {
+    const Json devices = capabilities().at("halftone").at("devices");
+    const Json documented = properties_of("DeviceOptions");
+    EXPECT_EQ(devices.at("names"), documented.at("device").at("enum"));
+    EXPECT_EQ(all(devices.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
+    std::set<std::string> names;
+    for (const auto& [name, schema] : documented.items()) names.insert(name);
+    EXPECT_EQ(devices.at("options").get<std::set<std::string>>(), names);
 }
 
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {

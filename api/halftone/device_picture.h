@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/halftone/halftone_input.h"
+#include "api/image/device_writers.h"
+#include "api/image/image_codec.h"
+#include "api/input/device.h"
+#include "api/input/file_formats.h"
+#include "api/input/picture_options.h"
+#include "api/output/body.h"
+#include "api/run/deadline.h"
+#include "api/run/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/halftone/levels.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Format of pictures for devices.
+struct DeviceFormat {
+    FileFormat file;
+    Result<std::string> (*write)(const DevicePixels& pixels, const PixelOptions& options, const std::stop_token& stop);
+};
+
+/// Request to /halftone with the option `device`: a picture that has exactly the pixels and the colours of a device.
+struct DeviceRequest {
+    ImageFile image;
+    std::string image_field;  ///< for Error::field; empty if the image is the body
+    Device device;
+    std::optional<int> width;   ///< of the answer; none: follows from the height, or from the picture
+    std::optional<int> height;  ///< of the answer; none: follows from the width, or from the picture
+    Fit fit = Fit::Contain;     ///< Contain: the background fills the rest. Cover requires width and height
+    int quarters = 0;           ///< quarter turns clockwise, before the picture is scaled
+    Colour background = kWhite;
+    Levels levels;
+    PixelOptions pixels;
+    const DeviceFormat* format = nullptr;  ///< never null in a parsed request
+    OnStop on_deadline = OnStop::Error;    ///< a partial answer is less similar to the picture
+};
+
+/// Returns the formats, in the server's order of preference.
+std::span<const DeviceFormat* const> device_formats();
+
+/// Returns the names of the options. Each option may be given as text.
+std::vector<std::string_view> device_options();
+
+/// Reads the options of a request that has the option `device`.
+/// Errors: as for parse_halftone(). An option of dots is malformed.
+Result<DeviceRequest> parse_device(const HalftoneInput& input, std::string_view accept, const Limits& limits);
+
+/// Decodes the picture, scales it, and shows it in the colours of the device.
+///
+/// Pixels that have exactly a colour that is sent to the device keep this colour, for example text on white.
+/// Errors: those of `decode`; LimitExceeded if the answer would have more than limits.max_pixels; Stopped. Same
+/// request, same bytes.
+Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings);
+
+/// Estimates the cost of run_device().
+Cost cost_of(const DeviceRequest& request, const Limits& limits);
+
+std::size_t size_of(const DeviceRequest& request);
+
+}  // namespace ccdt::api

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+
+#include "api/input/colour.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// A picture in the colours of a device.
+struct DevicePixels {
+    int width = 0;
+    int height = 0;
+    int bits = 1;                          ///< bits of a pixel: 1, 2 or 4
+    bool is_grey = false;                  ///< whether pixel values are greys in equal steps from black to white
+    std::span<const Colour> colours;       ///< [at most 2^bits] by pixel value
+    std::span<const std::uint8_t> values;  ///< [width * height] row by row
+
+    std::span<const std::uint8_t> row(int y) const {
+        const auto columns = static_cast<std::size_t>(width);
+        return values.subspan(static_cast<std::size_t>(y) * columns, columns);
+    }
+};
+
+/// Options of files with pixels.
+struct PixelOptions {
+    std::optional<double> width_mm;  ///< width of the picture; none: the file has no physical size
+    bool lsb_first = false;          ///< raw only: whether the leftmost pixel of a byte is in the lowest bits
+    bool inverted = false;           ///< raw only: whether all bits are inverted
+};
+
+// Writers. Same input, same bytes. Errors: Stopped.
+
+/// Encodes a PNG file with a palette, or with grey values, of the device's number of bits.
+Result<std::string> write_device_png(const DevicePixels& pixels, const PixelOptions& options,
+                                     const std::stop_token& stop);
+
+/// Encodes a BMP file with a palette of 1 or 4 bits per pixel, rows from bottom to top. Two bits are stored as four,
+/// since not all readers accept two. Source: Microsoft, BITMAPINFOHEADER.
+Result<std::string> write_bmp(const DevicePixels& pixels, const PixelOptions& options, const std::stop_token& stop);
+
+/// Writes the pixel values only, row by row from the top. Each row begins with a new byte.
+Result<std::string> write_packed_rows(const DevicePixels& pixels, const PixelOptions& options,
+                                      const std::stop_token& stop);
+
+/// Writes commands for a receipt or label printer: `GS v 0` for each band of up to 256 rows. Dark pixels are printed.
+/// @param pixels  a picture of two colours
+/// Source: Epson, ESC/POS command reference.
+Result<std::string> write_escpos(const DevicePixels& pixels, const PixelOptions& options, const std::stop_token& stop);
+
+}  // namespace ccdt::api

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/input/device.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <string_view>
+
+#include "core/dither/device_colours.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr Colour kRed = {255, 0, 0}, kGreen = {0, 255, 0}, kBlue = {0, 0, 255}, kYellow = {255, 255, 0},
+                 kOrange = {255, 128, 0};
+
+constexpr std::array<Colour, 3> kBlackWhiteRed = {kBlack, kWhite, kRed};
+constexpr std::array<Colour, 3> kBlackWhiteYellow = {kBlack, kWhite, kYellow};
+constexpr std::array<Colour, 6> kSpectra6 = {kBlack, kWhite, kYellow, kRed, kBlue, kGreen};
+constexpr std::array<Colour, 7> kAcep7 = {kBlack, kWhite, kGreen, kBlue, kRed, kYellow, kOrange};
+
+// Colours as they look, measured by others on panels: bwr and bwy on a panel of 3.97 inches with black, white, yellow
+// and red (EP397YR, 2026-03-06), and spectra6 on a panel of 7.3 inches (2026-02-03), both by the project
+// OpenDisplay/epaper-dithering (measured_palettes.rs); acep7 by the project Utzel-Butzel/epdoptimize
+// (default-palettes.json).
+constexpr std::array<Colour, 3> kBlackWhiteRedSeen = {{{10, 7, 14}, {173, 178, 174}, {85, 24, 14}}};
+constexpr std::array<Colour, 3> kBlackWhiteYellowSeen = {{{10, 7, 14}, {173, 178, 174}, {172, 128, 0}}};
+constexpr std::array<Colour, 6> kSpectra6Seen = {
+    {{26, 13, 35}, {185, 202, 205}, {202, 184, 0}, {121, 9, 0}, {0, 69, 139}, {40, 82, 57}}};
+constexpr std::array<Colour, 7> kAcep7Seen = {
+    {{25, 30, 33}, {241, 241, 241}, {83, 164, 40}, {49, 49, 143}, {210, 14, 19}, {243, 207, 17}, {184, 94, 28}}};
+
+struct KnownDevice {
+    std::string_view name;
+    std::span<const Colour> sent;
+    std::span<const Colour> seen;
+    std::size_t greys = 0;  ///< number of greys in equal steps of sRGB values; 0: the colours are listed
+};
+
+constexpr std::array<KnownDevice, 8> kDevices = {{
+    {"1bit", {}, {}, 2},
+    {"gray4", {}, {}, 4},
+    {"gray16", {}, {}, 16},
+    {"bwr", kBlackWhiteRed, kBlackWhiteRedSeen},
+    {"bwy", kBlackWhiteYellow, kBlackWhiteYellowSeen},
+    {"spectra6", kSpectra6, kSpectra6Seen},
+    {"acep7", kAcep7, kAcep7Seen},
+    {"custom", {}, {}},
+}};
+
+std::vector<Colour> greys(std::size_t count) {
+    std::vector<Colour> colours;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto value = static_cast<unsigned char>(255 * i / (count - 1));
+        colours.push_back({value, value, value});
+    }
+    return colours;
+}
+
+}  // namespace
+
+bool Device::is_grey() const {
+    const bool has_grey_count = sent.size() == 2 || sent.size() == 4 || sent.size() == 16;
+    return has_grey_count && sent == greys(sent.size());
+}
+
+std::vector<std::string_view> device_names() {
+    std::vector<std::string_view> names;
+    names.reserve(kDevices.size());
+    for (const KnownDevice& device : kDevices) names.push_back(device.name);
+    return names;
+}
+
+Result<Device> read_device(const Input& input) {
+    return read_word(input, device_names()).map([](std::size_t i) {
+        const KnownDevice& known = kDevices[i];
+        if (known.greys > 0) return Device{std::string(known.name), greys(known.greys), greys(known.greys)};
+        return Device{
+            std::string(known.name), {known.sent.begin(), known.sent.end()}, {known.seen.begin(), known.seen.end()}};
+    });
+}
+
+Result<std::vector<Colour>> read_device_colours(const Input& input) {
+    const auto parts = read_list(input, kMaxDeviceColours, "colour");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < 2)
+        return malformed(input, "must have 2 to " + std::to_string(kMaxDeviceColours) + " colours for a device");
+    std::vector<Colour> colours;
+    for (const Input& part : *parts) {
+        const auto colour = read_colour(part);
+        if (!colour) return tl::unexpected(colour.error());
+        if (std::ranges::find(colours, *colour) != colours.end())
+            return malformed(part, "repeats an earlier colour: " + hexadecimal(*colour));
+        colours.push_back(*colour);
+    }
+    return colours;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/input/colour.h"
+#include "api/input/option_reader.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// A device whose pixels each show one of a few colours.
+struct Device {
+    std::string name;
+    std::vector<Colour> sent;  ///< colours in files for the device, in the order of the pixel values
+    std::vector<Colour> seen;  ///< the same colours as they look on the device
+
+    /// Returns the number of bits of a pixel: 1, 2 or 4.
+    int bits() const { return sent.size() <= 2 ? 1 : sent.size() <= 4 ? 2 : 4; }
+
+    /// Returns whether the sent colours are greys in equal steps from black to white, as grey values of pixels are.
+    bool is_grey() const;
+};
+
+/// Returns the names of the devices.
+std::vector<std::string_view> device_names();
+
+/// Reads the name of a device. The device `custom` has no colours yet; these come from read_device_colours().
+/// Errors: Malformed.
+Result<Device> read_device(const Input& input);
+
+/// Reads 2 to kMaxDeviceColours different colours of core/dither/device_colours.h: text with commas between them, or a
+/// JSON array of strings.
+/// Errors: Malformed.
+Result<std::vector<Colour>> read_device_colours(const Input& input);
+
+}  // namespace ccdt::api

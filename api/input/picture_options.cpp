@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/input/picture_options.h"
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace ccdt::api {
+
+Result<Fit> read_fit(const Input& input) {
+    static constexpr std::array<Choice<Fit>, 2> kFits = {{{"contain", Fit::Contain}, {"cover", Fit::Cover}}};
+    return read_choice<Fit>(input, kFits);
+}
+
+Result<int> read_side(const Input& input) {
+    constexpr std::uint64_t kMaxSide = 65'535;
+    return read_integer(input, 1, kMaxSide).map([](std::uint64_t side) { return static_cast<int>(side); });
+}
+
+Result<Levels> read_levels(const Input& input) {
+    struct Level {
+        std::string_view name;
+        double Levels::*value;
+        Interval allowed;
+    };
+    static constexpr std::array<Level, 3> kLevels = {{{"black point", &Levels::black, {.min = 0, .max = 1}},
+                                                      {"white point", &Levels::white, {.min = 0, .max = 1}},
+                                                      {"gamma", &Levels::gamma, {.min = 0.1, .max = 10}}}};
+    Levels levels;
+    auto parts = read_list(input, kLevels.size(), "value");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < 2)
+        return malformed(input, "must be a black point and a white point, both from 0 to 1, and optionally gamma");
+    for (std::size_t i = 0; i < parts->size(); ++i) {
+        Input& part = (*parts)[i];
+        part.name = input.name + ": " + std::string(kLevels[i].name);
+        if (auto read = assign(levels.*kLevels[i].value, read_number(part, kLevels[i].allowed)); !read)
+            return tl::unexpected(read.error());
+    }
+    if (levels.black < levels.white) return levels;
+    return malformed(input, "must have a black point below the white point");
+}
+
+}  // namespace ccdt::api

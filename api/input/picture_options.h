@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "api/input/option_reader.h"
+#include "core/halftone/levels.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Ways to fit a picture into a drawing whose width and height are both given.
+enum class Fit {
+    Contain,  ///< the whole picture is drawn, as large as fits into both sides
+    Cover,    ///< the middle of the picture is drawn, with exactly these sides
+};
+
+/// Reads `contain` or `cover`. Errors: Malformed.
+Result<Fit> read_fit(const Input& input);
+
+/// Reads the length of a side of a drawing, in pixels. Errors: Malformed.
+Result<int> read_side(const Input& input);
+
+/// Reads a list of two or three numbers: black point, white point, and optionally gamma. Errors: Malformed.
+Result<Levels> read_levels(const Input& input);
+
+}  // namespace ccdt::api

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/dither/direct_search.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cassert>
+#include <cstddef>
+#include <utility>
+
+#include "core/dither/error_diffusion.h"
+#include "core/dither/visual_error.h"
+#include "core/halftone/pixel_ranges.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t index(int i) {
+    return static_cast<std::size_t>(i);
+}
+
+/// Searches changes of a picture in the colours of a device.
+/// @tparam Channels  1 for a device with greys only, 4 for other devices; as in VisualError
+template <std::size_t Channels>
+class DirectSearch {
+public:
+    using Colour = VisualError<Channels>::Colour;
+
+    DirectSearch(std::span<const DeviceColours::Opponent> wanted, std::span<const std::uint8_t> given,
+                 std::vector<std::uint8_t> chosen, int width, int height, const DeviceColours& device,
+                 Executor& executor)
+        : given_(given),
+          chosen_(std::move(chosen)),
+          width_(width),
+          height_(height),
+          colours_(device.count()),
+          executor_(executor),
+          error_(residual(wanted, chosen_, device, executor), width, height, executor),
+          blocks_((width + kBlock - 1) / kBlock),
+          is_due_(index(blocks_) * index((height + kBlock - 1) / kBlock), 1),
+          is_due_next_(is_due_.size(), 0) {
+        for (std::size_t a = 0; a < colours_; ++a) {
+            for (std::size_t b = 0; b < colours_; ++b) {
+                Difference& difference = differences_[a][b];
+                for (std::size_t c = 0; c < std::min<std::size_t>(Channels, 3); ++c) {
+                    difference.colour[c] = device[b][c] - device[a][c];
+                    difference.square += difference.colour[c] * difference.colour[c];
+                }
+            }
+        }
+    }
+
+    /// Visits the pixels once, without those around which nothing has changed since their last visit.
+    ///
+    /// Tiles of one phase are so far apart that no tile's changes touch what another one reads.
+    /// @returns  number of changes
+    std::size_t sweep(const std::stop_token& stop) {
+        static_assert(kTile >= 2 * VisualError<Channels>::kReachInPixels);
+        const int columns = (width_ + kTile - 1) / kTile, rows = (height_ + kTile - 1) / kTile;
+        std::atomic<std::size_t> changes = 0;
+        for (int phase = 0; phase < 4; ++phase) {
+            const int left = phase % 2, top = phase / 2;
+            const int across = (columns - left + 1) / 2, down = (rows - top + 1) / 2;
+            executor_.run(index(across) * index(down), [&](std::size_t task) {
+                const int column = static_cast<int>(task) % across, row = static_cast<int>(task) / across;
+                changes += visit_tile((2 * column + left) * kTile, (2 * row + top) * kTile, stop);
+            });
+        }
+        is_due_.swap(is_due_next_);
+        std::ranges::fill(is_due_next_, std::uint8_t{0});
+        return changes;
+    }
+
+    std::vector<std::uint8_t> take_result() { return std::move(chosen_); }
+
+private:
+    static constexpr int kTile = 128;  ///< side of a tile, in pixels
+    static constexpr int kBlock = 8;   ///< side of a block, in pixels; blocks are skipped as a whole
+
+    struct Difference {
+        Colour colour{};
+        float square = 0;
+    };
+
+    /// A change of a pixel: it takes a colour of the device, or exchanges its colour with a neighbour.
+    struct Change {
+        float error = -1e-7f;  ///< change of the visible error; this much is less than rounding errors
+        std::uint8_t colour = kAnyColour;
+        int dx = 0, dy = 0;  ///< neighbour to exchange with; both 0: none
+    };
+
+    static std::vector<Colour> residual(std::span<const DeviceColours::Opponent> wanted,
+                                        std::span<const std::uint8_t> chosen, const DeviceColours& device,
+                                        Executor& executor) {
+        std::vector<Colour> result(wanted.size(), Colour{});
+        for_pixels(executor, wanted.size(), [&](std::size_t i) {
+            for (std::size_t c = 0; c < std::min<std::size_t>(Channels, 3); ++c)
+                result[i][c] = device[chosen[i]][c] - wanted[i][c];
+        });
+        return result;
+    }
+
+    std::size_t pixel(int x, int y) const { return index(y) * index(width_) + index(x); }
+
+    static float product(const Colour& a, const Colour& b) {
+        float sum = 0;
+        for (std::size_t c = 0; c < Channels; ++c) sum += a[c] * b[c];
+        return sum;
+    }
+
+    std::size_t visit_tile(int left, int top, const std::stop_token& stop) {
+        const int right = std::min(left + kTile, width_), bottom = std::min(top + kTile, height_);
+        std::size_t changes = 0;
+        for (int y = top; y < bottom && !stop.stop_requested(); y += kBlock) {
+            for (int x = left; x < right; x += kBlock) {
+                if (is_due_[index(y / kBlock) * index(blocks_) + index(x / kBlock)] == 0) continue;
+                changes += visit_block(x, y, std::min(x + kBlock, right), std::min(y + kBlock, bottom));
+            }
+        }
+        return changes;
+    }
+
+    std::size_t visit_block(int left, int top, int right, int bottom) {
+        std::size_t changes = 0;
+        for (int y = top; y < bottom; ++y) {
+            for (int x = left; x < right; ++x) {
+                if (given_[pixel(x, y)] != kAnyColour) continue;
+                const Change best = best_change(x, y);
+                if (best.colour == kAnyColour) continue;
+                apply(x, y, best);
+                ++changes;
+            }
+        }
+        if (changes > 0) mark_around(left / kBlock, top / kBlock);
+        return changes;
+    }
+
+    Change best_change(int x, int y) const {
+        const Colour gradient = error_.gradient(x, y);
+        const std::uint8_t own = chosen_[pixel(x, y)];
+        Change best;
+        for (std::size_t other = 0; other < colours_; ++other) {
+            if (other == own) continue;
+            const Difference& change = differences_[own][other];
+            const float error = 2 * product(change.colour, gradient) + change.square * error_.self();
+            if (error < best.error) best = {error, static_cast<std::uint8_t>(other), 0, 0};
+        }
+        for (int dy = -std::min(y, 1); dy <= std::min(height_ - 1 - y, 1); ++dy) {
+            for (int dx = -std::min(x, 1); dx <= std::min(width_ - 1 - x, 1); ++dx) {
+                const std::size_t neighbour = pixel(x + dx, y + dy);
+                const std::uint8_t other = chosen_[neighbour];
+                if (other == own || given_[neighbour] != kAnyColour) continue;
+                const Difference& change = differences_[own][other];
+                const Colour there = error_.gradient(x + dx, y + dy);
+                const float mutual = error_.mutual(x, y, dx, dy);
+                const float error = 2 * (product(change.colour, gradient) - product(change.colour, there) +
+                                         change.square * (error_.self() - mutual));
+                if (error < best.error) best = {error, other, dx, dy};
+            }
+        }
+        return best;
+    }
+
+    void apply(int x, int y, const Change& change) {
+        const std::uint8_t own = chosen_[pixel(x, y)];
+        chosen_[pixel(x, y)] = change.colour;
+        error_.change(x, y, differences_[own][change.colour].colour);
+        if (change.dx == 0 && change.dy == 0) return;
+        chosen_[pixel(x + change.dx, y + change.dy)] = own;
+        error_.change(x + change.dx, y + change.dy, differences_[change.colour][own].colour);
+    }
+
+    /// Marks a block and its neighbours to be visited in the next sweep.
+    void mark_around(int column, int row) {
+        const int rows = static_cast<int>(is_due_.size()) / blocks_;
+        for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
+            for (int x = std::max(column - 1, 0); x <= std::min(column + 1, blocks_ - 1); ++x)
+                is_due_next_[index(y) * index(blocks_) + index(x)] = 1;
+        }
+    }
+
+    std::span<const std::uint8_t> given_;
+    std::vector<std::uint8_t> chosen_;
+    int width_, height_;
+    std::size_t colours_;
+    Executor& executor_;
+    VisualError<Channels> error_;
+    int blocks_;                             ///< number of blocks in a row
+    std::vector<std::uint8_t> is_due_;       ///< [blocks] whether a block is visited in this sweep
+    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether it is visited in the next sweep
+    std::array<std::array<Difference, kMaxDeviceColours>, kMaxDeviceColours> differences_{};
+};
+
+template <std::size_t Channels>
+std::vector<std::uint8_t> search(DirectSearch<Channels> search, std::size_t pixels, const std::stop_token& stop) {
+    constexpr int kMaxSweeps = 30;
+    constexpr std::size_t kPixelsPerChange = 2000;  // a sweep with fewer changes is the last one
+    for (int sweep = 0; sweep < kMaxSweeps && !stop.stop_requested(); ++sweep) {
+        if (search.sweep(stop) <= pixels / kPixelsPerChange) break;
+    }
+    return search.take_result();
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponent> wanted,
+                                          std::span<const std::uint8_t> given, std::vector<std::uint8_t> chosen,
+                                          int width, int height, const DeviceColours& device,
+                                          const std::stop_token& stop, Executor& executor) {
+    assert(wanted.size() == index(width) * index(height));
+    assert(given.size() == wanted.size() && chosen.size() == wanted.size());
+    if (device.is_grey())
+        return search<1>({wanted, given, std::move(chosen), width, height, device, executor}, wanted.size(), stop);
+    return search<4>({wanted, given, std::move(chosen), width, height, device, executor}, wanted.size(), stop);
+}
+
+}  // namespace ccdt

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/dither/error_diffusion.h"
+#include "core/halftone/overprint.h"
+#include "core/parallel/executor.h"
+
+namespace ccdt {
+
+/// Shows a picture on a device whose pixels each show one of a few colours, such as electronic paper.
+///
+/// The range of the picture is mapped to that of the device: black becomes the device's darkest colour, white its
+/// lightest one, and what lies between is linear in light. Colours that no mixture can make become the most similar
+/// ones (DeviceGamut). Then error diffusion chooses the colours of the pixels, and a search makes the visible error
+/// smaller (diffuse_error(), search_directly()).
+///
+/// @param light    red, green and blue [width * height] in linear light; values outside [0, 1] are clamped
+/// @param given    [width * height] number of a colour that the pixel must have, or kAnyColour
+/// @param colours  2 to kMaxDeviceColours different colours in linear light, as they look
+/// @param stop     after a stop, the result is less similar to the picture
+/// @returns        [width * height] numbers of colours
+///
+/// Deterministic for any number of threads. O(pixels * colours).
+std::vector<std::uint8_t> dither(const LightPlanes& light, std::span<const std::uint8_t> given, int width, int height,
+                                 std::span<const Light> colours, const std::stop_token& stop = {},
+                                 Executor& executor = inline_executor());
+
+}  // namespace ccdt

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/halftone/device_picture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tests/api/files.h"
+
+namespace ccdt::api {
+namespace {
+
+using Options = std::vector<TextOption>;
+
+Result<DeviceRequest> parse(const Options& options, const Limits& limits = {}) {
+    static const std::string file = photograph("astronaut.png");
+    return parse_device(read_halftone(file, options, limits), "", limits);
+}
+
+Result<Answer> answer(const Options& options) {
+    const auto request = parse(options);
+    if (!request) return tl::unexpected(request.error());
+    Timings timings;
+    return run_device(*request, {}, decode_inline(), {}, timings);
+}
+
+TEST(DevicePicture, HasTheRequestedSize) {
+    const auto png = decode_png(answer({{"device", "bwr"}, {"width", "70"}, {"height", "30"}})->body);
+    EXPECT_EQ(png.width, 70);
+    EXPECT_EQ(png.height, 30);
+    EXPECT_EQ(png.bit_depth, 2);
+}
+
+TEST(DevicePicture, HasOnlyColoursOfTheDevice) {
+    const auto request = parse({{"device", "acep7"}, {"width", "60"}});
+    const auto png = decode_png(answer({{"device", "acep7"}, {"width", "60"}})->body);
+    for (const auto& [red, green, blue, alpha] : png.pixels) {
+        const Colour colour{red, green, blue};
+        EXPECT_NE(std::ranges::find(request->device.sent, colour), request->device.sent.end());
+        EXPECT_EQ(alpha, 255);
+    }
+}
+
+TEST(DevicePicture, FollowsTheAspectRatioIfOneSideIsGiven) {
+    EXPECT_EQ(decode_png(answer({{"device", "1bit"}, {"height", "40"}})->body).width, 40);
+    EXPECT_EQ(decode_png(answer({{"device", "1bit"}})->body).height, 512);
+}
+
+TEST(DevicePicture, RejectsOptionsOfDots) {
+    for (const char* option : {"sites", "scale", "dots", "color", "style", "antialias"}) {
+        const auto request = parse({{"device", "1bit"}, {option, "1"}});
+        ASSERT_FALSE(request) << option;
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, option);
+    }
+}
+
+TEST(DevicePicture, RejectsMorePixelsThanAllowed) {
+    const auto request = parse({{"device", "1bit"}, {"width", "2000"}}, {.max_pixels = 300'000});
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().code, ErrorCode::LimitExceeded);
+    EXPECT_EQ(request.error().field, "width");
+}
+
+TEST(DevicePicture, ReportsAllErrorsOfARequest) {
+    const auto request = parse({{"device", "tv"}, {"rotate", "45"}});
+    ASSERT_FALSE(request);
+    EXPECT_EQ(request.error().field, "device");
+    ASSERT_EQ(request.error().others.size(), 1U);
+    EXPECT_EQ(request.error().others.front().field, "rotate");
+}
+
+TEST(DevicePicture, EstimatesMoreForMorePixelsAndColours) {
+    const auto cost = [](const Options& options) { return cost_of(*parse(options), {}); };
+    const Cost small = cost({{"device", "1bit"}, {"width", "200"}});
+    const Cost large = cost({{"device", "1bit"}, {"width", "2000"}});
+    const Cost colourful = cost({{"device", "acep7"}, {"width", "2000"}});
+    EXPECT_LT(small.memory, large.memory);
+    EXPECT_LT(small.seconds, large.seconds);
+    EXPECT_LT(large.seconds, colourful.seconds);
+}
+
+}  // namespace
+}  // namespace ccdt::api
