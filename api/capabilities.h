@@ -7,12 +7,12 @@
 
 namespace ccdt::api {
 
-/// Access to the pictures that the server itself offers as sources of halftones: no pictures, unsigned URLs, or signed
-/// URLs only.
+/// Access of clients to the server's own pictures, which `GET /halftone/{name}` draws: there are no pictures, URLs need
+/// no signature, or each URL must be signed.
 enum class OfferedPictures { None, Unsigned, Signed };
 
-/// Describes in JSON what this server offers: the formats and options of each route, the methods with their limits and
-/// estimated time per site, the limits, and whether the server has pictures of its own.
+/// Describes in JSON what this server offers: the formats and options of each endpoint, the methods with their limits
+/// and estimated time per site, the limits of the server, and the access to its pictures.
 std::string capabilities_json(const Limits& limits, OfferedPictures pictures = OfferedPictures::None);
 
 }  // namespace ccdt::api

@@ -12,9 +12,10 @@ namespace ccdt::api {
 ///
 /// @param status    HTTP status, repeated in the body
 /// @param title     reason phrase of the status
-/// @param instance  identifies the request: urn:request:ID
-/// The detail joins the messages of the error and its `others`. The member `errors: [{pointer, detail}]` lists the
-/// errors that name a field. Bytes that are not UTF-8 are replaced.
+/// @param error     the first error; its `others` are reported as well
+/// @param instance  URI that identifies the request, urn:request:ID; may be empty
+/// The member `detail` joins the messages of all errors. The member `errors: [{pointer, detail}]` lists the errors that
+/// name a field. Bytes that are not UTF-8 are replaced.
 std::string problem_json(int status, std::string_view title, const Error& error, std::string_view instance);
 
 }  // namespace ccdt::api

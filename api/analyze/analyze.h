@@ -22,7 +22,7 @@ struct AnalyzeRequest;
 /// Format of an analysis: a row of the table in analyze.cpp.
 struct AnalysisFormat {
     FileFormat file;
-    Estimate cost;  ///< cost of writing
+    Estimate cost;  ///< cost of writing the answer
     Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
 };
 
@@ -35,7 +35,7 @@ std::vector<std::string_view> analyze_options();
 /// Request to /analyze, with its options.
 struct AnalyzeRequest {
     std::vector<std::vector<Point>> sets;
-    bool single = false;  ///< whether the request gave `points`, not `sets`
+    bool single = false;  ///< whether the request gave `points` instead of `sets`
     Rectangle domain{1, 1, true};
     AnalysisOptions options;
     bool spectrum = false;                   ///< whether to add the spectrum to the JSON
@@ -46,8 +46,8 @@ struct AnalyzeRequest {
 ///
 /// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
 /// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
-/// range, and if both or neither of `points` and `sets` are given; LimitExceeded for more than limits.max_sites points
-/// in total; NotAcceptable. Error::field is a JSON Pointer.
+/// range, and unless exactly one of `points` and `sets` is given; LimitExceeded for more than limits.max_sites points
+/// in total; NotAcceptable if the client accepts none of the formats. Error::field is a JSON Pointer.
 Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view accept, const Limits& limits);
 
 /// Analyses the points, then writes JSON or draws the plot.

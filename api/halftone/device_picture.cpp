@@ -158,7 +158,8 @@ LightPlanes to_frame(ColourPicture picture, const DeviceRequest& request, Execut
                   executor);
 }
 
-/// Finds the pixels that have exactly a colour of the device.
+/// Returns for each pixel the number of the sent colour that the pixel has exactly, or kAnyColour if it has none of
+/// them.
 std::vector<std::uint8_t> exact_pixels(const LightPlanes& light, std::span<const Light> sent, Executor& executor) {
     constexpr float kTolerance = 1e-4f;  // less than half the difference between any two sRGB values of 8 bits
     std::vector<std::uint8_t> given(light.front().size(), kAnyColour);
@@ -220,7 +221,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
     if (!picture) return failure(picture.error().code, picture.error().message, request.image_field);
     Answer answer;
     answer.pixels = static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height);
-    // The orientation of a photograph is known only now.
+    // Only decoding determines the orientation of a photograph.
     const bool swaps = request.quarters % 2 == 1;
     const FrameSize frame = frame_of(
         request, swaps ? FrameSize{picture->height, picture->width} : FrameSize{picture->width, picture->height});

@@ -33,10 +33,10 @@ struct DeviceRequest {
     ImageFile image;
     std::string image_field;  ///< for Error::field; empty if the image is the body
     Device device;
-    std::optional<int> width;   ///< of the answer; none: follows from the height, or from the picture
-    std::optional<int> height;  ///< of the answer; none: follows from the width, or from the picture
-    Fit fit = Fit::Contain;     ///< Contain: the background fills the rest. Cover requires width and height
-    int quarters = 0;           ///< quarter turns clockwise, before the picture is scaled
+    std::optional<int> width;   ///< pixels; none: follows from the height, or from the picture
+    std::optional<int> height;  ///< pixels; none: follows from the width, or from the picture
+    Fit fit = Fit::Contain;  ///< Contain: the background fills the rest of the answer. Cover requires width and height
+    int quarters = 0;        ///< number of quarter turns clockwise, done before the picture is scaled
     Colour background = kWhite;
     Levels levels;
     PixelOptions pixels;
@@ -51,20 +51,22 @@ std::span<const DeviceFormat* const> device_formats();
 std::vector<std::string_view> device_options();
 
 /// Reads the options of a request that has the option `device`.
-/// Errors: as for parse_halftone(). An option of dots is malformed.
+/// Errors: as for parse_halftone(). Options that only dots have are Malformed.
 Result<DeviceRequest> parse_device(const HalftoneInput& input, std::string_view accept, const Limits& limits);
 
 /// Decodes the picture, scales it, and shows it in the colours of the device.
 ///
-/// Pixels that have exactly a colour that is sent to the device keep this colour, for example text on white.
-/// Errors: those of `decode`; LimitExceeded if the answer would have more than limits.max_pixels; Stopped. Same
-/// request, same bytes.
+/// If a pixel of the scaled picture has exactly one of the colours in Device::sent, the pixel keeps this colour. So
+/// text and lines of screenshots stay sharp.
+/// Errors: those of `decode`; LimitExceeded if the answer would have more than limits.max_pixels; Stopped, unless the
+/// request accepts a partial result and the stop comes after decoding and scaling. Same request, same bytes.
 Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings);
 
 /// Estimates the cost of run_device().
 Cost cost_of(const DeviceRequest& request, const Limits& limits);
 
+/// Returns the size of a parsed request in bytes, without the body from which it was read.
 std::size_t size_of(const DeviceRequest& request);
 
 }  // namespace ccdt::api

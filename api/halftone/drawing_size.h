@@ -24,8 +24,8 @@ PictureSize drawn_part(const HalftoneRequest& request, PictureSize picture);
 /// @param part  size of the drawn part of the picture
 std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize part, const Limits& limits);
 
-/// Returns the name of the option that determines the size of a drawing. Errors about a drawing that is too large name
-/// it.
+/// Returns the name of the option that determines the size of a drawing: `width`, `height` or `scale`. Errors about a
+/// drawing that is too large name this option.
 std::string size_option(const HalftoneRequest& request);
 
 }  // namespace ccdt::api

@@ -101,7 +101,8 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
-/// Checks that there are no options that apply only to a single ink that covers.
+/// Checks the options about colours for inks that mix: `foreground` is not available and, if inks add, neither is
+/// `background`.
 Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
@@ -211,7 +212,7 @@ Result<void> settle_size(Draft& draft, const std::vector<Input>& inputs) {
     return check_size(request, inputs);
 }
 
-/// Determines the detail, which is 0 for dots that follow the density alone.
+/// Sets the detail to 0 for tone=density, whose dots follow the picture without sharpening.
 Result<void> settle_detail(HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (request.tone != Tone::Density) return {};
     const auto detail = std::ranges::find(inputs, "detail", &Input::name);

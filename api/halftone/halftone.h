@@ -17,17 +17,18 @@ namespace ccdt::api {
 /// Returns the names of the options. Each option may be given as text.
 std::vector<std::string_view> halftone_options();
 
-/// Reads the options of a request.
+/// Parses the options of a request.
 ///
 /// @param input   image and options; the bytes of the image must outlive the request
 /// @param accept  the Accept header, empty if there is none; the option `format` takes precedence
 /// Errors: Malformed for an option that is unknown, repeated or out of range, and for a missing image; Unsupported for
 /// an image in a format that the server does not read; LimitExceeded for too many sites; NotAcceptable if the client
-/// accepts none of the formats. Error::field is the option's name, or the JSON Pointer of a member. Does no expensive
-/// work: the image is not decoded.
+/// accepts none of the formats. Error::field is the option's name, or a JSON Pointer to the member of the body. Does no
+/// expensive work: the image is not decoded.
 Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits);
 
-/// Reads image and options by read_halftone() or read_halftone_json(), then the options. Errors: those of both steps.
+/// Reads a request by read_halftone() or read_halftone_json(), and then parses its options. Errors: those of both
+/// steps.
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits);
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
@@ -35,10 +36,12 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 
 /// Decodes the picture, distributes the dots, and writes them in the requested format.
 ///
-/// @param decode   reads the picture
+/// @param decode   decodes the picture
 /// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
 /// @param timings  receives the times of the completed stages
-/// @returns        a file in the requested format
+/// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
+///                 the whole body
+/// @returns        the answer; without its body if the sink received the body
 /// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more than
 /// limits.max_pixels, or a side longer than the format allows; Stopped. Same request, same bytes, except for
 /// `elapsed_ms` in JSON.

@@ -28,7 +28,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Writes dots in a format, with the kind of writer that the format has.
+/// Writes dots in the format of a request. Has an operator for each kind of writer that a format can have.
 class Writing {
 public:
     Writing(const HalftoneRequest& request, const HalftonePlan& plan, std::span<const SizedDots> sized,
@@ -92,7 +92,7 @@ private:
         return writer.write(picture, request_.drawing.width_mm, stop_);
     }
 
-    /// Draws antialiased dots on both sides, in several custom inks.
+    /// Draws antialiased dots on both sides of the tonal scale, in inks of a palette.
     DotImage mixed_pixels() const {
         std::vector<Raster> flipped, grounds;
         for (std::size_t ink = 0; ink < plan_.two_sides->channels.size(); ++ink) {
@@ -166,6 +166,8 @@ private:
         return raster;
     }
 
+    /// Converts the share of each pixel that dots flip to the share that ink covers.
+    /// @param soft  whether edges of the ground are antialiased
     void apply_ground(std::size_t channel, bool soft, Raster& raster) const {
         const CellGrid& cells = plan_.two_sides->cells;
         const Point scale{static_cast<double>(raster.width) / cells.columns,
@@ -186,6 +188,7 @@ private:
         return draw_dots(places, radii, plan_.canvas, antialias, plan_.samples, stop_, executor_);
     }
 
+    /// Draws the coverage of one ink or, for dots on both sides of the tonal scale, of one channel.
     Raster rasterise(std::size_t ink, bool antialias) const {
         if (plan_.two_sides) return rasterise_both(ink, antialias);
         std::optional<double> radius;

@@ -122,16 +122,15 @@ Estimate decoding_cost(const HalftoneRequest& request) {
     constexpr double kSeparating = 0.2 * kMicrosecond;
     if (has_channels(request) && !has_ink_channels(request))
         return decoding_cost(request.image, 28 + 4 * inks_of(request));
-    // For a picture that has all colours, filling the table of separations takes as long as separating this number of
-    // pixels, times the square of the number of inks.
+    // For a picture that has all colours, filling the table of separations takes as long as separating kTable * inks^2
+    // pixels.
     constexpr double kTable = 60'000;
     const auto pixels = static_cast<double>(request.image.header.pixels());
     return decoding_cost(request.image, 28 + 4 * inks_of(request)) +
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
-/// Estimates the density grids: one for each ink or kind of dots. If there are several, there is also one for their
-/// sum.
+/// Estimates the density grids: one for each ink or kind of dots and, if there are several, one for their sum.
 Estimate densities_cost(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     if (has_channels(request)) return density_cost(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
@@ -217,8 +216,8 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
     return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
 }
 
-/// Estimates the supersampling of small dots, which is done band by band. A scale that the server chooses for the dots
-/// needs no supersampling.
+/// Estimates the supersampling of small dots, which is done band by band. A scale that the server chooses makes dots so
+/// large that they need no supersampling.
 Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
     constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
     const double samples = std::min(sites * kEach, kMaxSamples);

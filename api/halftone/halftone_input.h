@@ -33,12 +33,12 @@ struct HalftoneInput {
 HalftoneInput read_halftone(std::string_view image, const std::vector<TextOption>& options, const Limits& limits);
 
 /// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
-/// @param options  options in the query, in addition to the members of the object
-/// Errors: those of JsonDocument::parse(); Malformed if the body is no object.
+/// @param options  options in the query, in addition to the members of the object; their texts must outlive the result
+/// Errors: those of JsonDocument::parse(); Malformed if the body is not an object.
 Result<HalftoneInput> read_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                          const Limits& limits);
 
-/// Adds the image to a request that was read from the options. Errors: those of both.
+/// Adds the image to a request whose options have been read. Errors: those of `request` and of `input.image`.
 template <class Request>
 Result<Request> with_image(Result<Request> request, const HalftoneInput& input) {
     ErrorList errors;

@@ -30,12 +30,14 @@
 namespace ccdt::api {
 namespace {
 
+/// A picture that has been separated into inks or channels.
 struct SeparatedPicture {
-    PictureSize size;
+    PictureSize size;     ///< drawn part, in pixels of the file
     CellGrid cells;       ///< cells of the separation, as fine as the dots can show
-    Separation inks;      ///< the light is missing for a single ink that covers
+    Separation inks;      ///< `light` is empty for a single ink that covers, and for channels of light
     double fineness = 0;  ///< result of fineness() for the picture
 
+    /// Returns the area of a cell, in pixels of the file.
     double cell_area() const {
         return static_cast<double>(size.width) * size.height / (static_cast<double>(cells.columns) * cells.rows);
     }
@@ -77,9 +79,9 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = all_pixels(size);
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
-    // The area that dots on both sides draw depends on the cells in which the area is measured, and so is not known
-    // yet. It is assumed that dots draw a quarter of the picture. The small dots of darker and lighter pictures need no
-    // finer cells.
+    // Dots on both sides draw an area that is measured in cells, whose size follows from the radius. So this area is
+    // not known yet, and a quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these
+    // need no finer cells.
     constexpr double kShare = 0.25;
     const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
     const auto canvas = settled_canvas(request, size, limits);
@@ -89,9 +91,10 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
-/// Returns the side of the squares of pixels that decoding may replace with their mean. This is an estimate, since the
-/// picture is not decoded yet: if ink covers at least a quarter of it, the dots cannot show the difference. Returns 1
-/// if a step before the separation is not linear in the light of the pixels.
+/// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. The picture is not
+/// decoded yet, so the side is an estimate: if ink covers at least a quarter of the picture, the dots cannot show the
+/// difference. Returns 1, which means no replacement, if a step before the separation is not linear in the light of the
+/// pixels.
 int reducible(const HalftoneRequest& request, const Limits& limits) {
     constexpr double kMinPixels = 4e6;  // fewer pixels take little time
     constexpr double kInk = 0.25;
@@ -110,7 +113,8 @@ int reducible(const HalftoneRequest& request, const Limits& limits) {
     return side;
 }
 
-/// The drawn part of a decoded picture, and the side of the squares whose means are its pixels.
+/// The drawn part of a decoded picture. Each pixel of the decoded picture is the mean of a square of pixels in the
+/// file; `side` is the side of this square.
 template <class AnyPicture>
 struct Decoded {
     Decoded(AnyPicture decoded, const HalftoneRequest& request, int reduced) : picture(std::move(decoded)) {
@@ -125,8 +129,10 @@ struct Decoded {
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
     CellGrid cells() const { return {picture.width, picture.height}; }
 
-    /// Returns whether averaging squares did not change the dots: the separation needs no finer cells than the squares,
-    /// and the lost detail would not change the number of dots.
+    /// Returns whether the averaged squares give the same dots as the pixels of the file would. This is so if the
+    /// separation needs no finer cells than the squares, and if the lost detail would not change the number of dots.
+    /// @param wanted  cells of the separation
+    /// @param ink     area that dots cover, in pixels of the file
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
         if (side == 1) return true;
         if (wanted.columns > picture.width || wanted.rows > picture.height) return false;
@@ -144,8 +150,8 @@ struct Decoded {
     int side = 1;
 };
 
-/// Sums over all cells the share of a cell that dots draw. For dots on both sides, this share is that of the ink or
-/// that of the paper, whichever is smaller.
+/// Returns the area that dots draw, in cells: the sum of the coverages of all inks. For dots on both sides, this is
+/// minority_area().
 double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
                    Executor& executor) {
     if (request.dots == Dots::Both) return minority_area(coverage, executor);
@@ -154,7 +160,8 @@ double drawn_share(const std::vector<std::vector<float>>& coverage, const Halfto
     return ink;
 }
 
-/// @returns  none if the squares are too coarse
+/// Separates a grey picture, whose dots have a single ink.
+/// @returns  none if the averaged squares of `decoded` are too coarse
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
                                               const Limits& limits, Executor& executor) {
     const Picture& picture = decoded.picture;
@@ -184,7 +191,8 @@ Separation separate(const ColourPicture& picture, const HalftoneRequest& request
     return separate(picture, inks, request.tone, control.stop, *control.executor);
 }
 
-/// Estimates the area that dots of all inks draw, from a small copy of the picture.
+/// Estimates the area that the dots of all inks draw, in pixels of `picture`. Measures it on a small copy of the
+/// picture.
 double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, const Control& control) {
     constexpr int kSide = 64;
     const CellGrid cells{std::min(picture.width, kSide), std::min(picture.height, kSide)};
@@ -193,7 +201,8 @@ double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, c
     return ink / (static_cast<double>(cells.columns) * cells.rows) * picture.width * picture.height;
 }
 
-/// @returns  none if the squares are too coarse
+/// Separates a picture in colour.
+/// @returns  none if the averaged squares of `decoded` are too coarse
 std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
                                                  const Limits& limits, const Control& control) {
     Executor& executor = *control.executor;
@@ -212,7 +221,7 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
 /// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
 /// the memory of colours.
 /// @param reduce  side of the squares that decoding may replace with their mean
-/// @returns       none if the squares are too coarse
+/// @returns       none if the averaged squares are too coarse
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
                                                          const Decode& decode, const Control& control, int reduce) {
     const ImageFile& file = request.image;
@@ -231,7 +240,8 @@ Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& 
     return separated;
 }
 
-/// Decodes a picture and separates it into inks, first with averaged squares where possible. Frees the decoded picture.
+/// Decodes a picture and separates it into inks. Tries averaged squares first where possible, and uses all pixels if
+/// the squares are too coarse. Frees the decoded picture.
 Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                           const Control& control) {
     const int reduce = reducible(request, limits);
@@ -240,8 +250,8 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
-/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere. If not, it has solid ink in
-/// some places.
+/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere. Otherwise, the picture has
+/// solid ink in some places.
 bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
@@ -269,6 +279,7 @@ double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixe
 
 /// Returns the canvas. If the server chooses the size, the canvas has at most limits.max_pixels. A requested size is
 /// not reduced.
+/// @param preferred_scale  scale of a canvas whose size the server chooses, unless it would have too many pixels
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
                            const Limits& limits) {
     const auto canvas = settled_canvas(request, plan.picture, limits);
@@ -283,6 +294,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
 }
 
 /// Returns the radius that the request gives, or that follows from the size of the drawing, in pixels of the picture.
+/// Returns none if the radius follows from the number of dots.
 std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
     if (!request.dot) return std::nullopt;
@@ -329,6 +341,7 @@ Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPict
 
 /// Determines the number and the radius of the dots of each ink. Replaces the coverage of the picture with the density
 /// of dots.
+/// @param ink    [inks] area that the dots of each ink should cover, in pixels of the picture
 /// @param usual  number of sites to use unless the number follows from the radius
 /// @param most   maximum number of sites, from max_dots()
 Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
@@ -382,8 +395,9 @@ TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& pictur
 }
 
 /// Determines the grounds, and the number and sizes of dots on both sides of the tonal scale.
-/// @param minority  area that dots have to draw; 0 if the picture is only black and white, which the grounds draw
-///                  without dots
+/// @param minority  area that dots have to draw, in pixels of the picture. It is 0 if every part of the picture is
+///                  either bare paper or solid ink. The grounds then draw the picture, and there are no dots.
+/// @param usual     number of sites to use unless the number follows from the radius
 Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                               double minority, std::size_t usual, const Limits& limits, const Control& control) {
     // Smallest radii, in output pixels, that a raster draws well: kMinRadius without antialiasing, kMinSoftRadius
@@ -411,7 +425,8 @@ Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan
     return {};
 }
 
-/// Creates the target for the appearance of several inks together. Returns none if the polish does not need it.
+/// Creates the simulated print that the polish compares with the picture, in order to move the dots of all inks
+/// together. Returns none if the polish does not need it.
 /// @param light  wanted light of each cell
 std::optional<PrintProof> make_proof(const HalftoneRequest& request, const HalftonePlan& plan, const CellGrid& cells,
                                      const LightPlanes& light, Executor& executor) {
@@ -423,14 +438,15 @@ std::optional<PrintProof> make_proof(const HalftoneRequest& request, const Halft
                       toned(ink_set(request.palette), request.tone), *plan.radius, sites, executor);
 }
 
-/// Returns warnings about the request: only one frame of a file with several frames is drawn.
+/// Returns the warning that only one frame is drawn, if the file has several frames.
 std::vector<Warning> warnings_of(const HalftoneRequest& request) {
     std::string frame = describe_frame(request.image.header);
     if (frame.empty()) return {};
     return {{request.image_field, std::move(frame)}};
 }
 
-/// Creates a density for each ink or kind of dots that has sites. Frees the coverage of each ink.
+/// Creates a density for each ink or kind of dots that has sites. Any other ink or kind gets a uniform density.
+/// Frees the coverage of each ink.
 Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedPicture& picture) {
     std::vector<Density> densities(plan.sites.size(), Density::uniform());
     for (std::size_t ink = 0; ink < plan.sites.size(); ++ink) {
@@ -444,7 +460,9 @@ Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedP
     return densities;
 }
 
-/// Chooses the radii of dots on both sides, in pixels of the picture.
+/// Chooses the radius of each dot, in pixels of the picture, for dots on both sides of the tonal scale.
+/// @param placed  [kinds]
+/// @returns       [kinds]
 std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftonePlan& plan,
                                  std::span<const Distribution> placed, const Control& control) {
     const CellGrid& cells = plan.two_sides->cells;

@@ -20,38 +20,43 @@ namespace ccdt::api {
 
 /// Number, size and density of the dots of each ink.
 struct HalftonePlan {
-    PictureSize picture;
-    std::vector<double> cover;     ///< [inks] share of the picture that the dots of each ink should cover
-    std::optional<double> radius;  ///< radius of the dots, in pixels of the picture; none: chosen later, from `cover`
-    /// Area that dots cover over the area that they should cover; none: unknown, or 1 because of `radius`.
+    PictureSize picture;        ///< size of the drawn part, in pixels of the picture
+    std::vector<double> cover;  ///< [inks] share of the picture that the dots of each ink should cover
+    /// Radius of the dots, in pixels of the picture. None: chosen for `cover` when the dots are drawn.
+    std::optional<double> radius;
+    /// Area that dots cover, divided by the area that they should cover. None if there are no dots, or if their number
+    /// is proportional to the wanted area regardless of overlaps.
     std::optional<double> tone;
-    int samples = 0;                 ///< as in DotOptions
-    std::vector<std::size_t> sites;  ///< [inks]; for dots on both sides [kinds]
-    std::vector<Density> densities;  ///< density of the dots of each ink or kind; uniform if there are none
+    int samples = 0;                 ///< samples along each side of a pixel, as in DotOptions
+    std::vector<std::size_t> sites;  ///< [inks] number of dots; for dots on both sides [kinds]
+    std::vector<Density> densities;  ///< [inks] or [kinds] density of the dots; uniform if there are no dots
     std::optional<PrintProof>
-        proof;  ///< target for the appearance of all inks together; only if several inks are polished
+        proof;  ///< simulated print for polishing several inks together; none if the polish does not need it
     std::optional<TwoSidedPlan> two_sides;  ///< only for dots on both sides of the tonal scale
-    Canvas canvas;                          ///< canvas of a drawn answer
+    Canvas canvas;                          ///< canvas of the drawing
     std::vector<Warning> warnings;          ///< about the request
 
-    /// Returns the size of the dots, for the answer; none if `tone` is unknown.
+    /// Returns the size of the dots, for the answer; none if `tone` is none.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }
     Box box() const { return {{0, 0}, {static_cast<double>(picture.width), static_cast<double>(picture.height)}}; }
 };
 
-/// Decodes the picture, separates it into inks, and distributes the sites among the inks.
+/// Decodes the picture, separates it into inks, and distributes the sites among the inks. Errors: as for
+/// run_halftone().
 Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                    const Control& control);
 
 /// Dots after placement. Kinds are those of TwoSidedPlan: the dots of a kind flip the same channels.
 struct PlacedDots {
     std::vector<Distribution> inks;  ///< [inks]; for dots on both sides [kinds]
-    /// [kinds] sizes of dots on both sides, empty otherwise; radii in pixels of the picture. The bits of `white` are
-    /// set where the ground has no ink or, if inks add, no light.
+    /// [kinds] Radii of dots on both sides, in pixels of the picture, and the grounds on which the dots lie; empty for
+    /// other dots. In `white`, the bit of a channel is set if the ground at the dot has no ink of this channel or, if
+    /// inks add, no light of it.
     std::vector<SizedDots> sized;
 };
 
-/// Distributes the dots of each ink. Moves the densities out of the plan, and frees their memory at the end.
+/// Distributes the dots of each ink or kind. Moves the densities out of the plan, and frees their memory at the end.
+/// Errors: those of distribute_inks(), as errors about the image; Stopped, unless the request accepts a partial result.
 Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control);
 
 }  // namespace ccdt::api

@@ -23,8 +23,9 @@ namespace ccdt::api {
 
 /// Radius of dots.
 struct DotRadius {
-    double length = 0;         ///< > 0
-    bool millimetres = false;  ///< unit of the length: millimetres, which require width_mm, or pixels of the output
+    double length = 0;  ///< > 0
+    /// Whether the length is in millimetres, which requires the option width_mm. If not, it is in pixels of the output.
+    bool millimetres = false;
 };
 
 /// Sides of the tonal scale on which dots are drawn.
@@ -32,28 +33,28 @@ enum class Dots {
     Both,   ///< where the picture is light, ink dots on white ground; where it is dark, dots of bare paper on black
             ///< ground
     Ink,    ///< ink dots on paper
-    Paper,  ///< dots for the light parts of the picture, on black
+    Paper,  ///< light dots, which draw the light parts of the picture, on black
 };
 
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
     std::string image_field;           ///< for Error::field; empty if the image is the body
-    std::optional<std::size_t> sites;  ///< none: chosen from the image
+    std::optional<std::size_t> sites;  ///< none: chosen by the server
     std::optional<double>
         minutes;  ///< maximum drawing time of a plotter; limits the number of sites that the server chooses
-    Options run;  ///< seed, iterations, passes
+    Options run;  ///< seed, iterations, passes, quality
     std::optional<double> scale;   ///< output pixels per input pixel; none: chosen by the server
     std::optional<int> width;      ///< of the drawing, in pixels; excludes `scale`
     std::optional<int> height;     ///< of the drawing, in pixels; excludes `scale`
     Fit fit = Fit::Contain;        ///< Cover requires width and height
     bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
-    std::optional<DotRadius> dot;  ///< none: follows from the tone of the picture
-    double detail = 0.7;           ///< as in DotRequest; 0: the dots follow the density alone
+    std::optional<DotRadius> dot;  ///< none: chosen by the server
+    double detail = 0.7;           ///< strength of sharpening, 0 to 1, as in DotRequest; 0: no sharpening
     Levels levels;                 ///< applied to the picture before all other steps
     bool antialias = false;
-    bool may_be_scaled = false;  ///< whether browsers may show the drawing at another size: the request gives neither a
-                                 ///< size nor `antialias`
+    bool may_be_scaled = false;  ///< whether browsers are likely to scale the drawing: it is for a screen, and the
+                                 ///< request gives neither its size nor `antialias`
     Dots dots = Dots::Ink;       ///< Paper requires a single ink that covers
     Tone tone = Tone::Linear;
     Palette palette;

@@ -23,8 +23,8 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     if (bounds.min.x < -180 || bounds.max.x > 180 || south < -90 || north > 90) return std::nullopt;
     const double nearest = south <= 0 && north >= 0 ? 0 : std::min(std::abs(south), std::abs(north));
     const double farthest = std::max(std::abs(south), std::abs(north));
-    // Far from the equator, a degree of longitude is shorter by this factor, so a square kilometre has more points by
-    // this factor.
+    // A degree of longitude is shorter at the latitude `farthest` than at `nearest`, by this factor. So a square
+    // kilometre at `farthest` has this many times as many points.
     const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMaxRatio);
     if (ratio < kMinRatio) return std::nullopt;
     std::string text =

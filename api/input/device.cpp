@@ -19,10 +19,10 @@ constexpr std::array<Colour, 3> kBlackWhiteYellow = {kBlack, kWhite, kYellow};
 constexpr std::array<Colour, 6> kSpectra6 = {kBlack, kWhite, kYellow, kRed, kBlue, kGreen};
 constexpr std::array<Colour, 7> kAcep7 = {kBlack, kWhite, kGreen, kBlue, kRed, kYellow, kOrange};
 
-// Colours as they look, measured by others on panels: bwr and bwy on a panel of 3.97 inches with black, white, yellow
-// and red (EP397YR, 2026-03-06), and spectra6 on a panel of 7.3 inches (2026-02-03), both by the project
-// OpenDisplay/epaper-dithering (measured_palettes.rs); acep7 by the project Utzel-Butzel/epdoptimize
-// (default-palettes.json).
+// Colours as they look on panels, measured by other projects. The colours of bwr and bwy are from a panel of 3.97
+// inches with black, white, yellow and red (EP397YR, 2026-03-06), and the colours of spectra6 are from a panel of 7.3
+// inches (2026-02-03). Both were measured by OpenDisplay/epaper-dithering (measured_palettes.rs). The colours of acep7
+// are from Utzel-Butzel/epdoptimize (default-palettes.json).
 constexpr std::array<Colour, 3> kBlackWhiteRedSeen = {{{10, 7, 14}, {173, 178, 174}, {85, 24, 14}}};
 constexpr std::array<Colour, 3> kBlackWhiteYellowSeen = {{{10, 7, 14}, {173, 178, 174}, {172, 128, 0}}};
 constexpr std::array<Colour, 6> kSpectra6Seen = {

@@ -20,7 +20,8 @@ struct Device {
     /// Returns the number of bits of a pixel: 1, 2 or 4.
     int bits() const { return sent.size() <= 2 ? 1 : sent.size() <= 4 ? 2 : 4; }
 
-    /// Returns whether the sent colours are greys in equal steps from black to white, as grey values of pixels are.
+    /// Returns whether the sent colours are 2, 4 or 16 greys in equal steps from black to white, so that files can
+    /// store grey values instead of a palette.
     bool is_grey() const;
 };
 
@@ -31,7 +32,7 @@ std::vector<std::string_view> device_names();
 /// Errors: Malformed.
 Result<Device> read_device(const Input& input);
 
-/// Reads 2 to kMaxDeviceColours different colours of core/dither/device_colours.h: text with commas between them, or a
+/// Reads 2 to kMaxDeviceColours (core/dither/device_colours.h) different colours: text with commas between them, or a
 /// JSON array of strings.
 /// Errors: Malformed.
 Result<std::vector<Colour>> read_device_colours(const Input& input);

@@ -13,7 +13,7 @@ namespace ccdt::api {
 enum class DotStyle {
     Fill,     ///< a disc
     Stroke,   ///< a touch of a pen that is as wide as the dot; in SVG, a stroke of almost no length
-    Circles,  ///< concentric circles that fill the dot, for pens finer than it
+    Circles,  ///< concentric circles that fill the dot, for a pen that is finer than the dot
     Spiral,   ///< a spiral that fills the dot, and a circle along its rim
     Path,     ///< no dots, but a line through their centres in the order of a short path
 };
@@ -32,9 +32,9 @@ enum class Layers {
     Kind,  ///< a layer for the ground, and one for each kind of dots: the dots that flip the same inks
 };
 
-/// Options of drawings that all endpoints share.
+/// Options of drawings that /halftone and /sample share.
 struct DrawingOptions {
-    std::optional<double> width_mm = {};  ///< width of the page; none: the size is in pixels only
+    std::optional<double> width_mm = {};  ///< width of the drawing on paper; none: the size is in pixels only
     DotStyle style = DotStyle::Fill;
     double pen_mm = 0.3;  ///< width of the pen; not used by Fill and Stroke
     Plotter plotter = {};
@@ -53,7 +53,7 @@ struct DrawingOptions {
 /// Returns the name of a style, as the option `style` gives it.
 std::string_view name_of(DotStyle style);
 
-/// Reads an option, named as in the function's name. Errors: Malformed.
+/// Reads the option after which the function is named. Errors: Malformed.
 Result<void> read_width_mm(const Input& input, DrawingOptions& options);
 Result<void> read_style(const Input& input, DrawingOptions& options);
 
@@ -63,8 +63,8 @@ Result<void> read_pen(const Input& input, DrawingOptions& options);
 Result<void> read_speed(const Input& input, DrawingOptions& options);
 Result<void> read_dwell(const Input& input, DrawingOptions& options);
 
-/// Reads G-code: letters, digits, blanks, points, signs, and `|` between lines. Rejects characters that end a line,
-/// begin a comment, or are removed from the stream by a controller.
+/// Reads a command in G-code: letters, digits, blanks, points, signs, and `|` between lines. Rejects all other
+/// characters, such as those that end a line, begin a comment, or are removed from the stream by a controller.
 Result<void> read_pen_down(const Input& input, DrawingOptions& options);
 Result<void> read_pen_up(const Input& input, DrawingOptions& options);
 

@@ -29,6 +29,7 @@ Result<void> read_counted(const Input& input, Counting& counting);
 /// empty or a number. A JSON value names a property if it is a string or an object.
 bool is_counted(const Input& input);
 
+/// Reads the option `per`: units of the property per point. Errors: Malformed.
 Result<double> read_per(const Input& input);
 
 /// Reads names of properties, each of which may occur once. Errors: Malformed.
@@ -36,24 +37,27 @@ Result<std::vector<std::string>> read_classes(const Input& input);
 
 /// Number of points of each class in each feature.
 struct FeatureCounts {
-    /// Number of features without a count of a class.
+    /// Features for which the count of a class is missing or null.
     struct Missing {
         std::size_t features = 0;
-        std::string first;  ///< JSON Pointer to the first missing count, where it would be
+        std::string first;  ///< JSON Pointer to the place of the first missing count
     };
 
     std::vector<std::string> classes;  ///< names of properties, as in the features
     bool are_named = false;            ///< whether the request named the classes; if so, answers name them too
-    std::vector<std::size_t> counts;   ///< [features * classes]
+    std::vector<std::size_t> counts;   ///< [features][classes], one feature after the other
     std::vector<Missing> missing;      ///< [classes]
 
     std::size_t features() const { return counts.size() / classes.size(); }
+    /// Returns the number of points of a class in a feature.
+    /// @param number  index of the class
     std::size_t count(std::size_t feature, std::size_t number) const {
         return counts[feature * classes.size() + number];
     }
 
     /// Returns the sum of a feature's counts over all classes.
     std::size_t points_of(std::size_t feature) const;
+    /// Returns the sum of all counts.
     std::size_t total() const;
 };
 
@@ -65,7 +69,7 @@ struct FeatureCounts {
 /// @param features  features of a collection
 /// @param sites     JSON Pointer to the option `sites`, or the option's name, for errors
 /// Errors: Malformed, with a JSON Pointer to a value that is not a number of at least 0; Unusable if all numbers are 0;
-/// LimitExceeded for more than limits.max_sites points. That message states the limit.
+/// LimitExceeded, with the limit in the message, for more than limits.max_sites points.
 Result<FeatureCounts> count_features(const FeatureSource& features, const Counting& counting, const Limits& limits,
                                      const std::string& sites);
 

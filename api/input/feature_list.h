@@ -14,21 +14,21 @@
 namespace ccdt::api {
 
 /// Reads a list of at most `most` names of properties. Errors: Malformed, also for a repeated name.
-/// @param one  phrase for a single name in messages, such as "a property"
+/// @param one  noun for a single name in messages, such as "property"
 Result<std::vector<std::string>> read_names(const Input& input, std::size_t most, std::string_view one);
 
 /// The feature properties that a request wants its points to carry.
 struct PropertyChoice {
     static constexpr std::size_t kMax = 256;
 
-    bool all = false;                ///< if true, there are no names
+    bool all = false;                ///< whether to carry all properties; `names` is then empty
     std::vector<std::string> names;  ///< names as they are in the features, without repetition
 };
 
 /// Reads `*`, which means all properties, or names of properties. Errors: Malformed.
 Result<PropertyChoice> read_properties(const Input& input);
 
-/// Feature properties that answers repeat for each point.
+/// Feature properties that points carry.
 struct CarriedProperties {
     static constexpr std::size_t kMaxOfFeature = std::size_t{64} << 10;  ///< bytes, including names
     static constexpr std::size_t kMaxInAll = std::size_t{1} << 30;       ///< bytes in an answer, including names
@@ -43,14 +43,14 @@ struct CarriedProperties {
     std::vector<std::string> names;              ///< names in answers
     std::vector<std::vector<Value>> of_feature;  ///< [features] in the order of the names; missing values are left out
 
-    /// Returns the approximate number of bytes that the properties of a feature take.
+    /// Returns the approximate number of bytes that the properties of a feature take in an answer.
     std::size_t size_of(std::size_t feature) const;
 
     /// Appends `"name":value` for each property of a feature, with commas between them.
     void append_members(std::string& out, std::size_t feature) const;
 };
 
-/// Features as they are in the JSON of a document.
+/// The features of a document, as JSON values.
 struct FeatureSource {
     JsonValue value;      ///< the list of features, or a single feature
     std::string pointer;  ///< JSON Pointer to `value`
@@ -84,14 +84,14 @@ struct FeatureList {
 /// Errors: Malformed if they are neither an object nor null.
 Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::string& pointer);
 
-/// Lists features.
+/// Lists features, with the properties that their points carry.
 ///
-/// @param first_part  of each feature of a collection, as in PolygonInput; empty for a single Feature
+/// @param first_part  [features] index of each feature's first part, as in PolygonInput; ignored for a single Feature
 /// @param parts       number of parts of all features
 /// @param choice      properties to carry; null: none
 /// @param option      JSON Pointer to the option that chose the properties, or the option's name, for errors
 /// Answers have columns and members of their own: x, y, rank, feature, feature_id, class, color, sites. A property with
-/// one of these names gets an underscore at the end of its name.
+/// one of these names gets one or more underscores at the end of its name.
 /// Errors: Malformed for properties that are neither an object nor null, and for a chosen name that no feature has;
 /// LimitExceeded for more than PropertyChoice::kMax different names, or more than CarriedProperties::kMaxOfFeature
 /// bytes in a feature.
@@ -100,7 +100,8 @@ Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::
 
 /// Checks the total size of the properties in an answer that repeats them for each point.
 /// @param points  [features] number of points of each feature
-/// Errors: LimitExceeded for more than CarriedProperties::kMaxInAll bytes, with the field `option`.
+/// @param option  field of the error
+/// Errors: LimitExceeded for more than CarriedProperties::kMaxInAll bytes.
 Result<void> check_size(const CarriedProperties& carried, const std::vector<std::size_t>& points,
                         const std::string& option);
 

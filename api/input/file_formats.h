@@ -17,7 +17,7 @@ struct FileFormat {
     std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
-// Formats that several endpoints offer. Formats of a single endpoint are defined in its table.
+// Formats that several endpoints offer. All other formats are defined beside the table of their endpoint.
 inline constexpr FileFormat kJson{"json", "JSON", "json", "application/json", ""};
 inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};

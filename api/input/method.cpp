@@ -41,15 +41,16 @@ Estimate ccdt_cost(const Options& options, bool is_uniform) {
     if (polished && options.quality >= Quality::Best) microseconds += is_uniform ? 12.5 : 22;
     const bool silent = polished && options.quality == Quality::Stealthy;
     if (silent) microseconds += 5;
-    // Upper bound: the grids of the polish are as fine as the largest density requires. For photographs, a third
-    // suffices.
+    // Upper bound: the grids of the polish are as fine as the largest density requires. For photographs, a third of
+    // this memory suffices.
     const double polishing = is_uniform ? 40 : 565;
     const double bytes =
         (is_uniform ? 240 : 330) + (polished ? polishing : 0) + (silent ? 200 : 0) + (options.keep_mesh ? 150 : 0);
     return Estimate{sites * bytes, sites * microseconds * kMicrosecond} + fixed_areas_cost(options);
 }
 
-/// @param bytes  bytes per site
+/// @param bytes                      memory per site
+/// @param microseconds_an_iteration  time per site
 Estimate iteration_cost(const Options& options, double bytes, double microseconds_an_iteration) {
     const auto sites = static_cast<double>(options.sites);
     return {sites * bytes, sites * microseconds_an_iteration * options.iterations * kMicrosecond};

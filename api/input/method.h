@@ -13,7 +13,7 @@
 
 namespace ccdt::api {
 
-/// A subset of the options that not every method supports.
+/// A set of options, out of those that only some methods support. A member is true if its option is in the set.
 struct MethodOptions {
     bool iterations;
     bool passes;
@@ -27,9 +27,12 @@ struct MethodOptions {
 struct Method {
     std::string_view name;   ///< name in requests and answers
     std::string_view title;  ///< name shown to users
-    std::size_t max_sites;   ///< about the number that takes a third of the default time-out on one core
-    int iterations;          ///< default number of iterations
-    MethodOptions options;   ///< options that the method supports
+    /// Limit of the method: for slow methods, the number of sites that one core places in about a third of the default
+    /// time-out.
+    std::size_t max_sites;
+    int iterations;         ///< default number of iterations
+    MethodOptions options;  ///< options that the method supports
+    /// Estimates the cost of a run; `is_uniform` states whether the density is uniform.
     Estimate (&cost)(const Options& options, bool is_uniform);
     decltype(distribute)& run;
 };
@@ -44,6 +47,7 @@ std::vector<std::string_view> option_names(const Method& method);
 Result<const Method*> read_method(const Input& input);
 
 /// Adapts options to a method: if the number of iterations was not given, it is set to the method's default.
+/// @param given  options that the request gives
 /// Errors: Malformed for a given option that the method does not support; LimitExceeded for more sites than
 /// method.max_sites. Error::field is a JSON Pointer.
 Result<void> settle_method(const Method& method, const MethodOptions& given, Options& options);

@@ -18,6 +18,7 @@ namespace ccdt::api {
 /// Errors: Malformed for any other name; the message lists the formats.
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered);
 
+/// Returns the file formats of the rows of a table.
 template <class Row>
 std::vector<const FileFormat*> files_of(std::span<const Row* const> rows) {
     std::vector<const FileFormat*> files;
@@ -45,7 +46,7 @@ Result<std::size_t> negotiate(std::string_view accept, std::span<const FileForma
 /// the Accept header.
 ///
 /// @param offered  rows with a member `file`, in the server's order of preference
-/// @param format   result of read_format(), which is kept; null if the option was not given, and then set to the chosen
+/// @param format   in: the format that the option `format` names, or null if the option was not given; out: the chosen
 ///                 format
 /// Errors: those of negotiate().
 template <class Row>

@@ -50,8 +50,9 @@ Result<bool> read_boolean(const Input& input);
 Result<std::string_view> read_text(const Input& input);
 
 /// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed.
-/// @param one  phrase in messages for a member that is given as text
-/// @returns    an input for each member; an empty list if there are no members, or more than `most`
+/// @param most  maximum number of members
+/// @param one   noun for a member in messages, such as "colour"; used for members that are given as text
+/// @returns     an input for each member; an empty list if there are no members, or more than `most`
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 
 /// Reads one of the given words.
@@ -81,17 +82,19 @@ Result<std::size_t> read_sites(const Input& input, const Limits& limits);
 /// Returns a Malformed error about an input. The message is the name of the input, then `what`.
 tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 
-/// Converts an error of core to an error about a request. The error's field, which is a member's name or a JSON
-/// Pointer, becomes a JSON Pointer below `pointer`.
+/// Converts an error of core about a part of a request to an error about the whole request. The field of the error is
+/// the name of a member of this part, or a JSON Pointer relative to the part. It becomes a JSON Pointer in the request.
+/// @param pointer  JSON Pointer to the part
 Error error_below(Error error, std::string_view pointer);
 
 /// Shortens text from a client to its first few dozen bytes, for use in messages.
 std::string excerpt(std::string_view text);
 
+/// Lists options that are given as text. The inputs refer to memory of the options.
 std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 
 /// Lists the members of a JSON object.
-/// @param pointer  to the object; empty for the whole body
+/// @param pointer  JSON Pointer to the object; empty for the whole body
 /// Errors: Malformed for a value that is not an object, and for an object with far more members than there are options.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
@@ -130,6 +133,7 @@ Result<void> assign(T& target, Result<Value> value) {
 /// Returns a Malformed error about an input whose name is not in `known`.
 tl::unexpected<Error> unknown_option(const Input& input, std::span<const std::string_view> known);
 
+/// Returns the names of the options that the rules read.
 template <class Target>
 std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules) {
     std::vector<std::string_view> names;
@@ -138,6 +142,8 @@ std::vector<std::string_view> names_of(std::span<const OptionRule<Target>> rules
 }
 
 /// Reads an input by the rule that has its name.
+/// @param before  inputs that precede this one in the request
+/// Errors: Malformed for a name without a rule, or for the name of an earlier input; those of the rule.
 template <class Target>
 Result<void> read_option(std::span<const OptionRule<Target>> rules, std::span<const Input> before, const Input& input,
                          const Limits& limits, Target& target) {
@@ -160,7 +166,7 @@ Result<void> read_options(std::span<const OptionRule<Target>> rules, std::span<c
 }
 
 /// Reads the members of a JSON object as options.
-/// @param pointer  to the object; empty for the whole body
+/// @param pointer  JSON Pointer to the object; empty for the whole body
 template <class Target>
 Result<void> read_members(std::span<const OptionRule<Target>> rules, JsonValue object, std::string_view pointer,
                           const Limits& limits, Target& target) {

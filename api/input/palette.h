@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-/// Ways in which inks that overlap combine with each other and with the paper.
+/// Ways in which overlapping inks combine with each other and with the paper.
 enum class Mixing {
     Cover,     ///< the ink hides the paper; only for a single ink
     Multiply,  ///< each ink multiplies the light of the layers below it, as in print
@@ -30,15 +30,15 @@ struct Palette {
     Mixing mixing = Mixing::Cover;
 };
 
-/// Returns whether inks are cyan, magenta, yellow and black, in this order, which readers of print files assume.
+/// Returns whether inks are cyan, magenta, yellow and black, in this order. Readers of print files assume this order.
 bool is_cmyk(std::span<const Ink> inks);
 
 /// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single black ink that covers.
 Result<Palette> read_color(const Input& input);
 
-/// Reads 1 to kMaxInks different colours: text with commas between them, or a JSON array of strings. The name of each
-/// ink is its colour as `\#rrggbb`.
-/// Errors: Malformed. The field of an error in an array is that of the element.
+/// Reads 1 to kMaxInks different colours: text with commas between them, or a JSON array of strings. Each ink is named
+/// after its colour, as `\#rrggbb`.
+/// Errors: Malformed. For an array, Error::field is a JSON Pointer to the faulty element.
 Result<Palette> read_palette(const Input& input);
 
 }  // namespace ccdt::api

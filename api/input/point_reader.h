@@ -9,11 +9,10 @@
 
 namespace ccdt::api {
 
-/// Reads points: a list of positions, or GeoJSON (RFC 7946): a Point, a MultiPoint, a Feature of one, or a
-/// GeometryCollection or FeatureCollection of these. Ignores ordinates after the second, and features of a collection
-/// without geometry. The result may be empty.
-/// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded
-/// for more than limits.max_sites.
+/// Reads points: a list of positions, or GeoJSON (RFC 7946). GeoJSON may be a Point, a MultiPoint, a Feature with one
+/// of these, or a GeometryCollection or FeatureCollection of them. Ignores ordinates after the second, and features of
+/// a collection if their geometry is null. The result may be empty.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded for more than limits.max_sites points.
 Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

@@ -14,7 +14,7 @@ namespace ccdt::api {
 
 /// Polygons of a request, and their locations in it.
 struct PolygonInput {
-    /// Nesting of positions in the request.
+    /// Nesting of positions in the request: the JSON Pointer to a vertex or, in TopoJSON, to a ring.
     enum class Nesting {
         Members,             ///< /polygon/vertex and /holes/ring/vertex
         Rings,               ///< .../part/vertex
@@ -41,10 +41,12 @@ struct PolygonInput {
 
     std::size_t corner_count() const;
 
+    /// Whether the polygons are GeoJSON or TopoJSON, instead of the members `polygon` and `holes`.
     bool is_geojson() const { return sources.front().nesting != Nesting::Members; }
 
-    /// Converts a field of an error of Domain::create to a JSON Pointer in the request. A vertex that unrolled() in
-    /// core/globe/region.h added is not in the request; the result then points to the vertex's ring.
+    /// Converts the field of an error or a repair of Domain to a JSON Pointer in the request. unrolled() in
+    /// core/globe/region.h can add vertices that are not in the request. For such a vertex, the result points to its
+    /// ring.
     std::string locate(std::string_view field) const;
 };
 
@@ -61,11 +63,10 @@ Result<std::vector<Ring>> read_rings(const Input& input);
 /// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, and requests do not.
 bool is_geojson(JsonValue value);
 
-/// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature of one, or a GeometryCollection or FeatureCollection
-/// of these. All their parts together form the polygon. Ignores ordinates after the second, members that are not
-/// geometry, and features of a collection without geometry.
-/// Errors: Malformed, with a JSON Pointer to the faulty value;
-/// Unusable if there is no polygon.
+/// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature with one of these, or a GeometryCollection or
+/// FeatureCollection of them. All their parts together form the polygon. Ignores ordinates after the second, members
+/// that are not geometry, and features of a collection if their geometry is null.
+/// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
 Result<PolygonInput> read_geometry(const Input& input);
 
 /// Reads areas: a list of rings, each of which is a part, or GeoJSON as in read_geometry(). The result may have no

@@ -24,7 +24,8 @@ Result<Input> find_object(const Input& topology, const std::optional<std::string
 ///
 /// @param object  result of find_object()
 /// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon; LimitExceeded for more
-/// than PolygonInput::kMaxCorners. Source: the TopoJSON format specification, version 1.0.
+/// than PolygonInput::kMaxCorners corners.
+/// Source: the TopoJSON format specification, version 1.0.
 Result<PolygonInput> read_topology(const Input& topology, const Input& object);
 
 }  // namespace ccdt::api

@@ -18,7 +18,7 @@ std::optional<CodePage> find_code_page(std::string_view name);
 /// Converts a text to UTF-8. Bytes without a character in Windows-1252 become control characters, as in browsers.
 std::string to_utf8(std::string_view text, CodePage page);
 
-/// Returns whether a text is the same in every code page.
+/// Returns whether a text is pure ASCII, and thus means the same in every code page.
 bool is_ascii(std::string_view text);
 
 }  // namespace ccdt::api

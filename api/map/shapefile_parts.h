@@ -11,7 +11,8 @@ namespace ccdt::api {
 
 /// Options for reading a zipped shapefile.
 struct ShapefileReading {
-    std::string_view object;    ///< name of the shapefile to read; empty: the only one
+    /// Path or file name of the shapefile to read, without the extension. Empty: the only shapefile.
+    std::string_view object;
     std::size_t max_bytes = 0;  ///< maximum size of the inflated files, and also of the GeoJSON text
 };
 
@@ -25,9 +26,9 @@ struct ShapefileParts {
 
 /// Inflates the files of a shapefile in a zip archive, and checks that each record lies within the .shp file.
 ///
-/// Errors: those of ZipArchive; Unusable if no shapefile or more than one has that name, and for a .shp file that is
-/// damaged or truncated; LimitExceeded for more than `max_bytes` bytes, or more than PolygonInput::kMaxCorners corners
-/// or records. The field is `object` or empty.
+/// Errors: those of ZipArchive; Unusable unless exactly one shapefile of the archive matches `object`, and for a .shp
+/// file that is damaged or truncated; LimitExceeded for more than `max_bytes` bytes, and if the number of corners or of
+/// records exceeds PolygonInput::kMaxCorners. Error::field is `object` or empty.
 Result<ShapefileParts> read_parts(std::string_view archive, const ShapefileReading& reading);
 
 /// Returns the error of a shapefile that exceeds the limit on its size.

@@ -15,7 +15,7 @@ namespace ccdt::api {
 inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 
 /// Receives the next piece of a text.
-/// @returns  false if the text becomes too long
+/// @returns  false if the text has become too long for the receiver
 using TakeText = std::function<bool(std::string_view piece)>;
 
 /// Reads a zipped shapefile of polygons, and writes it as GeoJSON: a FeatureCollection with a Feature for each record,
@@ -29,12 +29,12 @@ using TakeText = std::function<bool(std::string_view piece)>;
 ///
 /// Errors: Unusable if the archive is damaged or not a zipped shapefile of polygons, if it has several shapefiles and
 /// none is chosen, and for texts in an encoding that is not supported; LimitExceeded for more than `max_bytes` bytes,
-/// or more than PolygonInput::kMaxCorners corners or records. The field is `object` or empty.
+/// and if the number of corners or of records exceeds PolygonInput::kMaxCorners. Error::field is `object` or empty.
 /// Source: ESRI Shapefile Technical Description, 1998.
 Result<void> read_shapefile(std::string_view archive, const ShapefileReading& reading, const TakeText& take);
 
-/// Estimates the peak memory of read_shapefile() in bytes, without the archive. It holds the inflated files, and also
-/// either the largest record with its corners and rings or the index of all records.
+/// Estimates the peak memory of read_shapefile() in bytes, without the archive. At the peak, the function holds the
+/// inflated files, and either the largest record with its corners and rings or the index of all records.
 constexpr std::size_t shapefile_memory(std::size_t max_bytes) {
     constexpr std::size_t kBase = std::size_t{16} << 20;
     constexpr std::size_t kMaxOfCorners = std::size_t{96} << 20;

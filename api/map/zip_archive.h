@@ -28,9 +28,10 @@ public:
     const std::vector<std::string>& names() const { return names_; }
 
     /// Inflates a member and checks its CRC.
-    /// @param budget  maximum size of the member in bytes; the size of the member is subtracted from it
-    /// Errors: Unusable for a member that is encrypted, damaged or not compressed by deflate; LimitExceeded, with an
-    /// empty message, for a member larger than the budget.
+    /// @param member  index into names()
+    /// @param budget  maximum size of the member in bytes; reduced by the size of the member
+    /// Errors: Unusable for a member that is encrypted, damaged, or neither stored nor compressed by deflate;
+    /// LimitExceeded, with an empty message, for a member larger than the budget.
     Result<std::string> read(std::size_t member, std::size_t& budget) const;
 
 private:

@@ -13,13 +13,13 @@ namespace ccdt::api {
 /// Limits on a request.
 struct Limits {
     std::size_t max_sites = 2'000'000;
-    std::size_t max_pixels = 64'000'000;  ///< limit of a decoded picture, and of a drawing in pixels
+    std::size_t max_pixels = 64'000'000;  ///< maximum number of pixels of a decoded picture, and of a drawing in pixels
 };
 
 /// Estimated cost of computing an answer.
 struct Cost {
     std::size_t memory = 0;  ///< peak memory in bytes, including the answer but not the request
-    double seconds = 0;      ///< approximate, on one core of a computer of about 2020
+    double seconds = 0;      ///< approximate time on one core of a computer of about 2020
     std::size_t answer = 0;  ///< known lower bound of the size of the answer's body, bytes
 };
 
@@ -31,11 +31,12 @@ struct TextOption {
 
 /// Milliseconds spent in each stage, for Server-Timing.
 struct Timings {
-    double decode = 0;
-    double optimise = 0;
-    double encode = 0;
+    double decode = 0;     ///< decoding and preparation
+    double optimise = 0;   ///< distribution or analysis of points
+    double encode = 0;     ///< writing of the answer
     double processor = 0;  ///< processor time of all threads, without decoding; set by the caller that runs the threads
-    std::uint32_t threads = 0;  ///< maximum number of threads at work; 0: nothing was computed; set by the same caller
+    /// Maximum number of threads that worked at the same time; set by the same caller. 0: nothing was computed.
+    std::uint32_t threads = 0;
 };
 
 /// Size of the dots of a halftone, for clients that draw the dots.

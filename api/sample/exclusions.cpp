@@ -66,7 +66,7 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }
 
-/// Marks the pixels whose linear luminance is below half of that of white.
+/// Marks the pixels whose luminance, in linear light, is less than half the luminance of white.
 PixelSet dark_pixels(const Picture& picture) {
     constexpr float kHalf = 0.5F;
     const std::vector<float> coverage = ink_coverage(picture, Tone::Linear, false);

@@ -20,18 +20,19 @@ inline constexpr std::size_t kMaxExcludedCorners = 100'000;
 
 /// Areas, in the coordinates of a request, that are subtracted from its domain: no point may lie in them.
 struct Exclusions {
-    std::vector<Area>
-        avoided;  ///< on the globe, longitudes may differ from those of the domain by multiples of 360 degrees
-    std::vector<Area> dark;       ///< the dark area of the excluded picture
+    std::vector<Area> avoided;  ///< areas of the option `avoid`; on the globe, longitudes may differ from those of the
+                                ///< domain by multiples of 360 degrees
+    std::vector<Area> dark;     ///< dark area of the excluded picture; empty if there is none
     std::vector<Repair> repairs;  ///< repairs of the avoided areas; fields are JSON Pointers
 };
 
-/// Computes the areas that a request avoids and those that its excluded picture marks.
+/// Computes the areas that the options `avoid` and `exclude` subtract.
 /// @param box     bounding box of the domain, over which the excluded picture is stretched
 /// @param decode  decodes the excluded picture
 /// @param stop    polled from time to time
-/// Errors: Unusable for invalid avoided areas, as for an invalid domain; LimitExceeded for a picture whose outline has
-/// more than kMaxExcludedCorners corners; those of `decode`; Stopped. Fields are JSON Pointers.
+/// Errors: Unusable for avoided areas that cannot be repaired, or that need a repair although the request rejects
+/// invalid polygons; LimitExceeded for a picture whose outline has more than kMaxExcludedCorners corners; those of
+/// `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 

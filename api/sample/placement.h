@@ -16,10 +16,12 @@ namespace ccdt::api {
 
 /// Placed points.
 struct PlacedPoints {
-    /// [classes] of a dot map; otherwise all points. If the request has features, points are grouped by them.
+    /// [classes] of a dot map; for other requests, one element with all points. If the request has features, points are
+    /// grouped by them.
     std::vector<ClassDots> classes;
-    std::optional<double> pitch;           ///< only on the globe: square root of the area per point, in metres
-    std::vector<std::uint32_t> lost = {};  ///< features of the area in which the buffer on the globe leaves no area
+    std::optional<double> pitch;  ///< only on the globe: square root of the area per point, in metres
+    /// Indices into SampleArea::features: features of which the buffer on the globe leaves no area.
+    std::vector<std::uint32_t> lost = {};
 };
 
 /// Distributes the points of a request, groups them by features if the request has features, and orders them.

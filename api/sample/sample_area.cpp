@@ -72,8 +72,8 @@ private:
         }
     }
 
-    /// Converts a field of an error or repair of Domain::repair(), in which parts are counted within one feature, to a
-    /// JSON Pointer in the request.
+    /// Converts a field of an error or repair of Domain::repair() to a JSON Pointer in the request. In such a field,
+    /// parts are counted within the feature.
     std::string locate(std::size_t feature, const std::string& field) const {
         if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);

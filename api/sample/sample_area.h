@@ -19,11 +19,11 @@
 
 namespace ccdt::api {
 
-/// Area in which the points of a request are placed. Its exclusions are subtracted.
+/// Area in which the points of a request are placed, after exclusions have been subtracted.
 struct SampleArea {
-    Domain whole;                        ///< of a dot map: union of the features
-    std::vector<MapFeature> features;    ///< of a dot map: those that have an area, with the area; otherwise empty
-    std::vector<std::uint32_t> numbers;  ///< [features] index in the request
+    Domain whole;                        ///< the whole area; for a dot map, the union of the features
+    std::vector<MapFeature> features;    ///< features of a dot map that have an area; empty for other requests
+    std::vector<std::uint32_t> numbers;  ///< [features] index of each feature in the request
     std::vector<Repair> repairs;         ///< fields are JSON Pointers in the request
     std::vector<Warning> warnings;
 };
@@ -36,8 +36,9 @@ struct SampleArea {
 Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits, const Decode& decode,
                              const std::stop_token& stop);
 
-/// Adds a warning for each feature of a dot map that lost its points because its exclusions leave no area.
-/// @param lost  indices into the features of the area
+/// Adds a warning for each feature of a dot map that lost its points because exclusions or the buffer leave no area of
+/// it.
+/// @param lost  indices into area.features
 /// Errors: Unusable if the request rejects invalid polygons.
 Result<void> warn_of_lost(const SampleRequest& request, std::span<const std::uint32_t> lost, SampleArea& area);
 

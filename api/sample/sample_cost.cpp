@@ -72,8 +72,8 @@ Estimate charts_cost(const SampleRequest& request) {
            density_cost(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
 
-/// Estimates the subtraction of exclusions from each feature of a dot map. With a buffer, exclusions have the corners
-/// of all features.
+/// Estimates the subtraction of exclusions from each feature of a dot map. With a buffer, each feature is intersected
+/// with an area that has the corners of all features.
 Estimate exclusions_cost(const SampleRequest& request) {
     if (!request.region.has_exclusions()) return {};
     constexpr double kFeature = 60 * kMicrosecond, kCornerSeen = 0.01 * kMicrosecond, kBytes = 420;
@@ -111,8 +111,8 @@ Estimate features_cost(const SampleRequest& request) {
            kCorner * static_cast<double>(corners) + kSite * static_cast<double>(request.run.sites);
 }
 
-/// Estimates the removal of long waves in a polygon, on the polygon's mesh. Returns nothing for dot maps, since
-/// dot_map_cost() includes this step.
+/// Estimates the removal of long waves in a polygon, on the polygon's mesh. Returns an empty estimate for dot maps,
+/// since dot_map_cost() includes this step.
 Estimate long_waves_cost(const SampleRequest& request) {
     const Options& run = request.run;
     const bool is_polygon = std::holds_alternative<PolygonInput>(request.region.domain) && !request.counts;
@@ -131,9 +131,9 @@ Box bounds_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return box;
 }
 
-/// Returns the maximum number of pixels. If the server chooses the width, it depends on the area, which is not known
-/// yet for a polygon.
-/// @param box  its sides must be positive and finite
+/// Returns the maximum number of pixels of a drawing. If the server chooses the width, the width depends on the area of
+/// the domain, which is not known yet for a polygon.
+/// @param box  bounding box of the domain; its sides must be positive and finite
 double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& limits) {
     const auto most = static_cast<double>(limits.max_pixels);
     if (request.output.width)
@@ -145,8 +145,8 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     return std::min({chosen, kMaxCanvasPixels, most});
 }
 
-/// Estimates the ordering of points. Returns nothing for a path in a drawing of shapes, because the estimate of writing
-/// includes this path.
+/// Estimates the ordering of points by the option `order`. Without this option, drawings of shapes have a path, which
+/// the estimate of writing includes.
 Estimate ordering_cost(const SampleRequest& request) {
     constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{290, 6 * kMicrosecond};
     const PointOrder order = request.output.order.value_or(PointOrder::None);

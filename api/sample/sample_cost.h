@@ -13,7 +13,7 @@ namespace ccdt::api {
 /// request, even if its domain will be rejected.
 Cost cost_of(const SampleRequest& request, const Limits& limits);
 
-/// Estimates the cost of reading a JSON body, as parse_sample() does.
+/// Estimates the cost of parsing a JSON body with parse_sample().
 Cost cost_of_parsing(std::string_view body);
 
 /// Returns the size of a parsed request in bytes, without the body from which it was read.

@@ -49,7 +49,8 @@ struct SampleRegion {
     std::variant<PolygonInput, Rectangle> domain;
     PolygonInput avoid{
         {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
-    std::optional<ImageFile> exclude;  ///< stretched over the bounding box; its dark area is subtracted
+    /// Picture that is stretched over the bounding box of the domain. Its dark area is subtracted.
+    std::optional<ImageFile> exclude;
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
     Coordinates coordinates = Coordinates::Plane;  ///< LonLat only with polygons
@@ -71,14 +72,14 @@ struct SampleOutput {
 
 /// Request to /sample, with its options.
 struct SampleRequest {
-    std::optional<ThresholdMask> threshold_mask;  ///< if there is one, the request is for it, not for points
+    std::optional<ThresholdMask> threshold_mask;  ///< if set, the request is for this mask instead of points
     SampleRegion region;
     std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
     Options run;
     const Method* method = &methods().front();
     OnStop on_deadline = OnStop::Error;
     std::optional<FeatureList> features;  ///< features by which points are grouped; their parts are those of the domain
-    std::optional<FeatureCounts> counts;  ///< counts of a dot map, which also has features
+    std::optional<FeatureCounts> counts;  ///< numbers of points of a dot map; `features` is then set, too
     SampleOutput output;
     bool is_document = false;  ///< whether the body is GeoJSON or TopoJSON; options are then given as text
 

@@ -47,7 +47,7 @@ double radius_of(const SampleRequest& request, const Domain& domain) {
     return std::min(request.output.dot.value_or(pitch_of(domain, request.run.sites) / 4), largest);
 }
 
-/// Writes points in a format, with the kind of writer that the format has.
+/// Writes points in the format of a request. Has an operator for each kind of writer that a format can have.
 class Writing {
 public:
     Writing(const SampleRequest& request, const Page& page, const Report& report, const Palette& palette,

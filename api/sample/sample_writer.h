@@ -15,14 +15,14 @@
 
 namespace ccdt::api {
 
-/// Pixel size of a drawing if the request gives no width: the spacing of evenly spread dots, and the limits of the
-/// longer side.
+/// Size of a drawing, in pixels, if the request gives no width: the pitch, which is sqrt(area / sites), and the limits
+/// of the longer side.
 inline constexpr double kPixelPitch = 8;
 inline constexpr double kMinDrawingSide = 512;
 inline constexpr double kMaxDrawingSide = 16'384;
 
 /// Plans the page of a drawing. If the request gives no width, the page has at most limits.max_pixels. Errors:
-/// LimitExceeded for a requested width that makes more pixels.
+/// LimitExceeded for a requested width that makes more pixels, and for a side that is longer than the format allows.
 Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const Limits& limits);
 
 /// Writes the points of a sample in the requested format.

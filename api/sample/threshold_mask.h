@@ -36,13 +36,15 @@ struct ThresholdMask {
 };
 
 /// Checks that the domain of a mask is a torus whose sides are integers within the limits.
-/// @param format_field  field of the option `format`
+/// @param domain        domain of the request; null if it is a polygon
+/// @param format_field  field of the option `format`, for errors
 /// Errors: Malformed, with a JSON Pointer.
 Result<void> check_mask(const Rectangle* domain, const std::string& format_field);
 
 /// Answers a request for a mask. Errors: Stopped; Internal if memory runs out. Same request, same bytes.
 Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timings& timings);
 
+/// Estimates the cost of run_mask().
 Estimate cost_of_mask(const ThresholdMask& mask);
 
 }  // namespace ccdt::api

@@ -10,14 +10,15 @@
 
 namespace ccdt::api {
 
-/// Removes blanks at both ends.
+/// Removes the characters in `blanks` from both ends of a text.
 inline std::string_view trim(std::string_view text, std::string_view blanks = " \t") {
     const auto first = text.find_first_not_of(blanks);
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-/// Removes and returns the part before the first separator; `text` keeps what follows the separator.
+/// Removes from `text` the part before the first separator, and the separator. Returns this part. If there is no
+/// separator, the part is the whole text.
 inline std::string_view take_until(std::string_view& text, std::string_view separator) {
     const auto at = text.find(separator);
     const auto part = text.substr(0, at);
