@@ -83,7 +83,7 @@ Found check_memory(const Config& config) {
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return wrong(memory.error());
     return {State::Good, std::to_string(memory->total >> 20) + " MiB of " + std::to_string(config.memory >> 20) +
-                             " are left for computations"};
+                             " are left for requests and computations"};
 }
 
 Found check_files(const Config& config) {
