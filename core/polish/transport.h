@@ -51,15 +51,16 @@ public:
     /// @param sites    [sites] in the unit frame, in the domain; on a torus, any periodic copy
     /// @param moves    out [sites], each at most a quarter of the local spacing
     /// @param stop     polled regularly
-    /// @param weights  weights of the last sites; all others have weight 1
+    /// @param weights  [at most sites] weights of the last sites; all sites before them have weight 1
     /// @returns        false after a stop; the moves must not be used then
     ///
     /// O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {},
                        std::span<const double> weights = {});
 
-    /// Returns 1 / sqrt(density of sites) around a point in the unit frame, with the density smoothed over a spacing.
-    /// Uses the smallest block of cells that wants one site if sites are denser than the octaves resolve.
+    /// Returns 1 / sqrt(density of sites) around a point in the unit frame. The density is smoothed over a spacing. If
+    /// sites are denser than the octaves resolve, uses the density of the smallest block of cells that wants one site
+    /// (LocalSpacing).
     double spacing(Point p) const;
 
     /// Releases most of the memory until the next call of displacements().
@@ -69,10 +70,10 @@ private:
     /// Sites whose spacing is about 2^octave times as large as the finest spacing.
     struct Octave {
         SplineGrid grid;
-        /// Factor of each coefficient for its share of the potential; see factor().
+        /// Factors that convert the coefficients of the sites to this octave's share of the potential; see factor().
         std::vector<float> factors;
 
-        /// Factor for the coefficients (column, row) and (column, -row), which are equal.
+        /// Returns the factor of the coefficients (column, row) and (column, -row), for which it is the same.
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
@@ -102,7 +103,7 @@ private:
     Point over_sides_;  ///< 1 / sides_
     double sites_;
     double finest_ = 0;  ///< spacing of octave 0
-    /// The spacing if all sites stood on a line along the longer side; a lower bound of the grids' resolution.
+    /// The spacing if all sites stood on a line along the longer side; a lower bound of the octaves' spacings.
     double in_line_ = 0;
     std::vector<Octave> octaves_;
     /// [coefficients of octave 0] potential of the wanted density alone; empty if the wanted density is uniform
