@@ -20,15 +20,15 @@ public:
 
     CoverageCurve();
 
-    /// Returns the number of dots per disc area that cover a share in [0, 1]. Shares above solid() give the number for
-    /// solid().
+    /// Returns the mean number of dots in the area of one disc at which the dots cover a share, in [0, 1], of the
+    /// plane. Shares above solid() give the number for solid().
     double dots(double share) const;
 
     /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.
     double solid() const { return solid_; }
 
 private:
-    std::vector<double> dots_;  ///< dots per disc area, for shares at equal steps from 0 to 1
+    std::vector<double> dots_;  ///< number of dots in the area of one disc, for equal steps of the share from 0 to 1
     double solid_ = 0;
 };
 

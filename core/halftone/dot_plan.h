@@ -14,7 +14,7 @@ namespace ccdt {
 /// number finite.
 inline constexpr double kMinDotArea = 1e-12;
 
-/// Given properties of the dots: their number, their radius, or both.
+/// Requested properties of the dots: their number, their radius, or both.
 struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
     std::optional<double> radius;      ///< pixels of the picture, > 0

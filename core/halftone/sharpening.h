@@ -11,7 +11,7 @@ namespace ccdt {
 /// and local sums hardly change.
 ///
 /// @param cover  [width * height] in [0, 1]
-/// @param sigma  standard deviation in pixels of the blur by blurred(), >= 0; 0 returns an identical copy
+/// @param sigma  standard deviation, in pixels, of the blur, as for blurred(); >= 0; 0 returns an identical copy
 /// @returns      [width * height] in [0, 1]
 /// Takes two steps of deconvolution; further steps would sharpen mostly noise. Deterministic for any number of threads.
 /// O(pixels) for any sigma.

@@ -20,12 +20,11 @@ struct TwoSidedOptions {
     std::optional<double> radius;      ///< radius of the largest dots, in cells, > 0; required if there is no `sites`
     double detail = 0;                 ///< strength of the sharpening of edges, in [0, 1]
     double min_radius = 0;             ///< smallest radius of dots, in cells, unless the largest dots are smaller
-    /// Maximum number of dots. If dots with `radius` would be more, their radius is increased.
+    /// Maximum number of dots. If more dots of the given radius were needed, the radius is increased.
     std::optional<std::size_t> max_sites = std::nullopt;
 };
 
-/// Returns the area that dots have to flip, in cells. In each cell, this is min(c, 1 - c) of the channel c for which it
-/// is largest.
+/// Returns the area that dots have to flip, in cells. In a cell, this is the largest min(c, 1 - c) of all channels c.
 /// @param light  [channels][cells] in [0, 1]
 double minority_area(std::span<const std::vector<float>> light, Executor& executor = inline_executor());
 
