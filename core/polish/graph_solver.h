@@ -31,7 +31,7 @@ public:
 
     /// @param edges     the conductances of parallel edges are added; most neighbours should have close numbers, so
     ///                  that they are in the same block
-    /// @param executor  runs the tasks; must outlive this
+    /// @param executor  runs the tasks; must outlive this object
     ///
     /// O(vertices + edges).
     GraphSolver(std::size_t vertices, std::span<const Edge> edges, Executor& executor = inline_executor());

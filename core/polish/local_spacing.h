@@ -15,7 +15,7 @@ namespace ccdt {
 class LocalSpacing {
 public:
     /// @param sides    size of the box over which the density is stretched
-    /// @param density  not uniform; must outlive this
+    /// @param density  not uniform; must outlive this object
     /// @param sites    total number of sites
     ///
     /// O(the density's cells).

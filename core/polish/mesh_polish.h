@@ -28,13 +28,13 @@ namespace ccdt {
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
-    /// @param domain, density  must outlive this
+    /// @param domain, density  must outlive this object
     /// @param capacity         capacity of the domain, in units of the capacity of a density cell with the value 1;
     ///                         unused if the density is uniform
     /// @param sites            number of free sites
     /// @param fixed            existing points; `fixed.places` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
-    /// @param executor         runs the steps; must outlive this
+    /// @param executor         runs the steps; must outlive this object
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
                const std::stop_token& stop = {}, Executor& executor = inline_executor());
 

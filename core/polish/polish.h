@@ -42,7 +42,7 @@ public:
     /// @returns      [layers][sites]
     using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
-    /// @param layers  [n >= 1], with densities on one common grid; all must outlive this
+    /// @param layers  [n >= 1], with densities on one common grid; all must outlive this object
     /// @param stop    polled regularly; after a stop the object must not be used
     Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_token& stop = {});
 

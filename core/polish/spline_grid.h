@@ -26,7 +26,7 @@ class SplineGrid {
 public:
     /// @param sides          size of the box, > 0
     /// @param columns, rows  even, >= 2; see good_size()
-    /// @param executor       runs operations on the whole grid and on many points; must outlive this
+    /// @param executor       runs operations on the whole grid and on many points; must outlive this object
     SplineGrid(bool torus, Point sides, int columns, int rows, Executor& executor = inline_executor());
 
     int columns() const { return columns_; }

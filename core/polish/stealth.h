@@ -42,7 +42,7 @@ public:
     static bool fits(const Domain& torus, std::size_t sites);
 
     /// @param torus     wide enough for the sites, see fits()
-    /// @param executor  runs the tasks; must outlive this
+    /// @param executor  runs the tasks; must outlive this object
     ///
     /// Needs about 400 bytes of memory per site.
     Stealth(const Domain& torus, std::size_t sites, Executor& executor = inline_executor());

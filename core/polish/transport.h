@@ -38,10 +38,10 @@ class Transport {
 public:
     /// @param domain    a box or a torus; the documented ranges of its sides, and of the density's values, keep
     ///                  contrast, spacings and grid sizes finite and nonzero
-    /// @param density   must outlive this
+    /// @param density   must outlive this object
     /// @param sites     >= 1
     /// @param stop      polled regularly; after a stop the object must not be used
-    /// @param executor  runs the tasks; must outlive this
+    /// @param executor  runs the tasks; must outlive this object
     ///
     /// O(the density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
