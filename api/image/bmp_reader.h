@@ -12,7 +12,6 @@ namespace ccdt::api {
 /// used only if the file defines a field for it and at least one pixel has an alpha other than 0.
 ///
 /// For a run-length encoded file, needs a byte of memory per pixel.
-///
 /// @param bytes  must outlive the row source
 /// Errors: Unusable for a broken or truncated file, and for a file that contains a JPEG or PNG.
 /// Source: Microsoft, Windows GDI, "Bitmap Storage" and BITMAPV5HEADER.

@@ -42,8 +42,8 @@ public:
 
     /// Returns the position in the two levels from which at() computes a mean.
     /// @param place  in pixels from the image's upper left corner
-    /// @param sigma  approximate standard deviation in pixels; values below 1 count as 1, and large values as that of
-    ///               the coarsest level
+    /// @param sigma  approximate standard deviation in pixels; values below 1 are raised to 1, and values above that of
+    ///               the coarsest level are reduced to it
     Sample sample(Point place, double sigma) const;
 
     /// Returns the mean weighted by a Gaussian, interpolated between levels.

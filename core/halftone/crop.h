@@ -9,7 +9,7 @@ namespace ccdt {
 /// on the right than on the left. If an odd number of rows has to be removed, one more is removed at the bottom than at
 /// the top.
 ///
-/// @param width, height  size of the rectangle in pixels, >= 1 and at most that of the picture
+/// @param width, height  size of the rectangle in pixels, >= 1 and at most the size of the picture
 Picture middle_of(const Picture& picture, int width, int height);
 ColourPicture middle_of(const ColourPicture& picture, int width, int height);
 

@@ -12,7 +12,8 @@
 
 namespace ccdt {
 
-/// Chooses the radii of the dots such that the local mean of the drawing equals that of the picture in each channel.
+/// Chooses the radii of the dots such that, in each channel, the local mean of the drawing equals the local mean of the
+/// picture.
 /// If the boundary of the ground crosses a dot, the two parts of the dot have opposite colours.
 ///
 /// @param sites  [kinds][dots] in cells, y down the rows

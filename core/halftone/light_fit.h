@@ -12,7 +12,8 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots of inks such that the local mean of the light equals that of the picture.
+/// Chooses the radii of dots of inks such that the local mean of the printed light equals the local mean of the
+/// picture.
 ///
 /// The light of a place depends on all inks there. So the fit corrects the errors of red, green and blue, and not the
 /// errors of the shares that the inks cover. The kinds of dots around a place divide the correction such that the sum

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// Division of a picture into cells of equal size, which need not be a whole number of pixels.
+/// Division of a picture into cells of equal size. The sides of cells need not be whole numbers of pixels.
 struct CellGrid {
     int columns = 0;
     int rows = 0;

@@ -67,7 +67,7 @@ Separator::Mixture Separator::mixture(const Numbers& cover, const ColourDifferen
 }
 
 /// Returns the covers that minimise the cost if colour differences are linear around the mixture `from`. Damping keeps
-/// the result in the range in which this is nearly true.
+/// the result in the range in which the differences are nearly linear.
 Numbers Separator::linearised_minimum(const Mixture& from, const ColourDifference& difference) const {
     constexpr double kStep = 1.0 / 256;
     constexpr double kDamping = 1;

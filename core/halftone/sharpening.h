@@ -7,8 +7,8 @@
 
 namespace ccdt {
 
-/// Sharpens a coverage so that, after a blur, it resembles the original more closely. Values of 0 and 1 do not change,
-/// and local sums hardly change.
+/// Sharpens a coverage so that, after a blur, the result resembles the original coverage more closely. Values of 0 and
+/// 1 do not change, and local sums hardly change.
 ///
 /// @param cover  [width * height] in [0, 1]
 /// @param sigma  standard deviation, in pixels, of the blur, as for blurred(); >= 0; 0 returns an identical copy

@@ -28,8 +28,8 @@ struct DotScale {
     float min_area = 0;  ///< area of the smallest dots, relative to the largest
 };
 
-/// Finds the number and the sizes of dots. Both depend on the relative area of the smallest dots, which depends on
-/// them, so all are computed repeatedly.
+/// Finds the number and the sizes of dots. The area of the largest dots depends on the relative area of the smallest
+/// dots, and vice versa, so both are computed repeatedly.
 /// @param kinds  kinds of dots, with relative areas and with shares in place of densities
 DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kMinArea = 0.05f;

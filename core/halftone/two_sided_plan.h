@@ -36,7 +36,7 @@ struct KindOfDots {
     unsigned flips = 0;          ///< channels, as bits
     std::vector<float> density;  ///< [cells] relative density of the dots; 0 everywhere if the kind has no dots
     std::vector<float> area;     ///< [cells] area of a dot at this position, in cells
-    double share = 0;            ///< sum of the densities
+    double share = 0;            ///< sum of `density` over all cells
 };
 
 /// Plan of a halftone with ink dots on white ground and paper dots on black ground.

@@ -122,7 +122,7 @@ public:
         left_ = sizes_;
     }
 
-    /// Returns the depth of regions that have enough remaining points to choose from.
+    /// Returns the depth of regions that have enough points to choose from if `left` points remain in all.
     int depth(std::size_t left) const {
         int depth = 0;
         while (depth < depth_ && (left >> (depth + 1)) >= kMinRegionPoints) ++depth;
@@ -177,8 +177,8 @@ private:
     }
 
     int depth_ = 0;
-    std::vector<std::uint32_t> sizes_;  ///< [2 << depth] the halves of region i are 2 i and 2 i + 1
-    std::vector<std::uint32_t> left_;
+    std::vector<std::uint32_t> sizes_;  ///< [2 << depth_] points at first; the halves of region i are 2 i and 2 i + 1
+    std::vector<std::uint32_t> left_;   ///< [2 << depth_] remaining points
 };
 
 /// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic

@@ -33,7 +33,7 @@ constexpr std::size_t kMaxOctaves = 6;
 constexpr double kMaxContrast = 4;
 
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
-// is kLevelSmoothing, of which a larger value would reduce the error.
+// is kLevelSmoothing: a larger value would reduce the error.
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
 /// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
 constexpr double kLevelSmoothing = 2;
@@ -352,7 +352,7 @@ bool Transport::transform(const std::stop_token& stop) {
     return true;
 }
 
-/// Spreads all sites and transforms them.
+/// Spreads all sites on the grids, and transforms the grids.
 /// @returns  false after a stop
 bool Transport::spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop) {
     const auto weight = [&](std::size_t i) {
@@ -366,7 +366,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
         octaves_[0].grid.spread(sites, values);  // here octave 0 covers the whole box
         return transform(stop);
     }
-    std::vector<Point> moved;  // positions relative to the box, if its corner differs from that of the unit frame
+    std::vector<Point> moved;  // positions relative to the box's corner; empty if this corner is the origin
     if (!(origin_ == Point{})) moved.resize(sites.size());
     const std::span<const Point> places = moved.empty() ? sites : moved;
     std::vector<std::uint16_t> levels(sites.size());
@@ -389,7 +389,8 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 
 /// Solves Laplace phi = error. Sums the long waves of all octaves, each octave up to its own limit. Once the potential
 /// of the wanted density is known, subtracts it.
-/// @param total  coefficients of octave 0; on entry those of the sites, on return those of the potential
+/// @param total  coefficients of octave 0: on entry the coefficients of the sites, on return the coefficients of the
+///               potential
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;

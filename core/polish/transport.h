@@ -24,14 +24,15 @@ namespace ccdt {
 ///
 /// Moves u change the density of sites by -div(density u), to first order. Let E = sites - density be the error. Of all
 /// moves that cancel E, those are chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier
-/// transform solves this equation on a torus, and a cosine transform in a box, which no site leaves. Waves shorter than
-/// about two spacings are the pattern itself and are not changed. If the density varies, sites and density are both
-/// split among octaves of spacing, each with its own limit. One round cancels E to first order. The remaining error is
-/// of second order, or due to ridges of the density that are too thin for the gradient to follow. In a box, the grid
-/// covers only the bounding box of nonzero density, so empty margins do not matter.
+/// transform solves this equation on a torus, and a cosine transform solves it in a box. With the cosine transform, no
+/// site leaves the box. Waves shorter than about two spacings are the pattern itself and are not changed. If the
+/// density varies, sites and density are both split among octaves of spacing, and each octave has its own limit on the
+/// wavelength. One round cancels E to first order. The remaining error is of second order, or due to ridges of the
+/// density that are too thin for the gradient to follow. In a box, the grid covers only the bounding box of nonzero
+/// density, so empty margins do not matter.
 ///
-/// Departure from a plain blur: the filter ends sharply, so that no wave below the limit remains and no wave above it
-/// is affected.
+/// Departure from a plain blur: the filter ends sharply, so that all waves longer than the limit are removed and
+/// shorter waves are not affected.
 /// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
 /// waves; core/README.md has the derivation.
 class Transport {
