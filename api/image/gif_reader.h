@@ -16,7 +16,7 @@ namespace ccdt::api {
 /// picture. Only the empty block after the frame, and what follows it, may be missing.
 /// Source: GIF89a (CompuServe, 1990).
 ///
-/// Why not OpenImageIO: version 2.4 needs four times the memory, shows colours that are missing from a palette wrongly,
+/// Why not OpenImageIO: version 2.4 needs four times the memory, reads wrong colours where the palette is too short,
 /// and applies the transparent colour of an earlier control block.
 Result<RowSource> open_gif(std::string_view bytes);
 

@@ -185,7 +185,7 @@ public:
     /// Sets a row of pixels to the means of the squares in `squares`, a draft that is one square high.
     /// @tparam kSide  side of the squares
     /// @param first   index of the first pixel
-    /// @param step    step from the index of a pixel of the row to that of the next pixel
+    /// @param step    difference between the indices of successive pixels of the row
     template <int kSide>
     void set_means(const Draft& squares, std::ptrdiff_t first, std::ptrdiff_t step) const {
         const std::ptrdiff_t width = squares.width_;

@@ -13,8 +13,8 @@
 namespace ccdt::api {
 
 /// Encodes a picture as a PNG file. Pictures in black and white have 1 bit per pixel; antialiased grey pictures have 8
-/// bits per pixel. All other pictures with a palette, such as pictures in two greys, have a palette in the file, with 1
-/// to 8 bits per pixel. All other pictures have 8 bits per channel. Values are sRGB, as the chunks sRGB, gAMA and cHRM
+/// bits per pixel. Other pictures with a palette, such as pictures in two greys, have a palette in the file and 1 to 8
+/// bits per pixel. All other pictures have 8 bits per channel. Values are sRGB, as the chunks sRGB, gAMA and cHRM
 /// state.
 ///
 /// @param width_mm  width of the picture; none: the file has no physical size

@@ -48,8 +48,7 @@ public:
     /// Returns the text to which a writer appends. The writer must call flush() from time to time.
     std::string& text() { return text_; }
 
-    /// Reserves memory for a body of `bytes` bytes or, if there is a sink, for the part of the body that is in memory
-    /// at once.
+    /// Reserves memory for a body of `bytes` bytes. If there is a sink, reserves only what is in memory at once.
     void expect(std::size_t bytes);
 
     /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.

@@ -11,8 +11,8 @@
 
 namespace ccdt::api {
 
-/// The dots that flip one channel, of all kinds of dots of a drawing with dots on both sides of the tonal scale.
-/// Lengths are in the units of the points.
+/// The dots of all kinds that flip one channel, in a drawing with dots on both sides of the tonal scale. Lengths are in
+/// the units of the points.
 struct ChannelDots {
     std::vector<Point> points;
     std::vector<float> radii;

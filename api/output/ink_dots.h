@@ -13,7 +13,8 @@
 
 namespace ccdt::api {
 
-/// Black ground of each channel of a halftone with dots on both sides of the tonal scale, in the units of the points.
+/// Black ground of each channel of a halftone with dots on both sides of the tonal scale. Coordinates are in the units
+/// of the points.
 struct Grounds {
     std::span<const Ink> inks;                           ///< [channels]
     std::vector<std::vector<std::vector<Point>>> rings;  ///< [channels] rings around black ground, by the even-odd rule

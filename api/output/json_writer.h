@@ -62,15 +62,15 @@ void write_json(const PointSet& points, const Report& report, Body& body, const 
 
 /// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points that are not grouped
 /// by features must have a single layer; they are written as a Feature whose geometry is a MultiPoint. Grouped points
-/// are written as a FeatureCollection. In it, the points of one class in one feature of the request are a Feature with
-/// a MultiPoint, and with the id and the carried properties of the request's feature. A stop ends the output early and
-/// makes it useless.
+/// are written as a FeatureCollection. In this collection, the points of one class in one feature of the request are a
+/// Feature with a MultiPoint. This Feature has the id and the carried properties of the request's feature. A stop ends
+/// the output early and makes it useless.
 void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in
-/// members of the collection. If points are grouped, the properties of each Feature are the carried properties,
-/// `feature` (the index of the feature in the request), and `feature_id` if that feature has an id. A stop ends the
-/// output early and makes it useless.
+/// members of the collection. If points are grouped, each Feature has the carried properties as its properties, and in
+/// addition `feature`, the index of the feature in the request, and `feature_id` if that feature has an id. A stop ends
+/// the output early and makes it useless.
 void write_point_features(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes only the Features of write_point_features(), one per line.

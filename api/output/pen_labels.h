@@ -10,7 +10,7 @@
 namespace ccdt::api {
 
 /// Makes readable labels of pens, without digits. The plotter program vpype reads the digits in the label of a layer as
-/// the layer's number, so with the labels `#ff0000` and `#000000`, two layers could get the same pen. Digits are
+/// the layer's number. So with the labels `#ff0000` and `#000000`, two layers could get the same pen. Digits are
 /// removed from names. An ink whose name is its colour gets the name of the nearest common colour. Equal labels are
 /// distinguished by letters.
 ///

@@ -49,8 +49,8 @@ void trace(const Plot& plot, const Pen& pen, Medium& medium) {
     for (const PenRun& run : pen.runs) trace(plot, pen, run, medium);
 }
 
-/// Converts a label to upper-case ASCII letters, with underscores for all other bytes, because digits and punctuation
-/// may have a meaning in the languages of machines.
+/// Converts a label to upper-case ASCII letters, with underscores for all other bytes. Digits and punctuation may have
+/// a meaning in the languages of machines.
 std::string plain(std::string_view label) {
     constexpr std::size_t kMaxLength = 24;
     std::string text(label.substr(0, kMaxLength));

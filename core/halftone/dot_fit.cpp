@@ -107,11 +107,11 @@ private:
     }
 
     /// Returns the gain of a dot in each channel, apart from its sign; see FittedDots::improve(). The kinds around the
-    /// dot divide the correction such that the sum of their squared relative changes, weighted by the shares that they
-    /// cover, is least. Let the matrix A contain, for each pair of channels, the area in which dots flip both. If areas
-    /// are nested, this is the smaller of the two channels' flipped areas. Let S be the diagonal matrix with the signs
-    /// of the channels: -1 on white ground, 1 on black ground. The relative change of a kind that has the signs s in
-    /// the channels that it flips is then -s (S A S)^-1 error.
+    /// dot divide the correction such that the sum of their squared relative changes is least. In this sum, each kind
+    /// has the share that it covers as its weight. Let the matrix A contain, for each pair of channels, the area in
+    /// which dots flip both. If areas are nested, this is the smaller of the two channels' flipped areas. Let S be the
+    /// diagonal matrix with the signs of the channels: -1 on white ground, 1 on black ground. The relative change of a
+    /// kind that has the signs s in the channels that it flips is then -s (S A S)^-1 error.
     Channels gains_of(std::size_t dot) const {
         constexpr float kDamping =
             0.05f;  // relative to the largest share; keeps errors that only few dots could correct

@@ -10,7 +10,7 @@
 
 namespace ccdt {
 
-/// Smallest area of a dot, in pixels of the picture, that is used to compute the number of dots. This limit keeps the
+/// Lower limit of the area of a dot, in pixels of the picture, when the number of dots is computed. It keeps this
 /// number finite.
 inline constexpr double kMinDotArea = 1e-12;
 

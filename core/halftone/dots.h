@@ -32,18 +32,18 @@ struct DotOptions {
     std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen such that the mean is `mean_coverage`
     double mean_coverage = 0;      ///< mean of the raster, in [0, 1]; used only without `radius`
     bool antialias = false;        ///< false: a pixel is covered if its centre is
-    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples, so the total
-    /// coverage of the dots is that of exact discs. Requires `radius`. 0: the value of an antialiased pixel depends
-    /// only on the dot nearest to it.
+    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples. So the total
+    /// coverage of the dots equals the coverage of exact discs. Requires `radius`. 0: the value of an antialiased pixel
+    /// depends only on the dot nearest to it.
     int samples = 0;
 };
 
 /// Largest number of samples on a canvas for which samples_for() chooses more than one sample per pixel.
 inline constexpr double kMaxSamples = 16e6;
 
-/// Returns the number of samples along each side of a pixel at which dots have the coverage of exact discs. Chooses at
-/// least three samples per radius, or fewer if the whole canvas would need more than kMaxSamples. Binary dots with a
-/// radius of 1.5 pixels or more need only one sample.
+/// Returns a number of samples along each side of a pixel that gives dots the coverage of exact discs. Chooses at least
+/// three samples per radius, or fewer if the whole canvas would need more than kMaxSamples. Binary dots with a radius
+/// of 1.5 pixels or more need only one sample.
 /// @param radius     radius of the dots in pixels
 /// @param antialias  whether dots are antialiased, not binary
 int samples_for(double radius, const Canvas& canvas, bool antialias);

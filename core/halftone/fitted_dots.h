@@ -57,9 +57,10 @@ public:
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
 
-    /// Changes the area of each dot against the error of the local mean of the drawing around it. The change is nearly
-    /// minus the error, multiplied by the area of ground per dot and by the gain of the dot, summed over the channels.
-    /// One round removes errors of long wavelength. Errors whose wavelength is about one spacing take several rounds.
+    /// Changes the area of each dot against the error of the local mean of the drawing around it. For each channel, the
+    /// change is nearly minus the error, multiplied by the area of ground per dot and by the gain of the dot. The
+    /// changes for all channels are added. One round removes errors of long wavelength. Errors whose wavelength is
+    /// about one spacing take several rounds.
     ///
     /// @param bases  [channels] results of error_image()
     /// @param draw   draw(channel, image) adds the light of all dots to an error image

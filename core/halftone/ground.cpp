@@ -165,8 +165,7 @@ std::vector<float> unsharp_masked(const std::vector<float>& light, const CellGri
 }
 
 /// Makes nearly grey places grey, so that the boundaries of all channels coincide there. A channel is set to the
-/// luminance if it differs little from the luminance, or if the luminance has the value of the channel within a short
-/// distance.
+/// luminance if both differ little, or if the luminance reaches the value of the channel within a short distance.
 void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Executor& executor) {
     constexpr float kNear = 0.04f, kCells = 0.75f;
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);

@@ -17,8 +17,8 @@ namespace ccdt {
 ///
 /// The light of a place depends on all inks there. So the fit corrects the errors of red, green and blue, and not the
 /// errors of the shares that the inks cover. The kinds of dots around a place divide the correction such that the sum
-/// of their squared relative changes, weighted by the shares that they cover, is least. Where two dots overlap, all
-/// inks that either dot flips are flipped.
+/// of their squared relative changes is least. In this sum, each kind has the share that it covers as its weight. Where
+/// two dots overlap, all inks that either dot flips are flipped.
 ///
 /// @param plan  with kinds that are not nested, and with `colours` and `wanted`
 /// The other parameters and the result are those of size_dots().

@@ -26,7 +26,7 @@ namespace {
 /// A value for each channel.
 using Channels = std::array<float, kMaxInks>;
 
-/// Computes the shares and areas of kinds whose mean colour is that of the picture.
+/// Computes the shares and areas of kinds such that the mean colour of ground and dots is the colour of the picture.
 class MixturePlan {
 public:
     /// @param sigma  standard deviation, in cells, of the blur that sharpening compensates

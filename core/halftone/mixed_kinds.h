@@ -9,7 +9,7 @@
 
 namespace ccdt {
 
-/// Adds the kinds of dots to a plan that has grounds, such that the mean colour of ground and dots is that of the
+/// Adds the kinds of dots to a plan that has grounds. The mean colour of ground and dots is then the colour of the
 /// picture (KindMixture). In the result, KindOfDots::area is relative to the area of the largest dot, and
 /// KindOfDots::density is the share that the dots of a kind cover. Sets the light of each channel to the share that the
 /// ink leaves bare, with these dots.

@@ -27,7 +27,7 @@ constexpr std::size_t kSitesOfTask = 1024;
 
 /// Returns the derivative of half the squared colour difference with respect to the light of each channel, scaled for a
 /// step of steepest descent. For that, the derivative is divided by the squared slopes of the difference and by the
-/// wanted luminance, so that steps have similar lengths in light and in dark areas.
+/// wanted luminance. So steps have similar lengths in light and in dark areas.
 Channels gradient(const Channels& wanted, const Channels& seen) {
     constexpr double kMinLight = 0.01;
     const ColourDifference difference(lab_of(wanted));

@@ -51,8 +51,9 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit);
 /// @param fineness  fineness of the picture, in [0, 1]
 double radius_of_drawing(double pixels, double fineness);
 
-/// Returns the number of dots of radius_of_drawing() that cover the ink of a picture. The number is at most two dots
-/// per pixel of ink, which suffices for small pictures. It is also at most 100,000, at most `limit`, and at least 1.
+/// Returns the number of dots with the radius radius_of_drawing() that are needed to cover the ink of a picture. The
+/// number is at most two dots per pixel of ink, which suffices for small pictures. It is also at most 100,000, at most
+/// `limit`, and at least 1.
 ///
 /// @param ink     sum of the shares that dots cover, in pixels of the picture
 /// @param scale   pixels of the drawing per pixel of the picture, > 0

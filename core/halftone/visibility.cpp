@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the slope of CIE 1976 lightness as a function of luminance, both of which are in [0, 1].
+/// Returns the slope of CIE 1976 lightness at a luminance. Lightness and luminance are in [0, 1].
 float lightness_slope(float luminance) {
     constexpr float kLinearBelow = 216.0f / 24389.0f, kSlope = 24389.0f / 2700.0f;
     if (luminance <= kLinearBelow) return kSlope;

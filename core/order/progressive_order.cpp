@@ -32,9 +32,9 @@ constexpr double kStep = 0.7;   ///< share of the points that remain at the end 
 
 /// Least distance of remaining points, relative to the neighbour distance in a hexagonal grid. Of a hexagonal grid, at
 /// most a third of the points can remain such that no two of them are neighbours. Those points are sqrt(3) times as far
-/// apart as before, so neighbours in the original grid are 1 / sqrt(3) = 0.577 apart in the units of this constant.
-/// With a larger value, neighbours would count as too near while more than a third of the points remain, which leaves
-/// more power in low frequencies.
+/// apart as before. So in the units of this constant, neighbours in the original grid are 1 / sqrt(3) = 0.577 apart.
+/// With a larger value, such neighbours would be too near while more than a third of the points remain. This would
+/// leave more power in low frequencies.
 constexpr double kMinDistance = 0.58;
 
 /// Weight of the surplus around a point, relative to the crowding of the point. A larger weight leaves less power in
@@ -59,9 +59,9 @@ double squared_length(Point p) {
     return dot(p, p);
 }
 
-/// Coefficients of a polynomial that computes the crowding by a neighbour, whose distance is a given share of the
-/// reach. The crowding (1 - share)^5 is approximated by (1 - share^2)^5 times a polynomial in 1 - share^2, to within 7%
-/// from a third to nine tenths of the reach.
+/// Coefficients of a polynomial that approximates the crowding by a neighbour. Let the distance of the neighbour be a
+/// given share of the reach. The crowding (1 - share)^5 is then about (1 - share^2)^5 times this polynomial in 1 -
+/// share^2. The error is below 7% for shares from a third to nine tenths.
 constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
 /// Limit on the reach of a pair of points, relative to the shorter of the two points' own reaches. Up to this limit,

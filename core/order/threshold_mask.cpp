@@ -23,7 +23,8 @@ constexpr double kSigma = 1.5;  ///< in pixels
 constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values beyond this are below 4e-4
 constexpr int kMaxSweeps = 32;
 
-/// Share of the tile's pixels that are set, below which the Gaussians of neighbouring set pixels no longer overlap.
+/// Share of set pixels in the tile. If fewer pixels are set, the Gaussians of neighbouring set pixels no longer
+/// overlap.
 constexpr double kSparseShare = 1.0 / 16;
 
 /// A pattern of set pixels on a torus, to be spread evenly.

@@ -37,7 +37,7 @@ public:
         }
     }
 
-    /// A range of successive points in the order of numbers(), in which the points of a cell are successive.
+    /// A range of successive points in the order of numbers(). In this order, the points of a cell are successive.
     struct Run {
         std::uint32_t begin, end;
     };

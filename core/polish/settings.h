@@ -36,8 +36,8 @@ struct PolishSettings {
     int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves
     double nearest = 0;                  ///< reach of a near push within an ink
     double ink_nearest = 0;              ///< reach of a near push between inks
-    /// Near pushes are repeated on new triangulations while any two sites of an ink are closer than this distance,
-    /// which is relative to the neighbour distance in a hexagonal grid.
+    /// Near pushes are repeated on new triangulations while any two sites of an ink are closer than this distance. It
+    /// is relative to the neighbour distance in a hexagonal grid, like a reach.
     double least = 0;
     int max_retries = 0;  ///< limit on these repetitions
     /// Number of these repetitions without relocation. Each further repetition begins by relocating one site of every

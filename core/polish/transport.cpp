@@ -26,7 +26,7 @@ constexpr double kShortest = 0.95;
 /// each other, they keep more than half of their distance.
 constexpr double kMaxMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
-/// light, pictures of 8 bits give densities of 1 to 113, which are 3.4 octaves of spacing, or 4.1 with kCaution.
+/// light, pictures of 8 bits give densities of 1 to 113. These are 3.4 octaves of spacing, or 4.1 with kCaution.
 constexpr std::size_t kMaxOctaves = 6;
 /// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
 /// spacing, hence at most 16 cells per site.
