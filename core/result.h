@@ -24,7 +24,7 @@ struct Error {
     ErrorCode code = ErrorCode::Internal;
     std::string message;             ///< readable text; names the limit, if any
     std::string field;               ///< an option's name or a JSON Pointer that identifies the input; may be empty
-    std::vector<Error> others = {};  ///< further errors in the same input, each with an empty list here
+    std::vector<Error> others = {};  ///< further errors in the same input; `others` of each is empty
 };
 
 template <class T>

@@ -16,7 +16,7 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Creates a decoder of the primary item only, because `header` describes that item. Frames of an animation may have
+/// Creates a decoder of the primary item, because `header` describes this item. The frames of an animation may have
 /// another size.
 Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
@@ -45,7 +45,7 @@ int orientation_of(const avifImage& image) {
     return kOrientations[quarters][mirror];
 }
 
-/// Interleaved pixels of the picture: red, green and blue, and alpha if the picture has alpha.
+/// Interleaved pixels of the picture: red, green, blue and, if the picture has it, alpha.
 class Pixels {
 public:
     Pixels() = default;

@@ -22,9 +22,9 @@ enum Compression : std::uint32_t { kNone = 0, kRuns8 = 1, kRuns4 = 2, kFields = 
 
 struct Layout {
     static constexpr std::size_t kFileHeader = 14;
-    static constexpr std::uint32_t kCore = 12, kInfo = 40, kWithAlphaMask = 56;  ///< sizes of headers
+    static constexpr std::uint32_t kCore = 12, kInfo = 40, kWithAlphaMask = 56;  ///< sizes of headers, in bytes
 
-    std::uint32_t header = 0;  ///< size of the picture's header
+    std::uint32_t header = 0;  ///< size of the header, in bytes
     std::size_t width = 0;
     std::size_t height = 0;
     bool from_top = false;
@@ -269,8 +269,8 @@ private:
     Layout layout_;
     std::array<Colour, 256> palette_;
     std::array<Field, 4> fields_;
-    std::vector<std::uint8_t>
-        indices_;  ///< decoded palette indices of a run-length encoded file; empty for other files
+    /// Decoded palette indices of a run-length encoded file; empty for other files.
+    std::vector<std::uint8_t> indices_;
     bool has_alpha_ = false;
 };
 

@@ -131,7 +131,7 @@ ToneCurve read_curve(const Handle& profile, cmsTagSignature tag) {
     return [profile, curve](float share) { return clamp_light(cmsEvalToneCurveFloat(curve, share)); };
 }
 
-/// Removes the matrix if it is the identity. Returns none if the curves, too, are those of sRGB.
+/// Removes the matrix if it is the identity. Returns none if, in addition, the curves are those of sRGB.
 std::optional<ColourConversion> simplify(ColourConversion conversion) {
     if (conversion.matrix && is_identity(*conversion.matrix)) conversion.matrix.reset();
     if (!conversion.matrix && std::ranges::all_of(conversion.curves, is_srgb)) return std::nullopt;
@@ -166,8 +166,8 @@ std::optional<ColourConversion> read_grey_profile(const Context& context, const 
     return simplify({Space::Grey, {}, {curve}, {}});
 }
 
-/// Reads a profile with tables. The conversion goes first to BT.2020, which contains almost all printed and displayed
-/// colours, so that colours outside sRGB are not clipped too early.
+/// Reads a profile with tables. The tables convert to BT.2020, which contains almost all printed and displayed colours,
+/// and a matrix then converts to sRGB. So colours outside sRGB are not clipped by the tables.
 std::optional<ColourConversion> read_table_profile(const Context& context, const Handle& profile, Space space) {
     const Handle wide = make_rgb(context, kD65, kBt2020, make_srgb_curve(context));
     const auto matrix = wide ? light_matrix(context, wide.get()) : std::nullopt;
@@ -232,7 +232,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     }
 }
 
-/// Reads the primaries of a file without a profile. The curve is that of the file format.
+/// Reads the primaries of a file without a profile. The curve is the curve of the file format.
 std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
     const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
     const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));

@@ -24,16 +24,16 @@ struct ColourConversion {
 
     Space space = Space::Rgb;  ///< colour space of the samples
     WordTransform transform;   ///< for transform_rows(); none: the samples are used as stored
-    std::vector<ToneCurve>
-        curves;  ///< one for grey, or three for red, green and blue; none: the curve of the file format
+    /// One curve for grey, or three for red, green and blue. None: the curve of the file format.
+    std::vector<ToneCurve> curves;
     std::optional<LightMatrix> matrix;  ///< none: the primaries are those of sRGB
 };
 
-/// Derives the conversion from the colour tags of a file. A profile is used if it is complete, describes a scanner,
-/// display, printer or colour space, and is for grey, RGB or CMYK. Colours are relative to the white point of the
-/// profile. Conversion tables of the profile are used with black point compensation.
+/// Derives the conversion from the colour tags of a file. A profile is used if it is complete, if it describes a
+/// scanner, display, printer or colour space, and if its samples are grey, RGB or CMYK. Colours are relative to the
+/// white point of the profile. If the profile has conversion tables, they are used with black point compensation.
 ///
-/// @returns  none if there is nothing to convert, because there are no usable tags or they describe sRGB, up to
+/// @returns  none if there is nothing to convert: there are no usable tags, or the tags describe sRGB, except for
 ///           rounding
 /// Source: ICC.1:2022; Little CMS 2.14.
 std::optional<ColourConversion> convert_colours(const ColourTags& tags);

@@ -17,12 +17,14 @@ using namespace std::string_view_literals;
 constexpr std::string_view kJpegMark = "ICC_PROFILE\0"sv;
 constexpr std::uint32_t kTiffTag = 34675;
 
-/// Inflates the profile in a PNG chunk: a name, a byte for the compression method, and the compressed profile.
+/// Inflates the profile in a PNG chunk.
+/// @param data  data of the chunk: a name, a zero, a byte for the compression method, and the compressed profile
 std::string inflate_profile(std::string_view data) {
     const std::size_t name = data.find('\0');
     if (name == std::string_view::npos || name + 2 > data.size() || data[name + 1] != 0) return {};
     data.remove_prefix(name + 2);
-    // A profile begins with its own size, but this cannot be trusted. Deflate compresses by a factor of at most 1032.
+    // A profile begins with its own size, but this number cannot be trusted. Deflate compresses by a factor of at most
+    // 1032, which limits the size of the result.
     std::string profile(std::min(kLongestProfile, data.size() * 1040 + 1024), '\0');
     auto size = static_cast<uLongf>(profile.size());
     const int end = uncompress(reinterpret_cast<Bytef*>(profile.data()), &size,
@@ -34,7 +36,7 @@ std::string inflate_profile(std::string_view data) {
 
 std::optional<ColourTags::CodePoints> read_code_points(std::string_view data) {
     if (data.size() != 4 || data[2] != 0 || data[3] != 1)
-        return std::nullopt;  // code points for YCbCr or for a limited range are ignored
+        return std::nullopt;  // ignores code points for YCbCr or for a limited range
     return ColourTags::CodePoints{static_cast<std::uint8_t>(data[0]), static_cast<std::uint8_t>(data[1])};
 }
 
@@ -65,7 +67,8 @@ ColourTags read_png(std::string_view bytes) {
     return tags;
 }
 
-/// Joins the segments of a JPEG's profile. Each segment contains its number, from 1 on, and the number of all segments.
+/// Joins the parts of the ICC profile in a JPEG. A profile may be split into several segments. Each of these segments
+/// contains its number, from 1 on, and the total number of segments.
 std::string read_jpeg(std::string_view bytes) {
     constexpr std::uint32_t kApp2 = 0xE2, kScan = 0xDA;
     std::vector<std::string_view> parts;
@@ -99,7 +102,8 @@ bool is_avif_profile(const Chunk& property) {
     return property.name == "colr" && (property.data.starts_with("prof") || property.data.starts_with("rICC"));
 }
 
-/// Reads the tags of an AVIF. A profile takes precedence over code points.
+/// Reads the tags of an AVIF. Omits the code points if there is a profile, because in AVIF the profile takes
+/// precedence.
 ColourTags read_avif(std::string_view bytes) {
     constexpr std::size_t kType = 4;
     ColourTags tags;
@@ -127,15 +131,16 @@ std::string without_chunks(std::string_view bytes, std::string_view name) {
     return kept;
 }
 
-/// Overwrites a mark wherever it occurs, since OpenImageIO may find segments that read_jpeg() does not find.
+/// Returns a copy of a JPEG without the mark that identifies the segments of a profile: overwrites every occurrence of
+/// it. It is not sufficient to change the segments that read_jpeg() finds, because OpenImageIO may find others.
 std::string without_marks(std::string_view bytes, std::string_view mark) {
     std::string kept(bytes);
     for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';
     return kept;
 }
 
-/// Removes the entries of a tag from a TIFF directory. The entries after them move up, and so does the offset of the
-/// next directory.
+/// Removes the entries of a tag from a TIFF directory. The entries that follow move up, and so does the offset of the
+/// next directory, which is stored after them.
 std::string without_entries(std::string_view bytes, std::uint32_t tag) {
     constexpr std::size_t kSize = TiffDirectory::kEntrySize;
     const TiffDirectory directory(bytes);
@@ -218,7 +223,7 @@ std::string hide_profile(std::string_view bytes, ImageFormat format) {
             return without_marks(bytes, kJpegMark);
         case ImageFormat::Tiff:
             return without_entries(bytes, kTiffTag);
-        case ImageFormat::WebP:  // the library ignores its profile
+        case ImageFormat::WebP:  // OpenImageIO ignores the profile of a WebP
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:

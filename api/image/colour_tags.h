@@ -14,7 +14,7 @@ namespace ccdt::api {
 
 /// Colour information that a file contains, in addition to the conventions of its format.
 struct ColourTags {
-    /// Transfer function and primaries, as numbers of ITU-T H.273. A PNG has them in the chunk cICP, an AVIF in the
+    /// Transfer function and primaries, as code numbers of ITU-T H.273. PNG stores them in the chunk cICP, AVIF in the
     /// property colr of type nclx.
     struct CodePoints {
         std::uint8_t primaries = 0;
@@ -23,8 +23,8 @@ struct ColourTags {
 
     std::string profile;                    ///< complete ICC profile; empty: none
     std::optional<CodePoints> code_points;  ///< take precedence over the profile
-    std::optional<std::array<double, 8>>
-        primaries;  ///< x, y of white, red, green, blue; used only if there is no profile
+    /// x, y of white, red, green, blue; used only if there is no profile.
+    std::optional<std::array<double, 8>> primaries;
 };
 
 /// Maximum size of a profile in bytes. A longer profile is ignored.
@@ -35,11 +35,12 @@ inline constexpr std::size_t kLongestProfile = std::size_t{4} << 20;
 /// third edition), 11.3.2; ICC.1:2022, annex B; ISO/IEC 14496-12, 12.1.5.
 ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 
-/// Returns whether a file may have a profile, without reading the profile.
+/// Returns whether a file may have a profile. Does not read the profile.
 bool may_have_profile(std::string_view bytes, ImageFormat format);
 
 /// Returns a copy of the file in which OpenImageIO finds no profile. OpenImageIO does not check profiles, so it must
-/// not read them. Returns an empty string if OpenImageIO finds no profile in the file as it is.
+/// not read them. Returns an empty string if no copy is needed, because OpenImageIO finds no profile in the file
+/// itself.
 std::string hide_profile(std::string_view bytes, ImageFormat format);
 
 }  // namespace ccdt::api

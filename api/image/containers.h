@@ -30,32 +30,33 @@ struct Chunk {
     std::size_t end = 0;    ///< offset of the next chunk
 };
 
-inline constexpr std::size_t kPngChunks = 8;    ///< offset of the first chunk of a PNG file
-inline constexpr std::size_t kRiffChunks = 12;  ///< offset of the first chunk of a WebP file
-inline constexpr std::size_t kJpegSegments = 2;
+inline constexpr std::size_t kPngChunks = 8;     ///< offset of the first chunk of a PNG file
+inline constexpr std::size_t kRiffChunks = 12;   ///< offset of the first chunk of a WebP file
+inline constexpr std::size_t kJpegSegments = 2;  ///< offset of the first segment of a JPEG file
 
-/// Returns the chunk at an offset; none if the file ends before the chunk does.
+/// Returns the chunk of a PNG file at an offset; none if the file ends before the chunk does.
 /// Source: PNG (ISO/IEC 15948), 5.3.
 std::optional<Chunk> png_chunk(std::string_view bytes, std::size_t at);
 
-/// Returns the chunk at an offset; none if the offset is past the end. The data of a truncated chunk ends with the
-/// file.
+/// Returns the chunk of a WebP file at an offset; none if the file ends before the chunk's data. The data of a
+/// truncated chunk ends with the file.
 /// Source: WebP (RFC 9649), 2.3.
 std::optional<Chunk> riff_chunk(std::string_view bytes, std::size_t at);
 
-/// Returns the box at an offset, with its type as the name; none if the offset is past the end, or if the box claims to
-/// be smaller than its header. The data of a truncated box ends with the file.
+/// Returns the box of an AVIF file at an offset, with its type as the name; none if the file ends before the box's
+/// data, or if the box claims to be smaller than its header. The data of a truncated box ends with the file.
 /// Source: ISO/IEC 14496-12, 4.2.
 std::optional<Chunk> media_box(std::string_view bytes, std::size_t at);
 
-/// A segment of a JPEG file outside its entropy-coded data.
+/// A segment of a JPEG file, without the entropy-coded data that may follow.
 struct Segment {
     std::uint32_t marker = 0;    ///< second byte of the marker
     std::string_view data = {};  ///< without the length; in a truncated segment, up to the end of the file
-    std::size_t end = 0;
+    std::size_t end = 0;         ///< offset after the segment
 };
 
-/// Returns the segment at an offset, after any fill bytes; none if there is no marker.
+/// Returns the segment at an offset. Skips fill bytes before the marker. Returns none if there is no marker, or if the
+/// segment has no valid length.
 /// Source: JPEG (ITU-T T.81), B.1.1.
 std::optional<Segment> jpeg_segment(std::string_view bytes, std::size_t at);
 
@@ -67,14 +68,14 @@ public:
 
     explicit TiffDirectory(std::string_view bytes);
 
-    /// Returns the first number of an entry of 16-bit or 32-bit integers.
+    /// Returns the first number of an entry of 16-bit or 32-bit integers; none if there is no such entry.
     std::optional<std::uint32_t> number(std::uint32_t tag) const;
 
     /// Returns the bytes of an entry of any type; none if the file ends too early.
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }
-    std::size_t begin() const { return begin_; }  ///< offset of the directory, which begins with its number of entries
+    std::size_t begin() const { return begin_; }  ///< offset of the directory, which begins with the number of entries
     std::size_t entries() const { return entries_; }  ///< number of entries as stored
     const ByteReader& reader() const { return reader_; }
 

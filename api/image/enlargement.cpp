@@ -18,12 +18,12 @@ namespace {
 /// Share of the lost light that is added.
 constexpr float kShare = 0.5F;
 
-/// Weights in linear interpolation to one of the four pixels that a pixel becomes: the weights of the pixel itself, of
-/// each of two neighbours at its sides, and of one neighbour at a corner. kWeights is the sum of all four.
+/// Weights in the linear interpolation of one of the four pixels that a pixel becomes: of the pixel itself, of each of
+/// two neighbours at its sides, and of one neighbour at a corner. kWeights is the sum of these four weights.
 constexpr int kOwn = 9, kSide = 3, kCorner = 1, kWeights = 16;
 
-/// Returns a table of the light of weighted means of encoded values. The index is the weighted sum, `kWeights` times
-/// the mean.
+/// Returns a table of the light of means of encoded values. The index is kWeights times the mean, which is the weighted
+/// sum of four encoded values.
 const std::vector<float>& light_of_sums() {
     static const std::vector<float> lights = [] {
         std::vector<float> all(255 * kWeights + 1);
@@ -34,7 +34,7 @@ const std::vector<float>& light_of_sums() {
     return lights;
 }
 
-/// Relates stored values to encoded values and to light.
+/// Converts between stored values, encoded (sRGB) values and light.
 class Curve {
 public:
     /// @param shown  encoded value of each stored value, ascending or descending

@@ -9,10 +9,10 @@ namespace ccdt::api {
 /// Lightens a picture by half of the light that it loses when it is shown at twice its width and height.
 ///
 /// A screen with two pixels per CSS pixel enlarges pictures. Browsers interpolate encoded values, not light, so the
-/// pixels that they insert along the rims of dots are too dark. For each pixel, the loss is computed from the 3 x 3
-/// pixels around it, assuming linear interpolation to four pixels. Only half of the loss is added, because the same
-/// file is also shown at its own size, where no light is lost. At its own size, a pixel is then too light by the amount
-/// by which it is too dark when enlarged. Uniform areas do not change.
+/// pixels that they insert along the rims of dots are too dark. The loss of a pixel is computed from the 3 x 3 pixels
+/// around it, assuming that linear interpolation makes four pixels of it. Only half of the loss is added, because the
+/// same file is also shown at its own size, where no light is lost. With half of the loss, a pixel is as much too light
+/// at its own size as it is too dark when enlarged. Uniform areas do not change.
 ///
 /// Transparent pictures are not changed, because the loss depends on the background behind them.
 ///

@@ -19,8 +19,8 @@ struct Close {
     void operator()(GifFileType* file) const { DGifCloseFile(file, nullptr); }
 };
 
-/// Gives the library the next bytes of the text to which UserData points. Past its end, a single byte is 0: the length
-/// of the empty block at the end of a frame, which viewers do not miss.
+/// Gives the library the next bytes of the text to which UserData points. If a single byte is read past the end of the
+/// text, it is 0. This is the length of the empty block that ends a frame, which viewers do not require.
 int read_bytes(GifFileType* file, GifByteType* to, int size) {
     auto& left = *static_cast<std::string_view*>(file->UserData);
     if (left.empty() && size == 1) {
@@ -34,13 +34,13 @@ int read_bytes(GifFileType* file, GifByteType* to, int size) {
 }
 
 struct Frame {
-    GifImageDesc place{};                     ///< its rectangle in the picture
-    std::array<GifColorType, 256> palette{};  ///< a colour that is missing from the palette is black
+    GifImageDesc place{};                     ///< the frame's rectangle in the picture
+    std::array<GifColorType, 256> palette{};  ///< colours that are missing from the file are black
     int transparent = NO_TRANSPARENT_COLOR;
     std::vector<std::uint8_t> pixels;
 };
 
-/// Decodes all rows of a frame, which a file may store in four passes.
+/// Decodes all rows of a frame. In an interlaced file, the rows are stored in four passes.
 bool read_pixels(GifFileType& file, Frame& frame) {
     const auto width = static_cast<std::size_t>(frame.place.Width);
     frame.pixels.resize(width * static_cast<std::size_t>(frame.place.Height));
@@ -66,7 +66,7 @@ bool read_frame(GifFileType& file, Frame& frame) {
     return read_pixels(file, frame);
 }
 
-/// Reads an extension. Only the one that names the transparent colour of the next frame matters.
+/// Reads an extension. Uses only the extension that gives the transparent colour of the next frame.
 bool read_extension(GifFileType& file, Frame& frame) {
     int code = 0;
     GifByteType* block = nullptr;

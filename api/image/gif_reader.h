@@ -13,10 +13,10 @@ namespace ccdt::api {
 /// Needs a byte of memory per pixel.
 /// @param bytes  must outlive the row source
 /// Errors: Unusable for a broken or truncated file, for a file without a frame, and for a frame that extends beyond the
-/// picture. Only the empty block and the trailer at the end of a file may be missing.
+/// picture. Only the empty block after the frame, and what follows it, may be missing.
 /// Source: GIF89a (CompuServe, 1990).
 ///
-/// Why not OpenImageIO: version 2.4 needs four times the memory, shows colours that are missing from a palette wrongly,
+/// Why not OpenImageIO: version 2.4 needs four times the memory, reads wrong colours where the palette is too short,
 /// and applies the transparent colour of an earlier control block.
 Result<RowSource> open_gif(std::string_view bytes);
 

@@ -37,8 +37,8 @@ struct Size {
 struct Placement {
     Size size;                 ///< size of the upright picture
     std::ptrdiff_t start = 0;  ///< index of the file's first pixel
-    std::ptrdiff_t right = 0;  ///< step from a pixel to the next one in its row of the file
-    std::ptrdiff_t down = 0;   ///< step from a pixel to the one below it in the file
+    std::ptrdiff_t right = 0;  ///< step from a pixel to the next one in the same row of the file
+    std::ptrdiff_t down = 0;   ///< step from a pixel to the pixel below it in the file
 };
 
 /// @param orientation  orientation of EXIF, 1 to 8; other values are treated as 1, upright
@@ -48,7 +48,7 @@ Placement place(Size file, int orientation) {
     const Size size = turned ? Size{file.height, file.width} : file;
     const auto width = static_cast<std::ptrdiff_t>(size.width);
     const auto height = static_cast<std::ptrdiff_t>(size.height);
-    // The first pixel of the file is at the right, or at the bottom, of the upright picture.
+    // Whether the first pixel of the file is at the right, and whether it is at the bottom, of the upright picture.
     const bool from_right = orientation == 2 || orientation == 3 || orientation == 6 || orientation == 7;
     const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 7 || orientation == 8;
     const std::ptrdiff_t start = (from_right ? width - 1 : 0) + (from_bottom ? (height - 1) * width : 0);
@@ -182,10 +182,10 @@ public:
 
     void set_alpha(std::ptrdiff_t pixel, float alpha) const { alpha_[pixel] = alpha; }
 
-    /// Sets a row of pixels to the means of squares in another draft. That draft is one square high.
+    /// Sets a row of pixels to the means of the squares in `squares`, a draft that is one square high.
     /// @tparam kSide  side of the squares
     /// @param first   index of the first pixel
-    /// @param step    from a pixel of the row to the next one
+    /// @param step    difference between the indices of successive pixels of the row
     template <int kSide>
     void set_means(const Draft& squares, std::ptrdiff_t first, std::ptrdiff_t step) const {
         const std::ptrdiff_t width = squares.width_;
@@ -260,7 +260,9 @@ public:
 template <class AnyDraft>
 using PictureOf = decltype(std::declval<AnyDraft>().picture());
 
-/// Stores a row of the file in the picture. Each kind of row has its own short loop.
+/// Stores a row of the file in the picture. For speed, each kind of row has its own short loop.
+/// @param count  number of pixels in the row
+/// @param y      number of the row in the file
 template <class Sample, class AnyDraft>
 void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sample>& reader, const Encoding& encoding,
                const Placement& placement, std::ptrdiff_t y, const AnyDraft& draft) {
@@ -293,7 +295,8 @@ void store_row(const Sample* row, std::ptrdiff_t count, const SampleReader<Sampl
     }
 }
 
-/// Returns the interpretation of a source's samples. The conversion, if not null, gives the curves and the matrix.
+/// Returns the interpretation of a source's samples.
+/// @param conversion  gives the curves and the matrix; null: none
 Encoding encoding_of(const RowSource& source, const ColourConversion* conversion) {
     Encoding encoding{source.channels, source.channels >= 3, source.alpha, source.premultiplied,
                       source.curve,    source.gamma,         {},           {}};
@@ -415,7 +418,7 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
-/// Returns the lock that lets one thread at a time use OpenImageIO's TIFF reader. The reader has known bugs with
+/// Returns the mutex that lets one thread at a time use OpenImageIO's TIFF reader. The reader has known bugs with
 /// several threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;

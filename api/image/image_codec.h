@@ -22,7 +22,7 @@ struct Reading {
 
     static constexpr int kMaxReduced = 4;
 
-    std::size_t max_pixels;  ///< limit of the picture in the file; checked by the header before any pixel is read
+    std::size_t max_pixels;  ///< maximum number of pixels in the file; checked before pixels are read
     /// Factor, 1 to kMaxReduced, by which the sides of a picture are divided. Each square of `reduce` x `reduce`
     /// pixels becomes one pixel with the mean light of the square. A picture that is not opaque or not divisible into
     /// whole squares is not reduced.
@@ -37,22 +37,22 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// Reads 1 to 16 bits per channel and floats; grey, RGB, palettes and CMYK, with or without alpha. Applies the
 /// orientation in EXIF or in the properties of an AVIF, and the colour profile. Colours outside the gamut of sRGB keep
 /// their luminance and lose saturation. Without a profile, values are sRGB unless the file declares them linear or
-/// gives a gamma. Floats are linear. A broken profile is ignored. If a file has several pictures, the first is read; in
-/// an AVIF, the primary item.
+/// gives a gamma. Floats are linear. A broken profile is ignored. If a file has several pictures, the first one is
+/// read; in an AVIF, the primary item is read.
 ///
 /// @param make_plane  allocates the planes of the picture
-/// Errors: those of read_image_header(); Unusable for a broken or truncated file, and for kinds of TIFF and AVIF that
-/// are not supported. Only one thread at a time reads a TIFF; others wait.
-/// Needs little memory in addition to the picture, with two exceptions: files that are decoded as a whole (WebP, GIF,
-/// AVIF, interlaced PNG, progressive JPEG), and profiles, which need tables and a copy of the file.
+/// Errors: the errors of read_image_header(); Unusable for a broken or truncated file, and for kinds of TIFF and AVIF
+/// that are not supported. Only one thread at a time reads a TIFF; others wait.
+/// Needs little memory in addition to the picture, with two exceptions. Some files are decoded as a whole: WebP, GIF,
+/// AVIF, interlaced PNG, progressive JPEG. A profile needs tables and a copy of the file.
 Result<Picture> decode_image(std::string_view bytes, const Reading& reading, const NewPlane& make_plane = new_plane);
 
-/// Decodes an image file like decode_image(), but to red, green and blue. These are equal if the file is grey.
+/// Decodes an image file like decode_image(), but to red, green and blue. The three are equal if the file is grey.
 Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading,
                                           const NewPlane& make_plane = new_plane);
 
 /// Decoders: decode_image() and decode_colour_image(), or functions that do the same in another process. They may poll
-/// the stop token, and then fail with Stopped.
+/// the stop token; after a stop, they fail with Stopped.
 struct Decode {
     template <class AnyPicture>
     using To =

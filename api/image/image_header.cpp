@@ -20,7 +20,7 @@ constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< allocated by the 
 constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< needed for the tables of a profile
 constexpr uint64_t kRowBytes = 48;                        ///< needed for the rows being read, per pixel of the width
 
-/// Returns whether all chunks up to the last one are complete. The reader leaks memory if a chunk is not.
+/// Returns whether all chunks up to the last one are complete. OpenImageIO leaks memory if a chunk is incomplete.
 bool is_whole_png(std::string_view bytes) {
     std::size_t at = kPngChunks;
     while (const auto chunk = png_chunk(bytes, at)) {
@@ -43,7 +43,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
     if (reader.read(12, 4) != kHeaderChunk || !interlaced || *colour > 6 || !is_whole_png(bytes)) return broken_image();
     ImageHeader header{ImageFormat::Png, *width, *height, 0};
     const uint64_t sample = *depth > 8 ? 2 : 1;
-    // One more channel: the chunk tRNS may add alpha to any colour type.
+    // One more channel is needed, because the chunk tRNS may add alpha to any colour type.
     if (*interlaced != 0) header.decoder_bytes = header.pixels() * (kChannels[*colour] + 1) * sample;
     return header;
 }
@@ -54,8 +54,8 @@ constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 /// about ten scans. libtiff has the same limit.
 constexpr int kMaxScans = 100;
 
-/// Returns the offset of the marker after entropy-coded data. It begins with the first 0xFF that is not followed by a
-/// zero and is not part of a restart marker.
+/// Returns the offset of the marker after entropy-coded data. This marker begins with the first 0xFF that is not
+/// followed by a zero and is not part of a restart marker.
 std::size_t end_of_scan(std::string_view bytes, std::size_t at) {
     while ((at = bytes.find('\xff', at)) < bytes.size() - 1) {
         const auto next = static_cast<unsigned char>(bytes[at + 1]);
@@ -107,10 +107,10 @@ Result<ImageHeader> read_jpeg(std::string_view bytes) {
     return broken_image();
 }
 
-constexpr std::size_t kRiffHeader = 8;  ///< a chunk's name and size
+constexpr std::size_t kRiffHeader = 8;  ///< size of a chunk's header: its name and its size
 
 Result<ImageHeader> read_webp(std::string_view bytes) {
-    // Per pixel: two canvases of an animation, one frame, and references of lossless coding.
+    // Bytes per pixel: two canvases of an animation, one frame, and references of lossless coding.
     constexpr uint64_t kDecoderBytes = 12;
     const ByteReader reader(bytes, false);
     const std::string_view chunk = bytes.substr(std::min(kRiffChunks, bytes.size()), 4);
@@ -146,7 +146,7 @@ Result<ImageHeader> read_tiff(std::string_view bytes) {
     const auto height = directory.number(tiff::kHeight);
     if (!width || !height) return broken_image();
     const auto bits = directory.number(tiff::kBitsPerSample);
-    // If the bits per sample are missing, the reader assumes 8 although the default is 1, and returns uninitialised
+    // If the bits per sample are missing, OpenImageIO assumes 8 although the default is 1, and returns uninitialised
     // memory.
     if (!bits) {
         return failure(ErrorCode::Unusable,
@@ -206,7 +206,7 @@ Result<ImageHeader> read_avif(std::string_view bytes) {
     // Samples per pixel: three copies of three planes and of alpha, and the interleaved pixels.
     constexpr uint64_t kSamples = 3 * 3 + 3 + 4;
     constexpr uint64_t kTables = 3;    // bytes per pixel
-    constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, and some more
+    constexpr uint64_t kBorder = 160;  // pixels by which a side may be rounded up, with a margin
     ImageHeader header{ImageFormat::Avif, 0, 0, 0};
     uint64_t sample = 2;
     for (const Chunk& property : avif_properties(bytes)) {
@@ -243,7 +243,8 @@ uint64_t webp_frames(std::string_view bytes) {
     return frames;
 }
 
-/// Counts the pages of a TIFF, whose directories are a linked list. The maximum ends the count if the list is circular.
+/// Counts the pages of a TIFF. The directories of the pages are a linked list; if the list is circular, the count ends
+/// at a maximum.
 uint64_t tiff_pages(std::string_view bytes) {
     constexpr uint64_t kMax = 65'535;
     const ByteReader reader(bytes, bytes.starts_with("MM"));
@@ -328,14 +329,14 @@ Result<ImageHeader> read(std::string_view bytes, ImageFormat format) {
 
 using namespace std::string_view_literals;
 
-/// Returns whether a file is a BMP. Also checks the size of the picture's header, since any text may begin with "BM".
+/// Returns whether a file is a BMP. Also checks the size of the header, since a text may begin with "BM", too.
 bool is_bmp(std::string_view bytes) {
     constexpr std::array<std::uint32_t, 7> kInfoSizes = {12, 40, 52, 56, 64, 108, 124};
     const auto size = ByteReader(bytes, false).read(kBmpInfo, 4);
     return bytes.starts_with("BM") && size && std::ranges::find(kInfoSizes, *size) != kInfoSizes.end();
 }
 
-/// A format that is not supported. A file has this format if it contains `mark` at the offset.
+/// A format that is not supported. A file has this format if it contains `mark` at `offset`.
 struct OtherFormat {
     std::size_t offset;
     std::string_view mark;

@@ -17,25 +17,25 @@ namespace ccdt::api {
 /// readers are not safe with unchecked files.
 struct ImageHeader {
     ImageFormat format = ImageFormat::Png;
-    std::uint64_t width = 0;   ///< >= 1, as stored, before rotation
+    std::uint64_t width = 0;   ///< >= 1; as stored, before the orientation is applied
     std::uint64_t height = 0;  ///< >= 1
     /// Peak memory in bytes that a reader needs to decode the picture, in addition to the file and the resulting
     /// planes.
     std::uint64_t decoder_bytes = 0;
     bool is_ink_jpeg = false;  ///< whether it is a JPEG with four channels: cyan, magenta, yellow, black
-    std::uint64_t frames = 1;  ///< number of frames, or of pages in a TIFF; only one is read
+    std::uint64_t frames = 1;  ///< number of frames, or of pages of a TIFF; only one of them is read
 
     std::uint64_t pixels() const { return width * height; }
 };
 
 /// An image file whose header was read.
 struct ImageFile {
-    std::string_view bytes;  ///< the file: in `decoded`, or in memory of the caller, which must outlive this object
+    std::string_view bytes;  ///< the file; lies in `decoded` or in the caller's memory, which must outlive this object
     ImageHeader header;
     std::shared_ptr<const std::string> decoded = {};  ///< owns the file if it was decoded from base64; otherwise null
 };
 
-/// Maximum number of pixels that all tiles of a TIFF together may have outside its picture.
+/// Maximum number of pixels that all tiles of a TIFF together may have outside the picture.
 inline constexpr std::uint64_t kMaxTilePixels = std::uint64_t{1} << 20;
 
 /// Longest side of an AVIF that its codec allows.
@@ -48,8 +48,8 @@ Result<ImageFormat> recognise_image(std::string_view bytes);
 
 /// Reads the header of the first picture in a file.
 ///
-/// Errors: those of recognise_image(); Unusable for a broken or truncated header, for a TIFF without bits per sample,
-/// and for a JPEG with more than 100 scans; LimitExceeded for more than max_pixels pixels.
+/// Errors: the errors of recognise_image(); Unusable for a broken or truncated header, for a TIFF that does not state
+/// its bits per sample, and for a JPEG with more than 100 scans; LimitExceeded for more than max_pixels pixels.
 /// Sources: PNG (ISO/IEC 15948), 5 and 11.2.2; JPEG (ITU-T T.81), B.1 and B.2.2; WebP (RFC 9649), 2; TIFF 6.0, 2;
 /// GIF89a, 18; Microsoft's BITMAPINFOHEADER; HEIF (ISO/IEC 23008-12), 6.5.3 and 6.5.6.
 Result<ImageHeader> read_image_header(std::string_view bytes, std::size_t max_pixels);

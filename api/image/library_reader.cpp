@@ -28,7 +28,7 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // have their own readers, whose headers say why; the library's reader of AVIF starts threads
+            break;  // these have their own readers, see there; OpenImageIO's AVIF reader starts threads
     }
     return "";
 }
@@ -53,7 +53,8 @@ Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) 
     return {};
 }
 
-/// Returns whether the library's reader flips the rows of a TIFF whatever orientation the file states.
+/// Returns whether OpenImageIO flips the rows of a TIFF, whatever orientation the file states. It does so if it
+/// converts YCbCr.
 bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
     constexpr int kYCbCr = 6;
     constexpr int kJpeg = 7;
@@ -103,7 +104,7 @@ RowSource describe(const OIIO::ImageSpec& spec) {
         source.gamma = gamma;
     }
     source.has_inks = OIIO::Strutil::iequals(space, "CMYK");
-    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // the library would take the channel of black for alpha
+    source.alpha = source.has_inks ? -1 : spec.alpha_channel;  // OpenImageIO takes the channel of black for alpha
     source.premultiplied = source.alpha >= 0 && spec.get_int_attribute("oiio:UnassociatedAlpha", 0) == 0;
     source.orientation = spec.get_int_attribute("Orientation", 1);
     source.step = rows_at_once(spec);
@@ -122,7 +123,7 @@ struct OpenFile {
     }
 
     bool read_rows(int begin, int end, const OIIO::TypeDesc& type, void* rows) {
-        // Rows that need no conversion are read directly into the buffer. For other rows, the library allocates 64 MiB.
+        // The library reads rows that need no conversion directly into the buffer. For other rows, it allocates 64 MiB.
         const bool as_stored = spec.format == type && spec.channelformats.empty();
         const OIIO::TypeDesc to = as_stored ? OIIO::TypeDesc::UNKNOWN : type;
         if (spec.tile_width == 0) return input->read_scanlines(0, 0, begin, end, 0, 0, spec.nchannels, to, rows);

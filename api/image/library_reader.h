@@ -14,7 +14,7 @@ namespace ccdt::api {
 ///
 /// @param bytes      must outlive the row source
 /// @param header     result of read_image_header()
-/// @param keep_inks  whether the rows of a TIFF in cyan, magenta, yellow and black have these channels; otherwise they
+/// @param keep_inks  whether the rows of a TIFF in cyan, magenta, yellow and black keep these channels; if not, they
 ///                   are converted to red, green and blue
 /// Errors: Unusable for a broken or truncated file, and for kinds of TIFF that are not supported. This function and the
 /// row source may throw.

@@ -26,7 +26,8 @@ public:
         return (*this)(printed(inks_, cover), bare);
     }
 
-    /// @param bare  share of the paper that is visible
+    /// @param light  mean light of the pixel
+    /// @param bare   share of the pixel in which the paper is visible
     std::array<std::uint8_t, 4> operator()(const Light& light, float bare) const {
         if (!transparent_) return {store(light.red), store(light.green), store(light.blue), 255};
         const auto alone = [bare](float seen) { return bare < 1 ? (seen - bare) / (1 - bare) : 1; };
@@ -45,8 +46,8 @@ private:
     /// Number of steps of light. It is large enough that results differ from to_srgb() by rounding only.
     static constexpr std::size_t kSteps = 1 << 16;
 
-    /// Returns a table of to_srgb(). The table is computed once, because computing it takes as long as encoding a small
-    /// picture.
+    /// Returns a table of the results of to_srgb(). It is computed only once, because this takes as long as encoding a
+    /// small picture.
     static const std::vector<std::uint8_t>& table() {
         static const std::vector<std::uint8_t> values = [] {
             std::vector<std::uint8_t> stored(kSteps);
@@ -135,8 +136,8 @@ public:
             ground_[ink] = grounds[ink].coverage[pixel];
             order_[ink] = ink;
         }
-        // Insertion sort is fast, because in most pixels dots of at most one kind flip inks. The sort is stable, so
-        // inks with equal shares stay in order.
+        // Insertion sort is fast here, because most pixels have dots of at most one kind. It is stable, so inks with
+        // equal shares stay in order.
         for (std::size_t i = 1; i < inks_; ++i) {
             for (std::size_t j = i; j > 0 && flipped_[order_[j]] > flipped_[order_[j - 1]]; --j)
                 std::swap(order_[j], order_[j - 1]);
@@ -149,6 +150,8 @@ public:
 
 private:
     /// Adds all combinations of grounds with and without the inks from `ink` on.
+    /// @param ground  inks before `ink` that the ground has, as bits
+    /// @param weight  share of the pixel that has such a ground
     void add_grounds(std::size_t ink, std::size_t ground, float weight) {
         if (ink == inks_) return add_parts(ground, weight);
         const unsigned share = ground_[ink];
@@ -156,8 +159,9 @@ private:
         if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
     }
 
-    /// Adds the parts of a pixel over one combination of grounds: the part where no ink is flipped, the part where only
-    /// the first ink in order is flipped, the part where the first two are flipped, and so on.
+    /// Adds the parts of a pixel over one combination of grounds, which has the inks `there`: the part where no ink is
+    /// flipped, the part where only the first ink in order is flipped, the part where the first two are flipped, and so
+    /// on.
     void add_parts(std::size_t there, float weight) {
         unsigned upper = 255;
         for (std::size_t i = 0; i <= inks_; ++i) {

@@ -19,10 +19,10 @@ struct DotImage {
     int width = 0;
     int height = 0;
     bool transparent = false;  ///< whether pixels have alpha
-    bool grey = false;         ///< whether all colours are grey, so files may store grey values
-    std::size_t colours =
-        0;             ///< number of colours in the palette; 0: pixels are red, green, blue and, if transparent, alpha
-    Shades palette{};  ///< colours by pixel value
+    bool grey = false;         ///< whether all colours are grey, so that files can store grey values
+    /// Number of colours in the palette. 0: pixels are red, green, blue and, if transparent, alpha.
+    std::size_t colours = 0;
+    Shades palette{};                  ///< colours by pixel value
     std::vector<std::uint8_t> pixels;  ///< [width * height * channels()], row by row
 
     std::size_t channels() const { return colours > 0 ? 1 : transparent ? 4 : 3; }
@@ -36,8 +36,8 @@ struct DotImage {
 };
 
 /// Combines the dots of all inks with each other and the paper, in linear light. An ink with the mixing Cover uses
-/// shades_of(); all others use printed() in core/halftone/separation.h. On transparent paper, inks have their colours
-/// on white paper, and the opacity of a pixel is the share that dots cover.
+/// shades_of(); inks with other mixings use printed() in core/halftone/overprint.h. On transparent paper, inks have the
+/// colours that they have on white paper, and the opacity of a pixel is the share that dots cover.
 ///
 /// @param rasters    [inks], all of one size
 /// @param antialias  if false, the rasters contain only 0 and 255, and the picture has a palette of all mixtures of
@@ -47,9 +47,9 @@ struct DotImage {
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
 
-/// Combines antialiased dots of inks that multiply. Each dot flips some inks: it is bare where the ground has the ink,
-/// and inked where it does not. Inks that the same dot flips have the same rim, so the flipped parts of a pixel are
-/// assumed to be nested.
+/// Combines antialiased dots of inks that multiply. Each dot flips some inks: where the ground has such an ink, the dot
+/// does not have it, and where the ground does not have it, the dot does. All inks that a dot flips share the rim of
+/// the dot. So the parts of a pixel in which inks are flipped are assumed to be nested.
 ///
 /// @param flipped  [inks] share of each pixel in which dots flip the ink
 /// @param grounds  [inks] share of each pixel in which the ground has the ink

@@ -28,7 +28,7 @@ struct Layout {
     std::array<png_byte, 256> stored{};  ///< grey value or palette index for each value of the picture
     std::array<png_color, 256> colours{};
     std::array<png_byte, 256> alphas{};
-    int palette_size = 0;              ///< number of colours and alphas
+    int palette_size = 0;              ///< number of used elements of `colours` and `alphas`
     png_uint_32 pixels_per_metre = 0;  ///< 0: not in the file
 };
 

@@ -13,8 +13,9 @@
 namespace ccdt::api {
 
 /// Encodes a picture as a PNG file. Pictures in black and white have 1 bit per pixel; antialiased grey pictures have 8
-/// bits. Other pictures with a palette have 1 to 8 bits per pixel, for example those in two greys. All other pictures
-/// have 8 bits per channel. Values are sRGB, as the chunks sRGB, gAMA and cHRM state.
+/// bits per pixel. Other pictures with a palette, such as pictures in two greys, have a palette in the file and 1 to 8
+/// bits per pixel. All other pictures have 8 bits per channel. Values are sRGB, as the chunks sRGB, gAMA and cHRM
+/// state.
 ///
 /// @param width_mm  width of the picture; none: the file has no physical size
 /// @param stop      polled at each row
@@ -25,7 +26,7 @@ Result<std::string> write_png(const DotImage& image, std::optional<double> width
 /// Encodes grey values as a PNG file without a colour space.
 /// @param greys  [width * height] row by row
 /// @param bits   bits of each value, 8 or 16
-/// The other parameters and the errors are those of write_png().
+/// `stop` and the errors are as for write_png().
 Result<std::string> write_greys(std::span<const std::uint16_t> greys, int width, int height, int bits,
                                 const std::stop_token& stop = {});
 

@@ -9,7 +9,7 @@ namespace ccdt::api {
 
 /// Rows of a picture as its file stores them, and the meaning of their samples.
 struct RowSource {
-    enum class Sample { Byte, Word, Float };  ///< type of samples; 1 as Float is equivalent to the largest integer
+    enum class Sample { Byte, Word, Float };  ///< type of samples; 1.0 as Float corresponds to the largest integer
     enum class Curve { Srgb, Gamma, Linear };
 
     int width = 0;
@@ -24,8 +24,8 @@ struct RowSource {
     int orientation = 1;  ///< orientation of EXIF, 1 to 8; other values are treated as 1, upright
     int step = 1;         ///< preferred number of rows to read at once
 
-    /// Reads rows [begin, end), at most `step`. They must follow directly after the rows of the previous call. Samples
-    /// are interleaved.
+    /// Reads rows [begin, end), at most `step`. These rows must follow directly after the rows of the previous call.
+    /// Samples are interleaved.
     /// @returns  false if the file is broken or truncated
     std::function<bool(int begin, int end, void* rows)> read;
 };

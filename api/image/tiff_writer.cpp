@@ -94,7 +94,7 @@ struct Layout {
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     Shades shades{};              ///< colour of each value of the picture
     bool true_colour = false;     ///< whether the values of the picture are stored unchanged
-    std::span<const Ink> inks{};  ///< inks of the plates in the channels; empty: the channels are colours
+    std::span<const Ink> inks{};  ///< [channels] inks of the plates; empty: the channels are colours
 };
 
 /// Fills a row of the file. The length of the row follows from the layout.

@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-/// Encodes a picture as a TIFF file. Black and white pictures have 1 bit per pixel, compressed by CCITT group 4, as
+/// Encodes a picture as a TIFF file. Black and white pictures have 1 bit per pixel, compressed by CCITT group 4, which
 /// printers prefer. All other pictures have 8 bits per channel, compressed by Deflate.
 ///
 /// @param width_mm  width of the picture, which gives the resolution in dots per inch; none: the file has no physical
@@ -23,8 +23,8 @@ Result<std::string> write_tiff(const DotImage& image, std::optional<double> widt
 
 /// Encodes the coverage of each ink as printing plates: a separated picture with a channel of 8 bits for each ink,
 /// compressed by Deflate. The value 255 is solid ink. Tags name the inks. If the inks are cyan, magenta, yellow and
-/// black, a tag states this, and any reader can show the picture. The colour of the paper is not stored. The other
-/// parameters are those of write_tiff().
+/// black, a tag says so, and any reader can show the picture. The colour of the paper is not stored. The other
+/// parameters and the errors are those of write_tiff().
 ///
 /// @param plates  [inks], all of one size
 /// Source: TIFF 6.0, 16.

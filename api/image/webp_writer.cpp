@@ -11,8 +11,8 @@
 namespace ccdt::api {
 namespace {
 
-/// Effort, 0 to 9. With effort 4, encoding antialiased dots takes twice the time, and files are a sixth smaller; files
-/// of other pictures are not smaller.
+/// Effort of the compression, 0 to 9. With 4, encoding antialiased dots takes twice the time, and their files are a
+/// sixth smaller; files of other pictures do not become smaller.
 constexpr int kEffort = 1;
 
 /// A WebPPicture, freed on destruction.
@@ -84,7 +84,7 @@ Result<std::string> write_webp(const DotImage& image, std::optional<double>, con
         picture.writer = WebPMemoryWrite;
         picture.custom_ptr = &file;
         picture.progress_hook = go_on;
-        picture.user_data = const_cast<std::stop_token*>(&stop);  // go_on() only reads it
+        picture.user_data = const_cast<std::stop_token*>(&stop);  // go_on() does not modify the token
         written = WebPEncode(&config, &picture) != 0;
     }
     std::string bytes(reinterpret_cast<const char*>(file.mem), written ? file.size : 0);

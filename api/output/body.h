@@ -14,8 +14,8 @@
 
 namespace ccdt::api {
 
-/// Receives, in pieces, an answer whose body is too large for memory. After one of the functions has returned an error,
-/// no function is called again.
+/// Receives in pieces an answer whose body is too large to be kept in memory. After one of the functions has returned
+/// an error, no function is called again.
 class BodySink {
 public:
     virtual ~BodySink() = default;
@@ -39,8 +39,8 @@ public:
 
     /// @param head       the answer without its body
     /// @param sink       null: the whole body is kept in memory
-    /// @param path_stop  token that shortens the search for paths; if it is stopped before the first piece is passed
-    ///                   on, the answer is marked as not repeatable
+    /// @param path_stop  token that ends the search for short paths early; if it is stopped before the first piece is
+    ///                   passed on, the answer is marked as not repeatable
     /// The head and the sink must outlive this object.
     Body(const Answer& head, BodySink* sink, std::stop_token path_stop)
         : head_(&head), sink_(sink), path_stop_(std::move(path_stop)) {}
@@ -48,18 +48,18 @@ public:
     /// Returns the text to which a writer appends. The writer must call flush() from time to time.
     std::string& text() { return text_; }
 
-    /// Reserves memory for a body of this size, or for the part that is in memory at once.
+    /// Reserves memory for a body of `bytes` bytes. If there is a sink, reserves only what is in memory at once.
     void expect(std::size_t bytes);
 
     /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
     void set_plot_seconds(double seconds) { plot_seconds_ = seconds; }
 
-    /// Passes the text written so far to the sink, if the text is long enough.
+    /// Passes the text written so far to the sink, if there is a sink and the text is long enough.
     /// @returns  false if the sink failed, so that further writing has no effect
     bool flush();
 
     /// Ends the body. If the sink has received a piece, passes the remaining text to the sink. Otherwise stores the
-    /// text as the body of the answer. Errors: those of the sink.
+    /// text as the body of the answer. Errors: the errors of the sink.
     Result<Answer> finish(Answer answer);
 
 private:
@@ -74,8 +74,8 @@ private:
     Result<void> written_;
 };
 
-/// Returns the number of list elements between two calls of flush().
-/// @param extra  bytes of each element in addition to a few numbers
+/// Returns the number of list elements that a writer should write between two calls of flush().
+/// @param extra  bytes that an element has in addition to a few numbers
 inline std::size_t flush_stride(std::size_t extra) {
     constexpr std::size_t kMaxStride = 4'096;
     return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMaxStride);

@@ -11,8 +11,8 @@
 
 namespace ccdt::api {
 
-/// Dots, of all kinds, that flip one channel. The drawing has dots on both sides of the tonal scale. Lengths are in the
-/// units of the points.
+/// The dots of all kinds that flip one channel, in a drawing with dots on both sides of the tonal scale. Lengths are in
+/// the units of the points.
 struct ChannelDots {
     std::vector<Point> points;
     std::vector<float> radii;
@@ -37,8 +37,8 @@ inline ChannelDots dots_of_channel(const PointSet& kinds, std::size_t channel) {
     return all;
 }
 
-/// Returns the colour of the paper dots of a channel. If there are several channels, this is the colour that leaves the
-/// other channels unchanged when channels are mixed.
+/// Returns the colour of the paper dots of a channel. If channels have names, they are mixed with each other; then this
+/// is the colour that does not change the other channels.
 /// @param palette  palette of the inks
 inline Colour paper_dot_colour(const PointSet& kinds, const Palette& palette) {
     if (!kinds.are_named()) return palette.paper;

@@ -15,9 +15,9 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kMinTextBytes = 5;  ///< minimum bytes of a site: `1,2` and the end of the line
+constexpr std::size_t kMinTextBytes = 5;  ///< minimum number of bytes of a site: `1,2` and the end of the line
 
-/// Minimum bytes of a site with its own Feature.
+/// Minimum number of bytes of a site that has its own Feature.
 constexpr std::size_t kMinFeatureBytes =
     std::string_view(R"({"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[0,0]}})").size();
 

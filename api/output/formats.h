@@ -22,23 +22,23 @@ namespace ccdt::api {
 
 /// Writer of points as numbers. A stop ends the output early and makes it useless.
 struct ListWriter {
-    bool repeats;  ///< whether the same points always give the same bytes; false if the output contains the computing
-                   ///< time
+    /// Whether the same points always give the same bytes. False if the output contains the computing time.
+    bool repeats;
     void (&write)(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop);
 };
 
-/// Writer of drawings as shapes; its parameters are those of write_svg().
+/// Writer of drawings as shapes. `write` has the parameters of write_svg().
 struct VectorWriter {
     void (&write)(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                   Body& body, const std::stop_token& path_stop, const std::stop_token& stop);
-    Estimate per_turn_point;  ///< cost of a point of the circles or of the spiral that fill a dot
+    Estimate per_turn_point;  ///< cost of writing a point of the circles or of the spiral that fill a dot
 
     bool in_millimetres = false;  ///< whether pages must have a width in millimetres
-    bool by_pen = false;          ///< whether the format is for pens, which can only add ink
+    bool by_pen = false;          ///< whether drawings are made by pens, which can only add ink
 
     /// Checks the pen with check_pen(), and a page in millimetres with check_sides().
     /// @param radius  radius of the largest dots, in the units of the points
-    /// @param pen_field, width_field  fields of the options pen and width_mm
+    /// @param pen_field, width_field  Error::field of errors about the options pen and width_mm
     /// Errors: Unusable.
     Result<void> check(const DrawingOptions& drawing, double radius, const Page& page, const std::string& pen_field,
                        const std::string& width_field) const;
@@ -47,11 +47,11 @@ struct VectorWriter {
 /// Writer of drawings as pixels. Errors: Stopped; Internal if memory runs out.
 struct RasterWriter {
     int max_side;       ///< maximum length of a side, in pixels
-    bool is_for_print;  ///< whether drawings in this format are by default for printers, not for screens
+    bool is_for_print;  ///< whether drawings are by default for printers instead of screens
     Result<std::string> (&write)(const DotImage& image, std::optional<double> width_mm, const std::stop_token& stop);
 
-    /// Writes inks that multiply as printing plates, one for each ink; null: the format stores only the visible
-    /// colours.
+    /// Writes a printing plate for each ink, if the inks have the mixing Multiply. Null: the format stores only the
+    /// visible colours.
     Result<std::string> (*write_plates)(std::span<const Raster> plates, std::span<const Ink> inks,
                                         std::optional<double> width_mm, const std::stop_token& stop);
 };
@@ -60,15 +60,15 @@ struct RasterWriter {
 /// a function does not compile.
 struct PointFormat {
     FileFormat file;
-    std::size_t least;   ///< minimum number of bytes that a site takes in the output
+    std::size_t least;   ///< minimum number of bytes of a site in the output
     Estimate per_site;   ///< cost of writing a site
     Estimate per_pixel;  ///< cost of writing a pixel, in addition to the cost of the raster
     std::variant<ListWriter, VectorWriter, RasterWriter> writer;
 
-    bool repeats_properties = false;  ///< whether it repeats a feature's properties for each of its points
+    bool repeats_properties = false;  ///< whether each point repeats its feature's properties
 
-    /// Variant of this GeoJSON format that writes a Feature for each point; null: there is none, or this format does so
-    /// itself.
+    /// Variant of this GeoJSON format that writes a Feature for each point. Null: there is no such variant, or this
+    /// format itself writes a Feature for each point.
     const PointFormat* single_points = nullptr;
 
     bool is_drawn() const { return !std::holds_alternative<ListWriter>(writer); }
@@ -79,11 +79,12 @@ struct PointFormat {
     bool repeats() const;
 
     /// Checks that a drawing has a width in millimetres if its format or its style needs one.
-    /// @param field  field of the option width_mm
+    /// @param field  Error::field of errors about the option width_mm
     /// Errors: Malformed.
     Result<void> check_drawing(const DrawingOptions& drawing, const std::string& field) const;
 
     /// Checks the size of a canvas. The error message recommends a smaller value of `option`.
+    /// @param field  Error::field of the error
     /// Errors: LimitExceeded if a side is longer than the format allows.
     Result<void> check_side(const Canvas& canvas, const std::string& option, const std::string& field) const;
 };

@@ -11,7 +11,7 @@
 namespace ccdt::api {
 
 /// Draws the rings around black ground as closed curves. A curve is a quadratic spline whose control points are the
-/// points of the ring; along the border of the page it is straight.
+/// points of the ring. Along the border of the page, the curve is straight.
 /// @param sink  has move_to(point), line_to(point), curve_to(control, end) and close(); points are on the page
 template <class Sink>
 void trace_ground(std::span<const std::vector<Point>> rings, const Page& page, Sink& sink) {

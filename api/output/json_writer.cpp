@@ -17,7 +17,7 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::size_t kTypicalPointBytes = 41;  ///< `[x,y],` with 17 digits each
+constexpr std::size_t kTypicalPointBytes = 41;  ///< `[x,y],`, where x and y have 17 digits
 constexpr std::size_t kStopStride = 4'096;      ///< points between two checks of the stop token
 
 /// Appends a number. Throws if the number is not finite, since JSON cannot express it and clients expect a number.
@@ -140,7 +140,8 @@ void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
-/// Appends members about the run that placed the points. Of several layers, the largest values count.
+/// Appends members about the run that placed the points. If there are several layers, reports the largest values of all
+/// layers.
 void append_run(std::string& out, const PointSet& points, const Report& report) {
     append_order(out, points.size(), report);
     std::uint64_t iterations = 0;
@@ -154,8 +155,8 @@ void append_run(std::string& out, const PointSet& points, const Report& report) 
     append_remarks(out, points.are_partial(), report);
 }
 
-/// Writes repairs or warnings in printable ASCII, because HTTP headers also contain them and their texts may contain
-/// names from the request.
+/// Writes repairs or warnings in printable ASCII: their texts may contain names from the request, and the result is
+/// also sent in HTTP headers.
 template <class Remark>
 std::string write_remarks(std::span<const Remark> remarks) {
     std::string out;
@@ -281,8 +282,8 @@ void write_inks(Body& body, const PointSet& points, const Report& report, const 
     append_report(out, report);
 }
 
-/// Writes `"name":[...]` with an element for each point of all layers. Calls `append_element(out, layer, i)` for the
-/// point i of a layer. Ends early on a stop, or if the sink of the body fails.
+/// Writes `"name":[...]` with an element for each point of all layers. Calls `append_element(out, layer, i)` for point
+/// i of each layer. Ends early on a stop, or if the sink of the body fails.
 template <class AppendElement>
 void write_column(Body& body, std::string_view name, const PointSet& points, AppendElement append_element,
                   const std::stop_token& stop) {
@@ -363,7 +364,8 @@ void append_origin(std::string& out, const PointSet& points, const InkDots& laye
     out.append(",\"color\":\"").append(hexadecimal(layer.ink.colour)).append("\",");
 }
 
-/// Writes the points of one class in one feature, as a Feature.
+/// Writes the points of one class in one feature as a Feature.
+/// @param first, count  range of these points in the layer
 void write_feature(Body& body, const PointSet& points, const InkDots& layer, std::uint32_t feature, std::size_t first,
                    std::size_t count, const std::stop_token& stop) {
     std::string& out = body.text();

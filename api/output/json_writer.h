@@ -36,7 +36,7 @@ struct Report {
     std::string_view method = "ccdt";
     std::span<const Repair> repairs = {};    ///< repairs of polygons; fields are JSON Pointers
     std::optional<DotSize> dots = {};        ///< size of the dots of a halftone
-    std::span<const Warning> warnings = {};  ///< about the request
+    std::span<const Warning> warnings = {};  ///< remarks about the request
     std::optional<double> pitch_m = {};      ///< for points on the globe: square root of the area per point, metres
 };
 
@@ -51,24 +51,26 @@ std::string write_warnings(std::span<const Warning> warnings);
 /// radii and sides, and the answer has the outlines of the black ground. The answer also reports an early stop, repairs
 /// and warnings.
 ///
-/// Points that are grouped by features are one list, sorted by class, and within a class by feature. Each point has the
-/// index of its feature, and the index of its class if classes have names. Each feature has its number of points, its
-/// id, and the properties that points carry.
+/// If points are grouped by features, the points of all classes are one list, sorted by class, and within a class by
+/// feature. Each point has the index of its feature, and the index of its class if classes have names. The answer has a
+/// list of features, with the number of points, the id, and the carried properties of each feature.
 ///
-/// Numbers have the fewest digits that read back to the same double. Same input, same bytes. About 0.1 microseconds per
-/// number. A stop ends the output early and makes it useless. Like all writers of JSON, this function throws
-/// std::domain_error for a number that is not finite, which would be a bug in this project.
+/// Numbers have the fewest digits that read back to the same double. Same input, same bytes. Takes about 0.1
+/// microseconds per number. A stop ends the output early and makes it useless. Like all writers of JSON, this function
+/// throws std::domain_error for a number that is not finite, which would be a bug in this project.
 void write_json(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points of a single layer that
-/// are not grouped are a Feature whose geometry is a MultiPoint. Grouped points are a FeatureCollection: the points of
-/// each class in each feature of the request are a Feature with a MultiPoint, and this Feature has the id and the
-/// carried properties of the request's feature. A stop ends the output early and makes it useless.
+/// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points that are not grouped
+/// by features must have a single layer; they are written as a Feature whose geometry is a MultiPoint. Grouped points
+/// are written as a FeatureCollection. In this collection, the points of one class in one feature of the request are a
+/// Feature with a MultiPoint. This Feature has the id and the carried properties of the request's feature. A stop ends
+/// the output early and makes it useless.
 void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in
-/// members of the collection. If points are grouped, each has the properties that it carries, the member `feature`, and
-/// `feature_id` if the feature has an id. A stop ends the output early and makes it useless.
+/// members of the collection. If points are grouped, each Feature has the carried properties as its properties, and in
+/// addition `feature`, the index of the feature in the request, and `feature_id` if that feature has an id. A stop ends
+/// the output early and makes it useless.
 void write_point_features(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes only the Features of write_point_features(), one per line.

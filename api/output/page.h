@@ -8,10 +8,10 @@
 
 namespace ccdt::api {
 
-/// Page of a drawing. A box in the plane of the points fills the page.
+/// Page of a drawing. A box in the plane of the points is mapped to the whole page.
 struct Page {
-    Box box;                ///< in the units of the points; sides as those of a valid Domain
-    bool y_up = false;      ///< whether y of the points points up; on the page, y always points down
+    Box box;                ///< in the units of the points; its sides are valid for a Domain
+    bool y_up = false;      ///< whether the points' y axis points up; on the page, it always points down
     bool periodic = false;  ///< whether the box is a torus
     Canvas canvas;          ///< size in pixels, and pixels per unit of the points
     std::optional<double> width_mm;

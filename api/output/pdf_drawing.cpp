@@ -53,7 +53,8 @@ public:
         fill(colour);
     }
 
-    /// Begins a group. Its shapes are first combined with each other; the result is then mixed with the layers below.
+    /// Begins a group. The shapes of a group are first combined with each other; the result is then mixed with what is
+    /// below.
     void begin_group() { cairo_push_group(context_.get()); }
 
     void end_group(Mixing mixing) {

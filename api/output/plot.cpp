@@ -27,8 +27,9 @@ double distance(Point a, Point b) {
     return std::sqrt(dot(a - b, a - b));
 }
 
-/// Appends a turn around the origin.
+/// Appends a full turn around the origin to a stroke.
 /// @param from, to  radii at the beginning and at the end of the turn
+/// @param pen       width of the pen, which determines the accuracy
 void append_turn(std::vector<Point>& stroke, double from, double to, double pen) {
     constexpr double kTolerance = 1.0 / 50;
     constexpr int kMinCorners = 8;
@@ -51,7 +52,9 @@ std::vector<Point> spiral(double reach, double pen) {
     return stroke;
 }
 
-/// Draws concentric circles, the innermost of which covers the centre.
+/// Returns concentric circles, the innermost of which covers the centre.
+/// @param reach  radius of the outermost circle
+/// @param pen    width of the pen
 std::vector<Point> circles(double reach, double pen) {
     const double inner = std::min(reach, pen / 2);
     const int steps = static_cast<int>(std::ceil((reach - inner) / pen));
@@ -78,7 +81,7 @@ double length(std::span<const Point> stroke) {
 /// Estimates the time in which a plotter draws a number of dots, by the model of dots_in().
 double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
     constexpr double kOverlaps =
-        1.2;  // typical sum of the areas of all dots, divided by the area that the dots cover together
+        1.2;  // typical sum of the areas of all dots, divided by the area that they cover together
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
     const double each = radius.value_or(fitting);
     if (drawing.has_turns() && each > kMaxTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();

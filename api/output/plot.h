@@ -20,7 +20,7 @@ namespace ccdt::api {
 /// Dots that a pen draws one after the other.
 struct PenRun {
     std::span<const Point> points;
-    std::vector<std::uint32_t> path;  ///< order in which the points are drawn, as indices
+    std::vector<std::uint32_t> path;  ///< indices of the points, in the order in which they are drawn
 };
 
 /// Strokes of one pen, in user units of the page.
@@ -50,14 +50,14 @@ struct Plot {
 /// Area of the ink that pens draw on a page.
 struct PlotInk {
     double area = 0;    ///< area that the dots of all pens cover, mm2
-    double spread = 0;  ///< sum over the pens of the integral of sqrt(coverage), mm2
+    double spread = 0;  ///< integral of sqrt(coverage), summed over the pens, mm2
 };
 
 /// Estimates the number of dots that a plotter draws in a given time, by the model of Plot::seconds(). If the density
-/// of n dots is proportional to the coverage c, a short path through the dots has a length of about sqrt(n) * integral
-/// of sqrt(c) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the factor is about 1 for
-/// short_path() on blue noise.
-/// @param radius  radius of the dots in millimetres; none: chosen such that the dots cover ink.area
+/// of n dots is proportional to the coverage c, the length of a short path through the dots is about sqrt(n) *
+/// (integral of sqrt(c)) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the factor is about 1
+/// for short_path() on blue noise.
+/// @param radius  radius of the dots in millimetres; none: chosen such that all dots together cover `ink.area`
 /// @returns       an integer >= 0
 double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing);
 
@@ -66,32 +66,34 @@ inline constexpr int kMaxTurns = 50;
 
 /// Returns the polyline with which a pen fills a dot in the styles Circles and Spiral, relative to the dot's centre.
 /// Neighbouring circles or turns are at most one width of the pen apart. The polyline deviates from the exact curve by
-/// at most a fiftieth of that width.
-/// @param radius  at most kMaxTurns widths of the pen
+/// at most a fiftieth of the pen's width.
+/// @param radius  radius of the dot; at most kMaxTurns widths of the pen
+/// @param pen     width of the pen, in the unit of `radius`
 /// @returns       one point, the centre, for other styles and for dots that are not wider than the pen
 std::vector<Point> dot_stroke(DotStyle style, double radius, double pen);
 
 /// Checks that a pen is wide enough to fill a dot with at most kMaxTurns circles or turns.
 /// @param radius  radius of the dots, in the units of the points
-/// @param field   field of the option `pen`
+/// @param field   Error::field of errors, which are about the option `pen`
 /// Errors: Unusable.
 Result<void> check_pen(const DrawingOptions& drawing, double radius, const Page& page, const std::string& field);
 
 /// Checks that the sides of a page are within the limits of machines and of programs that read the files.
-/// @param field  field of the option `width_mm`
+/// @param field  Error::field of errors, which are about the option `width_mm`
 /// Errors: Unusable.
 Result<void> check_sides(const Page& page, const std::string& field);
 
-/// Plans the strokes of dots. Each layer has a pen. The dots of a layer are one run; if they are grouped by features,
-/// they are one run for each feature. Page, points and inks must outlive the plot.
-/// @param path_stop  once stopped, the search for short paths ends, and the paths are longer
+/// Plans the strokes of dots. Each layer has a pen. The dots of a layer are one run or, if they are grouped by
+/// features, one run for each feature. `page` and `points` must outlive the plot.
+/// @param path_stop  once stopped, the search for short paths ends early, so paths are longer
 /// @param stop       once stopped, runs are missing and the plot is useless
 Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop = {});
 
 /// Draws a run with an object `medium`. For each stroke, calls medium.begin(Point), medium.line_to(Point) for the
 /// further points, and medium.end(). A stroke without line_to() is a touch of the pen. Calls medium.should_continue()
-/// from time to time, and returns early if it is false. Points are relative to the upper left corner of the page.
+/// from time to time, and returns early if the result is false. Points are relative to the upper left corner of the
+/// page, in user units.
 template <class Medium>
 void trace(const Plot& plot, const Pen& pen, const PenRun& run, Medium& medium) {
     constexpr std::size_t kCheckInterval = 1'000;

@@ -33,8 +33,8 @@ protected:
 private:
     void append(std::string_view words) { body_.text() += words; }
 
-    /// Appends a length in millimetres with four decimals. Machines have a resolution of about a hundredth of a
-    /// millimetre.
+    /// Appends a length in millimetres with four decimals. This is enough, since machines have a resolution of about a
+    /// hundredth of a millimetre.
     void append(double length) { append_fixed(body_.text(), length, 4); }
 
     void append(long long whole) { body_.text() += std::to_string(whole); }
@@ -127,7 +127,8 @@ public:
     void end() { write(up_); }
 
 private:
-    /// Returns the commands that raise or lower the pen, and the dwell that follows them.
+    /// Returns the commands that raise or lower the pen, followed by a dwell.
+    /// @param dwell  seconds
     static std::string movement(std::string commands, double dwell) {
         std::ranges::replace(commands, '|', '\n');
         commands += '\n';

@@ -23,16 +23,16 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kTypicalDotBytes = 64;  // bytes of a dot
-constexpr int kDigits = 6;                    // significant digits of the longer side of a page
+constexpr std::size_t kTypicalDotBytes = 64;  // typical bytes of a dot
+constexpr int kDigits = 6;                    // significant digits of a coordinate at the longer side of a page
 constexpr int kMaxDecimals = 300;
 
-/// Attributes of a drawing with layers. With isolation, layers are mixed only with each other, not with the document
-/// around the drawing.
+/// Attributes of a drawing with layers. With the style `isolation:isolate`, layers are mixed only with each other, not
+/// with the document around the drawing.
 constexpr std::string_view kLayers =
     R"( xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" style="isolation:isolate")";
 
-/// Points of a path, in the order of the path and in coordinates of the page.
+/// The points of a path, in the order of the path, in coordinates of the page.
 class PlacedPath {
 public:
     /// All arguments must outlive this object.
@@ -279,7 +279,7 @@ void add_copies(std::vector<Point>& dots, Point size, double radius) {
     }
 }
 
-/// Writes a description of a run of dots, then the dots.
+/// Writes a description of a run of dots, then the dots themselves.
 /// @param ranks  ranks of the dots; may be empty
 /// @param paper  paper below the dots; null: none
 void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const std::uint32_t> ranks,
@@ -292,7 +292,7 @@ void draw(const Plot& plot, const Pen& pen, const PenRun& run, std::span<const s
     document.dots(plot, pen, run, dots, stop);
 }
 
-/// Converts the outline of the ground to path data of SVG.
+/// Converts the rings around black ground to path data of SVG.
 std::string curves(std::span<const std::vector<Point>> rings, const Page& page, int decimals) {
     std::string data;
     const auto append = [&](std::string_view command, Point p) {
@@ -316,7 +316,8 @@ std::string curves(std::span<const std::vector<Point>> rings, const Page& page, 
     return data;
 }
 
-/// Orders some dots along a short path.
+/// Orders some of the points along a short path.
+/// @param numbers  indices of these points
 std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, std::span<const Point> points,
                                         const std::stop_token& path_stop) {
     std::vector<Point> own;
@@ -326,7 +327,7 @@ std::vector<std::uint32_t> path_through(std::span<const std::uint32_t> numbers, 
     return path;
 }
 
-/// Returns the name of an ink for ids. Links to ids cannot contain a number sign.
+/// Returns the name of an ink for use in ids. A number sign is replaced, since links to ids cannot contain it.
 std::string id_of(const Ink& ink) {
     return ink.name.starts_with('#') ? "ink-" + ink.name.substr(1) : ink.name;
 }
@@ -386,8 +387,8 @@ void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& p
 }
 
 /// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
-/// the colour of the inks of its ground, some of which it flips. A dot that the boundary of a ground crosses is drawn
-/// once for each ground under it, clipped to this ground.
+/// the colour of a set of inks: those of its ground, except that the inks of its kind are flipped. A dot that the
+/// boundary of a ground crosses is drawn once for each ground that may lie under it, clipped to that ground.
 class KindLayers {
 public:
     KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
@@ -425,7 +426,8 @@ public:
     }
 
 private:
-    /// Dots by the inks of their ground, and by the channels to whose ground they are clipped, both as bits.
+    /// Indices of dots, grouped by the inks of their ground and by the channels to whose ground they are clipped, both
+    /// as bits.
     using Groups = std::map<std::pair<unsigned, unsigned>, std::vector<std::uint32_t>>;
 
     static std::string clip_of(std::size_t channel, bool is_black) {

@@ -30,8 +30,8 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
 /// units of the points. The origin is the upper left corner of the page. The dots of each group are ordered along
 /// a short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
-/// ranks, their circles have the attribute `data-rank`. The paper is drawn only if dots are discs, because in drawings
-/// for pens a pen would draw the paper, too.
+/// ranks, their circles have the attribute `data-rank`. The paper is drawn as a shape only if dots are discs. In
+/// drawings for pens, a pen would draw this shape, too.
 ///
 /// Layers with names are layers as Inkscape and programs for plotters understand them, so that pens can be changed
 /// between layers. The ids of layers are `layer1`, `layer2` and so on. The labels of layers have no digits, because
@@ -46,7 +46,7 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 ///
 /// @param points     the radius of dots must be at most a small multiple of the page's longer side
 /// @param palette    the palette of the inks
-/// @param path_stop  once stopped, the search for short paths ends, and the paths are longer; output begins after the
+/// @param path_stop  once stopped, the search for short paths ends early, so paths are longer; output begins after the
 ///                   search
 /// @param stop       once stopped, writing ends early and the output is useless
 void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,

@@ -12,12 +12,12 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kStopStride = 4'096;     ///< points between two checks of the stop token
-constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers of 18 characters, a comma and a line break
-constexpr std::size_t kTypicalNameBytes = 8;   ///< usual bytes of an ink's name and a comma
-constexpr std::size_t kNpyAlignment = 64;      ///< alignment of the offset of the first number
+constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers with 18 characters each, a comma and a line break
+constexpr std::size_t kTypicalNameBytes = 8;   ///< usual number of bytes of an ink's name and a comma
+constexpr std::size_t kNpyAlignment = 64;      ///< the offset of the first number is a multiple of this
 
 /// @param ranks  ranks of the points; may be empty
-/// @param end    end of each line
+/// @param end    text after the point and its rank: the remaining columns and the end of the line
 void write_lines(Body& body, std::span<const Point> points, std::span<const std::uint32_t> ranks, std::string_view end,
                  const std::stop_token& stop) {
     std::string& out = body.text();
@@ -77,7 +77,7 @@ std::string names_of(unsigned bits, const Grounds& grounds) {
 }
 
 /// Writes a line for each dot, with its radius and its side. With several channels, the flipped channels and the inks
-/// of the ground take the place of the side.
+/// of the ground replace the side.
 void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& stop) {
     const bool named = kinds.are_named();
     std::string& out = body.text();

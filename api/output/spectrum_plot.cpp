@@ -28,7 +28,7 @@ constexpr std::string_view kTickLine = R"(stroke="#000")";
 constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")";
 constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
 
-constexpr double kMaxShown = 2500;  // maximum number of points; more points would look grey
+constexpr double kMaxShown = 2500;  // maximum number of points that are drawn; more points would look like a grey area
 constexpr double kWhitest = 3;      // smallest power that is drawn white
 
 std::string decimal(double value) {
@@ -192,8 +192,8 @@ double block_mean(const Spectrum& spectrum, int column, int row, int shrink) {
     return sum / count;
 }
 
-/// Draws the spectrum. If the spectrum is large, a pixel shows the mean of several frequencies. If it is small, a
-/// frequency has several pixels, because some viewers blur pictures when they enlarge them.
+/// Draws the spectrum. If the spectrum is large, each pixel shows the mean of several frequencies. If the spectrum is
+/// small, each frequency has several pixels, because some viewers blur pictures when they enlarge them.
 Periodogram draw_periodogram(const Spectrum& spectrum) {
     constexpr int kMaxPixels = 640, kMinPixels = 480;
     const int side = std::max(spectrum.width, spectrum.height);
@@ -247,7 +247,7 @@ void draw_power(SvgDrawing& svg, const Analysis& analysis, const Axis& frequenci
 }
 
 void draw_anisotropy(SvgDrawing& svg, const Analysis& analysis, const Axis& frequencies) {
-    constexpr double kMax = 40;  // dB; rings beyond these have almost no power
+    constexpr double kMax = 40;  // dB; values farther from isotropy belong to rings with almost no power
     const double isotropic = -10 * std::log10(static_cast<double>(analysis.sets));
     const auto [low, high] = std::ranges::minmax(analysis.anisotropy_db);
     const double least = std::max(std::min(low, isotropic - 5), isotropic - kMax);

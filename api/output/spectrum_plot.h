@@ -14,8 +14,8 @@ namespace ccdt::api {
 /// Draws an analysis as SVG, in the style of figure 4 of Xu et al. 2011: points, spectrum, radially averaged power and
 /// anisotropy.
 ///
-/// @param points         points of the first set; if there are very many, only points in the middle of the domain are
-///                       drawn
+/// @param points         points of the first set; if there are very many points, only those in the middle of the domain
+///                       are drawn
 /// @param domain         domain that was analysed
 /// @param max_frequency  last frequency on the frequency axes
 /// Same input, same bytes. Errors: Internal if memory runs out.

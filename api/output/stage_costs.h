@@ -15,31 +15,36 @@ namespace ccdt::api {
 // Estimates of the stages that several endpoints share. The model is fitted to measured peaks of resident memory and to
 // measured times of the whole program; tests/api/cost_test.cpp compares estimates with measurements.
 
-/// Adds the memory that each request takes.
+/// Converts an estimate to a cost. Adds the memory that every request takes.
 Cost total_cost(const Estimate& estimate);
 
 /// Bytes per pixel of a decoded grey picture: luminance, alpha, coverage and a vertically flipped copy, 4 bytes each.
 inline constexpr double kGreyPlanes = 16;
 
-/// @param planes  bytes per pixel
+/// Estimates the decoding of an image.
+/// @param planes  memory of all planes that are made from the image, in bytes per pixel
 Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 
-/// Estimates the integrals of a density grid.
+/// Estimates the computation of the integrals of a density grid.
+/// @param cells  number of cells of the grid
 Estimate density_cost(double cells);
 
 /// Estimates the drawing of dots as pixels.
-/// @param radius  radius of the dots, in pixels; a dot may cover the whole drawing
+/// @param radius  radius of the dots, in pixels, however large; none: chosen for a mean coverage
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias);
 
 /// Estimates the writing of the circles or spirals that fill dots.
 /// @param radius  radius of the dots, in millimetres
 Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius);
 
-/// Estimates the writing of a drawing. The radius of shapes is determined with a raster, which is freed before the
-/// shapes are written. A drawing in pixels keeps the raster while it is written.
+/// Estimates the writing of a drawing. If dots are shapes, a raster determines their radius, and is freed before the
+/// shapes are written. If the drawing consists of pixels, the raster is kept until they are written.
+/// @param raster  result of raster_cost()
+/// @param pixels  number of pixels of the drawing
 Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels);
 
-/// Returns the size of an image that a request holds in addition to its body.
+/// Returns the number of bytes of an image file that a request holds in memory in addition to its body; 0 if the file
+/// is a part of the body.
 std::size_t bytes_of(const ImageFile& file);
 
 }  // namespace ccdt::api

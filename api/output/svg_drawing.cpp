@@ -68,7 +68,7 @@ void SvgDrawing::rectangle(const Box& box, std::string_view style) {
 }
 
 void SvgDrawing::dots(std::span<const Point> centres, double radius) {
-    // Discs are subpaths of zero length with round caps, which take a third of the bytes of circles.
+    // Discs are drawn as subpaths of zero length with round caps. They take a third of the bytes of circle elements.
     write("<path stroke=\"#000\" stroke-linecap=\"round\" stroke-width=\"", 2 * radius, "\" d=\"");
     for (const Point& centre : centres) write("M", centre.x, " ", centre.y, "h0");
     write("\"/>\n");

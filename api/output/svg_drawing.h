@@ -29,7 +29,7 @@ public:
     /// Draws black discs of equal size.
     void dots(std::span<const Point> centres, double radius);
 
-    /// Stretches a picture over a box, with sharp, square pixels.
+    /// Stretches a picture over a box. Its pixels have sharp edges.
     void picture(const Box& box, std::string_view png);
 
     /// Clips all shapes to a box until end_clip() is called. Coordinates stay the same.
@@ -43,7 +43,7 @@ private:
     void append(std::string_view words) { out_ += words; }
     void append(double length);
 
-    /// Appends strings and numbers, one after the other.
+    /// Appends strings and lengths, one after the other.
     template <class... Parts>
     void write(const Parts&... parts) {
         (append(parts), ...);

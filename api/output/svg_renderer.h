@@ -8,13 +8,15 @@
 
 namespace ccdt::api {
 
-/// Renders an SVG document that this project has written, as a PNG file, by librsvg and cairo. Not for SVG of clients.
+/// Renders an SVG document as a PNG file, by librsvg and cairo. The document must have been written by this project,
+/// and not by a client.
 ///
 /// @param scale  pixels per user unit
 /// Same input, same bytes, with the same fonts installed. Errors: Internal if the text is not SVG or memory runs out.
 ///
-/// Why librsvg, although /analyze also answers SVG: clients may request the plot as PNG. Without librsvg the container
-/// image would not be smaller: OpenImageIO needs OpenCV and FFmpeg, and these need librsvg, Pango, cairo and the font.
+/// Why librsvg, although /analyze also answers SVG: clients may request the plot as PNG. Without this function, the
+/// container image would not be smaller: OpenImageIO needs OpenCV and FFmpeg, which need librsvg, Pango, cairo and the
+/// font anyway.
 Result<std::string> render_svg(std::string_view svg, double scale);
 
 }  // namespace ccdt::api

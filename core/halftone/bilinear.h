@@ -9,8 +9,8 @@
 
 namespace ccdt {
 
-/// Position between two neighbouring pixel centres along one axis. Positions beyond the outermost centres are clamped
-/// to them.
+/// Position between two neighbouring pixel centres along one axis. A position beyond an outermost centre is moved to
+/// that centre.
 struct BetweenPixels {
     /// @param place   in pixels; the first pixel covers [0, 1]
     /// @param pixels  >= 1

@@ -18,14 +18,14 @@ constexpr int kBoxes = 2;
 /// Number of columns filtered together, so that their sums stay in the cache.
 constexpr std::size_t kColumns = 256;
 
-/// Number of rows filtered together. Additions along a row depend on each other; additions in different rows can
-/// overlap.
+/// Number of rows filtered together. Each addition along a row waits for the previous one; additions in different rows
+/// can run at the same time.
 constexpr std::size_t kRows = 4;
 
 /// Box filter with fractional ends: 2 * reach + 1 values have equal weight, and one further value at each end has the
 /// fraction `end` of that weight.
 struct Box {
-    /// Constructs the filter with exactly this variance, in squared pixels.
+    /// Constructs the filter that has exactly the given variance, in squared pixels.
     explicit Box(double variance)
         : reach(static_cast<int>((std::sqrt(12 * variance + 1) - 1) / 2)),
           end((2 * reach + 1) * (reach * (reach + 1.0) - 3 * variance) /
@@ -55,7 +55,7 @@ int mirrored(int place, int side) {
 void filter_columns(const Box& box, int width, int height, const float* from, float* to, std::size_t columns) {
     const auto stride = static_cast<std::size_t>(width);
     const auto row = [&](int y) { return from + static_cast<std::size_t>(mirrored(y, height)) * stride; };
-    std::array<double, kColumns> sums{};  // sums of the values in reach
+    std::array<double, kColumns> sums{};  // sums of the values within reach
     for (int y = -box.reach; y <= box.reach; ++y) {
         for (std::size_t x = 0; x < columns; ++x) sums[x] += static_cast<double>(row(y)[x]);
     }
@@ -86,7 +86,7 @@ void filter_rows(const Box& box, int width, float* rows, std::vector<float>& pad
     const int margin = box.reach + 1;
     const auto columns = static_cast<std::size_t>(width), stride = columns + 2 * static_cast<std::size_t>(margin);
     padded.resize(kCount * stride);
-    std::array<double, kCount> sums{};  // sums of the values in reach
+    std::array<double, kCount> sums{};  // sums of the values within reach
     for (std::size_t row = 0; row < kCount; ++row) {
         const float* values = padded.data() + row * stride;
         pad(rows + row * columns, width, margin, padded.data() + row * stride);

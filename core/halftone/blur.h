@@ -10,11 +10,11 @@ namespace ccdt {
 /// Applies an approximate Gaussian blur to an image, which is mirrored at its sides.
 ///
 /// @param values   [width * height], finite
-/// @param sigma    standard deviation in pixels, >= 0; along each axis at most half the side, larger values are reduced
+/// @param sigma    standard deviation in pixels, >= 0; along each axis, reduced to half the side if it is larger
 /// @param scratch  buffer; resized and overwritten
 ///
-/// Applies two extended box filters along each axis. Their joint standard deviation is exact. Deterministic for any
-/// number of threads. O(pixels) for any sigma.
+/// Applies two extended box filters along each axis, which together have exactly the standard deviation `sigma`.
+/// Deterministic for any number of threads. O(pixels) for any sigma.
 /// Source: Gwosdek, Grewenig, Bruhn, Weickert 2011, Theoretical foundations of Gaussian convolution by extended box
 /// filtering, section 3.
 void blur(std::vector<float>& values, int width, int height, double sigma, std::vector<float>& scratch,

@@ -40,8 +40,10 @@ public:
         float share = 0;  ///< weight of the coarser level
     };
 
+    /// Returns the position in the two levels from which at() computes a mean.
     /// @param place  in pixels from the image's upper left corner
-    /// @param sigma  approximate standard deviation in pixels; values below 1 count as 1
+    /// @param sigma  approximate standard deviation in pixels; values below 1 are raised to 1, and values above that of
+    ///               the coarsest level are reduced to it
     Sample sample(Point place, double sigma) const;
 
     /// Returns the mean weighted by a Gaussian, interpolated between levels.

@@ -22,9 +22,10 @@ enum class Steps { Lightness, Light };
 /// Approximates a function of colours by a table. Evaluates the function at a node when the node is first needed, and
 /// interpolates between nodes.
 ///
-/// Nodes have equal steps of lightness, so they are dense in dark colours. Each cell of the table is divided into six
-/// tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron. The least of the
-/// three channels, which a black ink can replace, is linear there as well. Thread-safe.
+/// Along each axis, nodes have equal steps of lightness, so they are dense in dark colours. Each cell of the table is
+/// divided into six tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron.
+/// The smallest of the three channels, which a black ink can replace, is linear in each tetrahedron as well.
+/// Thread-safe.
 ///
 /// @tparam Node  an array of float
 template <class Node>
@@ -79,7 +80,7 @@ public:
 
 private:
     static constexpr std::size_t kSide = 17, kNodes = kSide * kSide * kSide;
-    static constexpr std::size_t kSteps = 4096;  // of light; between steps, lightness is linear to 1e-5
+    static constexpr std::size_t kSteps = 4096;  // steps of light in [0, 1]; lightness is linear between steps, to 1e-5
 
     /// Returns the position of a light on an axis, in nodes.
     float place_of(float light) const {

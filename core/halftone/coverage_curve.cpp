@@ -19,7 +19,7 @@ double share_at(std::size_t entry) {
 
 /// Returns the share of the plane within a given distance of a dot.
 ///
-/// @param dots  mean number of dots in a disc of which the radius is that distance
+/// @param dots  mean number of dots in a disc whose radius is the given distance
 ///
 /// Measured to 0.0001 on ten flat greys of 16,384 dots with quality standard. With draft, dots cover up to 0.006 less;
 /// with best, up to 0.003 more. Shown by CoverageCurve.MatchesPolishedDots.

@@ -5,8 +5,8 @@
 
 namespace ccdt {
 
-/// Relation between the number of equal discs in an area and the share of the area that they cover, where overlaps
-/// count once. The relation holds for dots that distribute() places and polishes.
+/// Relation between the number of equal discs in an area and the share of the area that they cover. Overlaps count
+/// once. The relation holds for dots that distribute() places and polishes.
 ///
 /// A position is covered if its nearest dot is within the radius. So the curve is the cumulative distribution of the
 /// distance from a random position to the nearest dot. A pixel of a binary raster is covered if its centre is, so on
@@ -20,15 +20,15 @@ public:
 
     CoverageCurve();
 
-    /// Returns the number of dots per disc area that cover a share in [0, 1]. Shares above solid() give the number for
-    /// solid().
+    /// Returns the number of dots that is needed to cover a share of the plane, in [0, 1]. The number is the mean
+    /// number of dots in an area as large as one disc. Shares above solid() give the number for solid().
     double dots(double share) const;
 
     /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.
     double solid() const { return solid_; }
 
 private:
-    std::vector<double> dots_;  ///< dots per disc area, for shares at equal steps from 0 to 1
+    std::vector<double> dots_;  ///< number of dots in the area of one disc, for equal steps of the share from 0 to 1
     double solid_ = 0;
 };
 

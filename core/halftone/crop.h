@@ -5,10 +5,11 @@
 
 namespace ccdt {
 
-/// Returns the centred rectangle of a picture. If the number of columns to remove is odd, one more is removed on the
-/// right than on the left. If the number of rows is odd, one more is removed at the bottom.
+/// Returns the rectangle in the middle of a picture. If an odd number of columns has to be removed, one more is removed
+/// on the right than on the left. If an odd number of rows has to be removed, one more is removed at the bottom than at
+/// the top.
 ///
-/// @param width, height  size of the rectangle in pixels, >= 1 and at most that of the picture
+/// @param width, height  size of the rectangle in pixels, >= 1 and at most the size of the picture
 Picture middle_of(const Picture& picture, int width, int height);
 ColourPicture middle_of(const ColourPicture& picture, int width, int height);
 

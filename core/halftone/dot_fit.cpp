@@ -106,13 +106,15 @@ private:
         return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
     }
 
-    /// Returns the change of a dot's area per unit of error in each channel. The kinds around the dot divide the
-    /// correction such that the sum of their squared relative changes, weighted by the shares that they cover, is
-    /// least. The relative change of a kind with the signs s is then -s (S A S^T)^-1 error, where an entry of S A S^T
-    /// is the area in which dots flip both channels. If areas are nested, this is the smaller of the two areas.
+    /// Returns the gain of a dot in each channel, apart from its sign; see FittedDots::improve(). The kinds around the
+    /// dot divide the correction such that the sum of their squared relative changes is least. In this sum, each kind
+    /// has the share that it covers as its weight. Let the matrix A contain, for each pair of channels, the area in
+    /// which dots flip both. If areas are nested, this is the smaller of the two channels' flipped areas. Let S be the
+    /// diagonal matrix with the signs of the channels: -1 on white ground, 1 on black ground. The relative change of a
+    /// kind that has the signs s in the channels that it flips is then -s (S A S)^-1 error.
     Channels gains_of(std::size_t dot) const {
         constexpr float kDamping =
-            0.05f;  // relative to the largest share; leaves errors that only few dots could correct
+            0.05f;  // relative to the largest share; keeps errors that only few dots could correct
         const std::size_t channels = plan_.channels.size();
         if (channels == 1) return {1};
         Channels share{}, sign{}, flipped{};
@@ -135,7 +137,7 @@ private:
         return gains;
     }
 
-    /// Returns, for each pair of channels, the share of a place in which dots flip both channels.
+    /// Returns, for each pair of channels, the share of the area around a site in which dots flip both channels.
     /// @param share  share that is flipped in each channel
     std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
         std::array<Channels, kMaxInks> areas{};

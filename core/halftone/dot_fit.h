@@ -12,11 +12,12 @@
 
 namespace ccdt {
 
-/// Chooses the radii of the dots such that the local mean of the drawing equals that of the picture in each channel.
-/// If the boundary of the ground crosses a dot, the part of the dot beyond the boundary has the opposite colour.
+/// Chooses the radii of the dots such that, in each channel, the local mean of the drawing equals the local mean of the
+/// picture.
+/// If the boundary of the ground crosses a dot, the two parts of the dot have opposite colours.
 ///
-/// @param sites  [kinds] in cells, y down the rows
-/// @param fit    false: each dot has the planned area of its position
+/// @param sites  [kinds][dots] in cells, y down the rows
+/// @param fit    false: each dot gets the area that the plan gives for its position
 /// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
 /// @returns      [kinds]
 /// Deterministic for any number of threads. O(cells + sites).

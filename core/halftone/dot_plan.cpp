@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Histogram of the wanted coverage of all pixels by the mean coverage around the pixel.
+/// Histogram of the mean coverage around each pixel, weighted by the wanted coverage of the pixel.
 class CoverageHistogram {
 public:
     void add(const std::vector<float>& cover, const std::vector<float>& around, Executor& executor) {
@@ -57,10 +57,11 @@ private:
     std::array<double, kBins + 1> sums_{};
 };
 
-/// Total area of discs of one size that is needed for a wanted coverage. The areas of overlapping discs add up.
+/// Computes the total area of equal discs that is needed for a wanted coverage. In the total area, overlaps count for
+/// each disc.
 class DiscArea {
 public:
-    /// Returns the total disc area per wanted coverage.
+    /// Returns the total disc area that is needed, divided by the wanted coverage.
     /// @param around  mean wanted coverage around the place
     /// @param factor  factor by which the wanted coverage is multiplied
     double per_cover(double around, double factor) const { return curve_.dots(factor * around) / around; }
@@ -70,7 +71,7 @@ public:
         return cover.sum([&](double around) { return per_cover(around, factor); });
     }
 
-    /// Returns the area that the discs cover, divided by the area that they should cover.
+    /// Returns the area that the discs cover, divided by the area that they should cover. Overlaps count once.
     double tone(const CoverageHistogram& cover, double factor) const {
         const auto covered = [&](double around) { return std::min(factor * around, curve_.solid()) / around; };
         return cover.sum(covered) / cover.sum([](double) { return 1; });
@@ -80,7 +81,7 @@ private:
     CoverageCurve curve_;
 };
 
-/// Returns the factor on the wanted coverage at which the total disc area has a given value.
+/// Returns the factor by which the wanted coverage has to be multiplied so that the total disc area is `area`.
 double find_factor(const CoverageHistogram& cover, const DiscArea& discs, double area) {
     constexpr int kHalvings = 50;
     double low = 1e-9, high = 1e6;

@@ -10,11 +10,11 @@
 
 namespace ccdt {
 
-/// Smallest area of a dot, in pixels of the picture, that is used to compute the number of dots. This limit keeps the
+/// Lower limit of the area of a dot, in pixels of the picture, when the number of dots is computed. It keeps this
 /// number finite.
 inline constexpr double kMinDotArea = 1e-12;
 
-/// Given properties of the dots: their number, their radius, or both.
+/// Requested properties of the dots: their number, their radius, or both.
 struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
     std::optional<double> radius;      ///< pixels of the picture, > 0

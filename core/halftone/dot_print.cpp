@@ -53,7 +53,7 @@ std::vector<std::array<std::uint32_t, 2>> close_pairs(const CellGrid& cells, std
                                                       std::span<const float> areas) {
     std::vector<std::array<std::uint32_t, 2>> close;
     constexpr double kMargin =
-        1.15;  // on the distance at which dots touch, so that small changes of areas add no pairs
+        1.15;  // factor on the distance at which dots touch, so that small changes of areas add no pairs
     const double widest = radius(*std::ranges::max_element(areas));
     const double side = std::max(2 * kMargin * widest, 1.0);
     const auto columns = static_cast<std::size_t>(cells.columns / side) + 1;

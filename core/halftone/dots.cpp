@@ -53,7 +53,7 @@ Band rows_within(double y, double reach, const Band& band) {
 }
 
 /// Calls visit(pixel, squared distance) for the pixels of a band whose centres lie within a distance of a point. May
-/// also call it for a few other pixels.
+/// also call visit() for a few other pixels.
 template <class Visit>
 void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, double reach, const Visit& visit) {
     const auto clip = [](double v, int size) {
@@ -75,8 +75,8 @@ void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, dou
     }
 }
 
-/// A value for each pixel of a canvas. The memory starts uninitialised, so that the drawing tasks can initialise it in
-/// parallel.
+/// A value for each pixel of a canvas. The memory is not initialised at first, so that the drawing tasks can initialise
+/// it in parallel.
 struct Values {
     std::unique_ptr<float[]> values;
     std::size_t count = 0;
@@ -135,8 +135,8 @@ private:
         return {top, std::min(top + rows_, height_)};
     }
 
-    /// Returns a height of bands at which few dots touch more than one band. There are at least kBands bands to run in
-    /// parallel, if possible.
+    /// Returns a height of bands in rows, at which few dots touch more than one band. If possible, there are at least
+    /// kBands bands, which can be drawn in parallel.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
         const double preferred = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
@@ -178,8 +178,8 @@ public:
 private:
     static constexpr std::uint32_t kOther = ~std::uint32_t{0};
 
-    /// Returns the key of rank k, counted from 1, among the keys other than kOther. On return, k is the rank among the
-    /// equal keys.
+    /// Returns the k-th smallest key of all values, with k from 1. Keys kOther do not count. On return, k is the rank
+    /// of the value among the values with the same key.
     template <class Key>
     std::uint32_t select(std::size_t& k, Key&& key) const {
         std::vector<std::size_t> count(1 << 16, 0);
@@ -202,7 +202,7 @@ double pixel_coverage(double inside) {
 }
 
 /// Returns the radius at which antialiased dots have the mean coverage. If the mean coverage is 0, the radius is about
-/// -0.5.
+/// -0.5, at which no pixel is covered.
 double antialiased_radius(const Values& squared, double mean_coverage, double reach) {
     constexpr std::size_t kBins = 1 << 16;
     std::vector<std::size_t> count(kBins, 0);

@@ -29,29 +29,30 @@ struct Raster {
 };
 
 struct DotOptions {
-    std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen for `mean_coverage`
-    double mean_coverage = 0;      ///< in [0, 1]
+    std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen such that the mean is `mean_coverage`
+    double mean_coverage = 0;      ///< mean of the raster, in [0, 1]; used only without `radius`
     bool antialias = false;        ///< false: a pixel is covered if its centre is
-    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples, so the total
-    /// coverage of the dots is that of exact discs. Requires `radius`. 0: an antialiased pixel follows from its nearest
-    /// dot alone.
+    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples. So the total
+    /// coverage of the dots equals the coverage of exact discs. Requires `radius`. 0: the value of an antialiased pixel
+    /// depends only on the dot nearest to it.
     int samples = 0;
 };
 
 /// Largest number of samples on a canvas for which samples_for() chooses more than one sample per pixel.
 inline constexpr double kMaxSamples = 16e6;
 
-/// Returns the number of samples along each side of a pixel at which dots have the coverage of exact discs. Chooses at
-/// least three samples per radius, or fewer if the whole canvas would need more than kMaxSamples. Binary dots with a
-/// radius of 1.5 pixels or more need only one sample.
-/// @param radius  pixels
+/// Returns a number of samples along each side of a pixel that gives dots the coverage of exact discs. Chooses at least
+/// three samples per radius, or fewer if the whole canvas would need more than kMaxSamples. Binary dots with a radius
+/// of 1.5 pixels or more need only one sample.
+/// @param radius     radius of the dots in pixels
+/// @param antialias  whether dots are antialiased, not binary
 int samples_for(double radius, const Canvas& canvas, bool antialias);
 
 /// Draws discs of equal size. Without dots, the raster is blank. Where discs overlap, the area counts once.
 ///
 /// If the radius is chosen for `mean_coverage`, the mean of an antialiased raster is exact to one part in 10,000. The
-/// mean of a binary raster is exact to one pixel, except if several pixels are at exactly the chosen radius from their
-/// dots. Binary rasters with several samples per pixel are rounded by diffuse().
+/// mean of a binary raster is exact to one pixel, except if several pixels are at exactly the chosen radius from the
+/// nearest dot. Binary rasters with several samples per pixel are rounded by diffuse().
 ///
 /// @param dots    finite; may lie outside the canvas
 /// @param canvas  at least 1 x 1; its scale positive

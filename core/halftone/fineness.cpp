@@ -19,7 +19,7 @@ namespace {
 struct Sums {
     double lightness = 0;
     double squares = 0;           ///< squared lightness of each pixel
-    double squares_of_means = 0;  ///< sum over squares of 4 times the squared mean lightness
+    double squares_of_means = 0;  ///< four times the squared mean lightness of each square
 
     Sums operator+(const Sums& other) const {
         return {lightness + other.lightness, squares + other.squares, squares_of_means + other.squares_of_means};

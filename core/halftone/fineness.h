@@ -6,8 +6,8 @@
 
 namespace ccdt {
 
-/// Measures how fine the detail of a picture is, in [0, 1]. This is the share of the variance of lightness that is lost
-/// when squares of 2 x 2 pixels are averaged. Photographs have 0.01 to 0.06, text and maps 0.1 to 0.4, flat pictures 0.
+/// Measures how fine the detail of a picture is: the share of the variance of lightness that is lost when squares of 2
+/// x 2 pixels are averaged, in [0, 1]. Photographs have 0.01 to 0.06, text and maps 0.1 to 0.4, flat pictures 0.
 ///
 /// Lightness is the square root of luminance; transparent pixels are white. Values outside [0, 1] are clamped, and NaN
 /// counts as 0. If a side is odd, the last row or column does not count. Deterministic for any number of threads.

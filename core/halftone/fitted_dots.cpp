@@ -15,8 +15,8 @@ double spread(float ground_per_dot) {
     return std::sqrt(static_cast<double>(ground_per_dot));
 }
 
-/// Combines each value with all values within a distance along both axes, by bitwise or. Rows continue each other, so
-/// values near the left and the right side may be combined as well.
+/// Combines each value with all values within `reach` cells along both axes, by bitwise or. Does not stop at the ends
+/// of rows, so values near the left side and near the right side may be combined as well.
 void dilate(std::vector<std::uint8_t>& values, const CellGrid& cells, std::size_t reach) {
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);
     const auto combine = [&](const std::vector<std::uint8_t>& from, std::size_t count, std::size_t step,
@@ -67,8 +67,8 @@ void FittedDots::add(const KindOfDots& kind, std::span<const Point> sites) {
     }
 }
 
-/// Chooses the coarsest grid that resolves the spacing of nearly all dots. With 1.3 cells per spacing, the grain of
-/// flat greys is six times as large.
+/// Chooses the coarsest grid that resolves the spacing of nearly all dots. With 1.3 cells per spacing instead of 2, the
+/// grain of flat greys is six times as large.
 void FittedDots::choose_grid() {
     constexpr double kSmallShare = 0.1, kCellsPerSpacing = 2;
     std::vector<float> sorted = ground_per_dot_;

@@ -21,8 +21,8 @@
 
 namespace ccdt {
 
-/// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on how colours
-/// mix.
+/// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on the mixing
+/// of colours.
 ///
 /// The error of the drawing is measured on a grid that may be coarser than the cells of the plan: the error at a dot is
 /// a mean over the local spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
@@ -38,32 +38,33 @@ public:
     std::span<const float> areas() const { return areas_; }
     double radius(std::size_t dot) const { return std::sqrt(static_cast<double>(areas_[dot]) / std::numbers::pi); }
 
-    /// Returns the share that dots of the kind are planned to cover around a dot.
+    /// Returns the share of the ground around a dot that dots of its kind are planned to cover.
     float planned_share(std::size_t dot) const { return planned_[dot] / ground_per_dot_[dot]; }
 
-    /// Returns whether the boundary of a ground may cross a dot. If not, the dot lies on one ground, even if its area
-    /// changes.
+    /// Returns whether the boundary of a ground may cross a dot. If not, the dot lies on a single ground for every area
+    /// that it can get.
     bool is_near_boundary(std::size_t dot) const { return near_boundary_[dot] != 0; }
 
     /// Finds the pairs of dots that may overlap, given the current areas.
     std::vector<std::array<std::uint32_t, 2>> close_pairs() const;
 
-    /// Returns an image of the error without dots.
-    /// @param values  [cells of the plan]
+    /// Returns an error image: the errors of the drawing without dots, as means over the cells of the error's grid.
+    /// @param values  [cells of the plan] error of the drawing without dots
     std::vector<float> error_image(const std::vector<float>& values) const;
 
-    /// Adds light to an image of the error: at a position, or of a disc.
-    /// @param amount  light multiplied by its area
+    /// Adds light to an error image. add_light() adds it at a position; add_disc() distributes it over a disc.
+    /// @param amount  light multiplied by the area that has it, in cells of the plan
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
 
-    /// Changes the area of each dot. The change is the error of the local mean of the drawing, multiplied by the area
-    /// of ground per dot and by the dot's gain. One round removes errors of long wavelength. Errors whose wavelength is
+    /// Changes the area of each dot against the error of the local mean of the drawing around it. For each channel, the
+    /// change is nearly minus the error, multiplied by the area of ground per dot and by the gain of the dot. The
+    /// changes for all channels are added. One round removes errors of long wavelength. Errors whose wavelength is
     /// about one spacing take several rounds.
     ///
     /// @param bases  [channels] results of error_image()
-    /// @param draw   draw(channel, image) adds the light of all dots to an image
-    /// @param gain   gain(dot, channel) returns the change of a dot's area per unit of error
+    /// @param draw   draw(channel, image) adds the light of all dots to an error image
+    /// @param gain   gain(dot, channel) returns the gain of a dot for errors of a channel
     template <class Draw, class Gain>
     void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kNoise = 0.004f;
@@ -83,7 +84,7 @@ public:
     }
 
 private:
-    static constexpr float kLargest = 2.5f;  // largest area relative to the planned area
+    static constexpr float kLargest = 2.5f;  // largest area that a dot can get, relative to its planned area
 
     void add(const KindOfDots& kind, std::span<const Point> sites);
     void choose_grid();
@@ -92,12 +93,12 @@ private:
     const TwoSidedPlan& plan_;
     Executor& executor_;
     std::vector<Point> sites_;                 ///< [dots]
-    std::vector<std::uint8_t> flips_;          ///< [dots] channels, as bits
-    std::vector<float> planned_;               ///< [dots] area
-    std::vector<float> areas_;                 ///< [dots]
+    std::vector<std::uint8_t> flips_;          ///< [dots] channels that the dot flips, as bits
+    std::vector<float> planned_;               ///< [dots] planned area
+    std::vector<float> areas_;                 ///< [dots] current area
     std::vector<float> ground_per_dot_;        ///< [dots] local area of ground per dot of the kind
-    std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels, as bits
-    CellGrid grid_;                            ///< grid of the error
+    std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels whose boundary is near, as bits
+    CellGrid grid_;                            ///< grid of error images
     Point scale_;                              ///< cells of the grid per cell of the plan, along each axis
     BlurPyramid means_;
     std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
@@ -106,7 +107,7 @@ private:
 
 /// Fits the areas of dots in rounds, and returns the sizes of the dots.
 ///
-/// @param sizes  a fit with the functions improve(), find_cut(), dots(), white_channels() and cut_channels()
+/// @param sizes  the fit: an object with the functions improve(), find_cut(), dots(), white_channels(), cut_channels()
 /// @param sites  [kinds][sites]; the fit numbers the dots in this order
 /// @param fit    false: the areas stay as planned
 /// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds

@@ -10,8 +10,9 @@ namespace ccdt {
 
 /// Computes the share of each cell that dots should flip: ink dots on white ground, paper dots on black ground.
 ///
-/// A cell that the boundary crosses gets the mean share of the whole cells next to it on both sides. At an edge between
-/// black and white, this share is 0. Where a smooth tone crosses 1/2, it is about 1/2.
+/// For a cell that the boundary crosses, the share follows from the nearby cells that lie completely on one ground:
+/// their mean share on each side of the boundary, weighted by the area of this ground in the cell. At an edge between
+/// black and white, the result is 0. Where a smooth tone crosses 1/2, it is about 1/2.
 ///
 /// @param light  [cells] in [0, 1]
 /// @param white  [cells] share of white ground
@@ -20,7 +21,7 @@ std::vector<float> flip_share(const std::vector<float>& light, const std::vector
                               Executor& executor = inline_executor());
 
 /// Removes the dots from ground that is thinner than a dot. To keep the local mean, reduces the share of the dots on
-/// the opposite ground next to it.
+/// the opposite ground next to the thin ground.
 ///
 /// @param white   [cells] share of white ground
 /// @param radius  radius of the dots, in cells

@@ -25,7 +25,7 @@ struct LevelRange {
     float low, high;
 };
 
-/// Levels along a horizontal line of a canvas, at the columns of cells.
+/// Levels along a horizontal line, at the centres of the columns of cells.
 class LevelRow {
 public:
     LevelRow(const Ground& ground, double y)
@@ -41,8 +41,9 @@ public:
 
     float at(const BetweenPixels& x) const { return mix(level_[x.first], level_[x.second], x.share); }
 
-    /// Returns the range of levels between two cell centres, extended by half a pixel in each direction for
-    /// antialiasing.
+    /// Returns a range that contains all levels between two neighbouring cell centres on the line. For antialiasing,
+    /// also covers half a pixel beyond in each direction.
+    /// @param step  cells per pixel
     LevelRange range(const BetweenPixels& x, Point step) const {
         const float a = level_[x.first], b = level_[x.second];
         const float down = std::max(std::abs(slope_[x.first]), std::abs(slope_[x.second])) * static_cast<float>(step.y);
@@ -50,7 +51,7 @@ public:
         return {std::min(a, b) - reach, std::max(a, b) + reach};
     }
 
-    /// Returns the length of the gradient of the level, per pixel.
+    /// Returns the length of the gradient of the level: the change per pixel.
     /// @param step  cells per pixel
     float steepness(const BetweenPixels& x, Point step) const {
         const float across = (level_[x.second] - level_[x.first]) * static_cast<float>(step.x);
@@ -64,7 +65,8 @@ private:
     std::vector<float> slope_;  ///< change of the level from one row of cells to the next
 };
 
-/// Returns the black share of a pixel, from 0 to 255.
+/// Returns the share of black ground in a pixel, from 0 to 255 (completely black).
+/// @param step  cells per pixel
 std::uint8_t black_share(const LevelRow& row, const BetweenPixels& x, Point step, bool antialias) {
     const float above = row.at(x) - kBoundary;
     if (!antialias) return above > 0 ? 0 : 255;
@@ -73,7 +75,7 @@ std::uint8_t black_share(const LevelRow& row, const BetweenPixels& x, Point step
     return static_cast<std::uint8_t>(std::lrint(255 * (kBoundary - above / steepness)));
 }
 
-/// Returns the ink of a pixel.
+/// Returns the share of a pixel that ink covers. All shares are from 0 to 255.
 /// @param black    share of black ground
 /// @param flipped  share that dots flip
 std::uint8_t ink_of(unsigned black, unsigned flipped) {
@@ -136,7 +138,7 @@ LevelRange range_around(const Ground& ground, int column, int row) {
     return {low, high};
 }
 
-/// Returns the share of a cell that is white, in sixteenths.
+/// Returns the share of a cell that is white, a multiple of 1/16 in [0, 1].
 float white_share(const Ground& ground, int column, int row) {
     constexpr int kSamples = 4;
     const auto [low, high] = range_around(ground, column, row);
@@ -162,8 +164,8 @@ std::vector<float> unsharp_masked(const std::vector<float>& light, const CellGri
     return result;
 }
 
-/// Makes nearly grey places grey, so that the boundaries of all channels coincide there. A place is nearly grey if its
-/// channels differ little from the luminance, or if the luminance has the value of the channel within a short distance.
+/// Makes nearly grey places grey, so that the boundaries of all channels coincide there. A channel is set to the
+/// luminance if both differ little, or if the luminance reaches the value of the channel within a short distance.
 void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Executor& executor) {
     constexpr float kNear = 0.04f, kCells = 0.75f;
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);

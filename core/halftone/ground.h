@@ -30,15 +30,15 @@ public:
     /// Returns the ground that is black where this one is white.
     Ground inverse() const;
 
-    /// Returns the share of each cell that is white [columns * rows], in sixteenths.
+    /// Returns the share of each cell that is white [columns * rows], a multiple of 1/16 in [0, 1].
     std::vector<float> white_shares(Executor& executor = inline_executor()) const;
 
-    /// Converts the share of each pixel that dots flip to the share that ink covers. Both are equal on white ground; on
-    /// black ground, they add up to 1.
+    /// Converts the share of each pixel that dots flip to the share that ink covers. The two shares are equal on white
+    /// ground; on black ground, they add up to 1.
     ///
     /// @param flipped    coverage by dots, on a canvas that shows the whole picture; modified
     /// @param scale      canvas pixels per cell, across and down
-    /// @param antialias  false: a pixel has the ground of its centre
+    /// @param antialias  false: a whole pixel has the ground at its centre
     void apply(Raster& flipped, Point scale, bool antialias, Executor& executor = inline_executor()) const;
 
 private:

@@ -112,8 +112,8 @@ private:
         return from + a / (a - b) * (to - from);
     }
 
-    /// Links the crossed edges of a square. Corners are numbered clockwise from the upper left, and edge k follows
-    /// corner k.
+    /// Links the crossed edges of a square. Corners are numbered clockwise from the upper left. Edge k leads from
+    /// corner k to the next corner.
     void link(int column, int row) {
         const std::array<bool, 4> black = {nodes_.is_black(column, row), nodes_.is_black(column + 1, row),
                                            nodes_.is_black(column + 1, row + 1), nodes_.is_black(column, row + 1)};
@@ -122,7 +122,8 @@ private:
         const bool is_joined =
             black[0] == black[2] && black[1] == black[3] && black[0] != black[1] && mean(column, row) <= 0.5f;
         for (std::size_t k = 0; k < 4; ++k) {
-            // The boundary enters through an edge that leads clockwise from white to black.
+            // The boundary enters the square through an edge that leads, clockwise, from a white corner to a black
+            // corner.
             if (black[k] || !black[(k + 1) % 4]) continue;
             std::size_t leaving = (k + 1) % 4;
             if (is_joined) {

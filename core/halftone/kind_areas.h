@@ -8,8 +8,8 @@
 
 namespace ccdt {
 
-/// Standard deviation, in radii of dots, of the blur that gives the coverage around a place, on which the areas of dots
-/// depend.
+/// Standard deviation, in radii of dots, of a blur of the coverage. The areas of dots depend on the blurred coverage,
+/// which is called the coverage around a place.
 inline constexpr double kSurroundingsOfDots = 2;
 
 /// Lower limit of the coverage around a place, relative to the coverage of the place itself. Because of this limit, a
@@ -21,7 +21,7 @@ inline constexpr float kMinSurroundings = 0.25f;
 /// @param visibility  visibility of the dots, as computed by Visibility
 float relative_area(float cover, float visibility);
 
-/// Divides the areas of all dots by the area of the largest dot.
+/// Divides the areas of all kinds of dots by the area of the largest dot, so that the result is in [0, 1].
 void normalize_areas(std::vector<KindOfDots>& kinds, Executor& executor = inline_executor());
 
 }  // namespace ccdt

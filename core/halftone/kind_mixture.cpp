@@ -18,7 +18,7 @@ double product(const Row& a, const Row& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];
 }
 
-/// Minimizes |A x - b|^2 / 2 + prices x + ridge |x|^2 / 2 for x >= 0.
+/// Minimizes |A x - wanted|^2 / 2 + prices x + kRidge |x|^2 / 2 for x >= 0, where `columns` are the columns of A.
 ///
 /// Uses an active set (Lawson, Hanson 1974). Few entries of x are positive: about as many as A has rows.
 class SparseLeastSquares {
@@ -39,7 +39,7 @@ private:
     static constexpr double kRidge = 1e-2, kNothing = 1e-9;
     static constexpr std::size_t kMaxFree = 12;
 
-    /// Frees the variable at 0 whose release decreases the objective fastest.
+    /// Of the variables held at 0, releases the one whose release decreases the objective fastest.
     /// @returns  false if no release decreases the objective
     bool free_variable() {
         Row off = wanted_;
@@ -152,8 +152,8 @@ KindMixture::Channels KindMixture::change(unsigned ground, std::size_t kind) con
 }
 
 KindMixture::Shares KindMixture::solve(unsigned ground, const Light& wanted) const {
-    // Penalties for full coverage, in squared colour differences: one for any dots, and one per colour difference
-    // between dots and ground.
+    // Penalties for full coverage by a kind, in squared colour differences: kPrice for any kind, plus kPriceOfContrast
+    // times the colour difference between dots and ground.
     constexpr double kPrice = 0.05, kPriceOfContrast = 0.005, kSum = 1000, kStep = 1e-3, kExact = 1e-4;
     constexpr int kMaxSteps = 12, kMaxHalvings = 6;
     const std::size_t kinds = kinds_.size();

@@ -19,8 +19,8 @@ namespace ccdt {
 /// Dots lie side by side, so the mean light is linear in the shares. Each kind adds its share multiplied by the
 /// difference between the light of a dot and the light of the ground. Of all shares with a sum of at most kMaxCover,
 /// the result has the least ColourDifference. Small penalties on coverage and contrast decide between shares that look
-/// alike. For ideal cyan, magenta and yellow, the shares are nested. The results are cached in a table for each ground.
-/// Thread-safe.
+/// alike. For ideal cyan, magenta and yellow, the flipped areas of the inks are nested. The results are cached in a
+/// table for each ground. Thread-safe.
 class KindMixture {
 public:
     static constexpr std::size_t kMaxKinds = (std::size_t{1} << kMaxInks) - 1;
@@ -52,7 +52,7 @@ private:
 
     std::vector<unsigned> kinds_;
     std::vector<Overprint::Channels> colours_;  ///< [2^inks] light of each set of inks, printed over each other
-    /// [2^inks] Table of each ground; null until first used.
+    /// [2^inks] table of each ground; null until the ground is first used.
     std::vector<std::unique_ptr<ColourTable<Shares>>> tables_;
     std::vector<std::once_flag> is_made_;  ///< [2^inks] whether the table exists
 };

@@ -134,7 +134,7 @@ private:
         for (std::vector<float>& base : bases_) base = dots_.error_image(base);
     }
 
-    /// Returns the light that a dot adds to a ground, divided by the dot's area.
+    /// Returns the light that a dot adds to a channel on a ground, divided by the dot's area.
     float change(unsigned ground, unsigned flips, std::size_t channel) const {
         return plan_.colours[ground ^ flips][channel] - plan_.colours[ground][channel];
     }
@@ -152,10 +152,11 @@ private:
         return sum;
     }
 
-    /// Returns the change of a dot's area per unit of error in each channel. Let d be the light that a kind adds and w
-    /// the share that it covers. Then the relative change of a kind for an error e is -d (sum of w d d^T)^-1 e.
+    /// Returns the gain of a dot in each channel; see FittedDots::improve(). For each kind, let d be the light that its
+    /// dots add per area, and w the share that they cover. Then an error e changes the area of a kind by the share -d
+    /// (sum of w d d^T)^-1 e, where the sum is over all kinds.
     Colour gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.02f;  // relative to the trace; leaves errors that only few dots could correct
+        constexpr float kDamping = 0.02f;  // relative to the trace; keeps errors that only few dots could correct
         const Point site = dots_.site(dot);
         const unsigned ground = ground_at(site);
         const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
@@ -219,7 +220,8 @@ private:
                             part.share * area * change(part.ground, dots_.flips(dot), channel), image);
     }
 
-    /// Corrects the light where two dots overlap.
+    /// Corrects the light where two dots overlap: the light of all inks that either dot flips replaces the sum of both
+    /// dots' light.
     void print_overlap(const ClosePair& pair, std::size_t channel, std::vector<float>& image) const {
         const auto& colours = plan_.colours;
         const unsigned ground = pair.ground, a = dots_.flips(pair.one), b = dots_.flips(pair.other);

@@ -12,14 +12,16 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots of inks such that the local mean of the light equals that of the picture.
+/// Chooses the radii of dots of inks such that the local mean of the printed light equals the local mean of the
+/// picture.
 ///
-/// The light of a place depends on all inks there. So the error of red, green and blue is corrected, and not that of
-/// the share that each ink covers. The kinds of dots around a place share the correction such that the sum of squared
-/// relative changes, weighted by what each kind covers, is least. Where two dots overlap, the light is that of both
-/// sets of inks on each other.
+/// The light of a place depends on all inks there. So the fit corrects the errors of red, green and blue, and not the
+/// errors of the shares that the inks cover. The kinds of dots around a place divide the correction such that the sum
+/// of their squared relative changes is least. In this sum, each kind has the share that it covers as its weight. Where
+/// two dots overlap, all inks that either dot flips are flipped.
 ///
-/// @param plan  with kinds that are not nested; parameters and result as in size_dots()
+/// @param plan  with kinds that are not nested, and with `colours` and `wanted`
+/// The other parameters and the result are those of size_dots().
 std::vector<SizedDots> fit_light(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop, Executor& executor);
 

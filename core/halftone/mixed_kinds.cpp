@@ -26,7 +26,7 @@ namespace {
 /// A value for each channel.
 using Channels = std::array<float, kMaxInks>;
 
-/// Computes the shares and areas of kinds whose mean colour is that of the picture.
+/// Computes the shares and areas of kinds such that the mean colour of ground and dots is the colour of the picture.
 class MixturePlan {
 public:
     /// @param sigma  standard deviation, in cells, of the blur that sharpening compensates
@@ -65,7 +65,7 @@ public:
         }
     }
 
-    /// Sets the light of each channel to the share that the ink leaves bare, as it follows from the shares of the
+    /// Sets the light of each channel to the share that the ink leaves bare. This share follows from the shares of the
     /// kinds.
     void set_light(const LightPlanes& wanted) {
         for_pixels(executor_, cells(), [&](std::size_t i) {
@@ -75,8 +75,8 @@ public:
         });
     }
 
-    /// Sets the share that each kind covers. Cells that a boundary crosses get the mean shares of the cells around
-    /// them.
+    /// Sets the share that each kind covers. A cell that a boundary crosses gets the mean shares of the nearby cells
+    /// that no boundary crosses.
     void add_shares() {
         for_pixels(executor_, cells(), [&](std::size_t i) {
             if (!is_whole(i)) return;
@@ -156,10 +156,10 @@ private:
         mixture_.emplace(inks, std::move(flips));
     }
 
-    /// Adds the share of a cell that each ink leaves bare, summed over all grounds in the cell. Divides the cell
-    /// channel by channel, by recursion.
+    /// Adds to `bare` the share of a cell that each ink leaves bare, summed over all grounds in the cell. Divides the
+    /// cell into grounds channel by channel, by recursion.
     /// @param channel  first channel that is not yet divided
-    /// @param ground   inks of the ground among the channels before, as bits
+    /// @param ground   inks of the ground among the channels that are already divided, as bits
     /// @param weight   share of the cell that has this ground
     void add_bare(std::size_t channel, unsigned ground, float weight, std::size_t cell, const Light& wanted,
                   Channels& bare) {
@@ -179,7 +179,8 @@ private:
         }
     }
 
-    /// Returns the grounds within a distance of each cell along both axes, as bits. Bit g stands for the set of inks g.
+    /// Returns for each cell the grounds of all cells within `reach` along both axes, as bits. Bit g stands for the
+    /// ground with the set of inks g.
     std::vector<std::uint64_t> grounds_around(std::size_t reach) const {
         static_assert(kMaxInks <= 6);
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);
@@ -199,8 +200,8 @@ private:
         return around;
     }
 
-    /// Sets the shares of a cell to the mean of the whole cells around it. If there are none, they follow from the
-    /// cell's own colour.
+    /// Sets the shares of a cell to the mean shares of the nearby cells that no boundary crosses. If there are no such
+    /// cells, the shares follow from the cell's own colour.
     void average_shares_around(std::size_t cell) {
         constexpr std::size_t kReach = 2;
         const auto columns = static_cast<std::size_t>(plan_.cells.columns);

@@ -9,9 +9,10 @@
 
 namespace ccdt {
 
-/// Adds the kinds of dots to a plan, such that the mean colour of ground and dots is that of the picture (KindMixture).
-/// The area of each dot is relative to the largest dot. KindOfDots::density is the share that the dots of a kind cover.
-/// Sets the light of each channel to the share that the ink then leaves bare.
+/// Adds the kinds of dots to a plan that has grounds. The mean colour of ground and dots is then the colour of the
+/// picture (KindMixture). In the result, KindOfDots::area is relative to the area of the largest dot, and
+/// KindOfDots::density is the share that the dots of a kind cover. Sets the light of each channel to the share that the
+/// ink leaves bare, with these dots.
 ///
 /// @param light   light of the picture
 /// @param radius  radius of the dots, in cells

@@ -28,6 +28,7 @@ std::span<const float> at_cell(std::span<const std::vector<float>> planes, std::
 
 /// Returns the share that dots of a kind cover if the flipped areas of the channels are nested.
 /// @param shares  share that is flipped in each channel
+/// @param flips   channels that the kind flips, as bits
 float nested_share(std::span<const float> shares, unsigned flips) {
     float within = 1, beyond = 0;
     for (std::size_t c = 0; c < shares.size(); ++c) {

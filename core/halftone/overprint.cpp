@@ -13,7 +13,7 @@ namespace {
 
 using Channels = Overprint::Channels;
 
-/// Returns the factor by which the overlap of two inks differs from that of independent patterns.
+/// Returns the overlap of two inks, divided by the overlap that independent patterns would have.
 ///
 /// @param a, b    total dot area of each of the two inks per unit area
 /// @param others  total dot area of all other inks per unit area
@@ -26,7 +26,8 @@ double overlap(double a, double b, double others) {
 
 /// Returns the coverage that an ink loses because dots of other inks push its dots, which makes its pattern less even.
 ///
-/// @param own, others  total dot area per unit area
+/// @param own     total dot area of the ink per unit area
+/// @param others  total dot area of all other inks per unit area
 /// Fitted in the same way as overlap(); the error is 0.002.
 double disorder(double own, double others) {
     const double crowd = others / 0.22, off = (own - 1.015) / 0.243;

@@ -33,9 +33,10 @@ inline constexpr std::size_t kMaxInks = 6;
 
 /// The inks and the paper of a print.
 struct InkSet {
-    std::vector<Light> inks;  ///< colours of full coverage, on white paper or, if additive, black; 1 to kMaxInks
+    std::vector<Light> inks;  ///< [1 to kMaxInks] colours of full coverage on white or, if additive, on black
     Light paper{1, 1, 1};
-    /// false: each ink multiplies the light from below, as in print; true: each ink adds light, as lamps do
+    /// false: each ink multiplies the light that comes from below it, as in print; true: each ink adds light, as lamps
+    /// do
     bool additive = false;
 };
 
@@ -46,10 +47,10 @@ Light printed(const InkSet& inks, std::span<const float> cover);
 /// Predicts the mean light of halftones in several inks whose dots distribute_inks() places.
 ///
 /// Dots of different inks keep apart while there is space. At high coverage they overlap like independent patterns. So
-/// the overlap of two inks is the product of their coverages and a factor between 0 and 1. The overlap of three or more
-/// inks contains the factor of every pair of them (Kirkwood's superposition). The colour follows from the shares of all
-/// combinations of inks, by Neugebauer's equations. Where inks push each other, the pattern of each ink is less even
-/// and covers less.
+/// the overlap of two inks is the product of their coverages, multiplied by a factor between 0 and 1. The overlap of
+/// three or more inks is the product of all their coverages, multiplied by the factors of all pairs of them (Kirkwood's
+/// superposition). The colour follows from the shares of all combinations of inks, by Neugebauer's equations. Where
+/// inks push each other, the pattern of each ink is less even and covers less.
 class Overprint {
 public:
     using Numbers = std::array<double, kMaxInks>;
@@ -75,8 +76,8 @@ private:
 
     std::size_t count_;
     CoverageCurve curve_;
-    /// [2^count] Light that each combination adds per share of the area. For the empty combination, the light of the
-    /// paper.
+    /// [2^count] light that each combination of inks adds, per share of the area; for the empty combination, the light
+    /// of the paper.
     std::array<Channels, std::size_t{1} << kMaxInks> changes_{};
 };
 

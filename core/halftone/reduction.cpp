@@ -61,7 +61,7 @@ private:
     void fill_rows(std::size_t begin, std::size_t end, float* to, const Value& value) const {
         std::vector<double> row(columns_ + 1), sums(columns_), next(columns_);
         const auto first = std::ranges::lower_bound(down_, begin, {}, &Part::cell) - down_.begin();
-        // The last row of pixels that begins in the preceding row of cells may extend into this row of cells.
+        // The last row of pixels that begins in the row of cells before `begin` may extend into row `begin`.
         for (auto y = static_cast<std::size_t>(std::max<std::ptrdiff_t>(first - 1, 0));
              y < down_.size() && down_[y].cell < end; ++y) {
             add_pixels(y, row, value);

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// Division of a picture into cells of equal size, which need not be a whole number of pixels.
+/// Division of a picture into cells of equal size. The sides of cells need not be whole numbers of pixels.
 struct CellGrid {
     int columns = 0;
     int rows = 0;
@@ -17,11 +17,11 @@ struct CellGrid {
 };
 
 /// Chooses cells so small that dots of the given radius cannot resolve them. The sides of the cells are half a radius,
-/// or less if the shorter side of the picture would have fewer than 64 cells. If the sides would be below two pixels,
-/// the cells are the pixels.
+/// or less if the shorter side of the picture would have fewer than 64 cells. If the sides would be shorter than two
+/// pixels, the cells are the pixels.
 ///
 /// Measured on three photographs at 1,000 and 2,300 dots: noise at each scale, evenness and distances are the same as
-/// with pixels, or some tenths of a decibel better. With sides of 0.7 radii and more, they get worse.
+/// without reduction, or some tenths of a decibel better. With sides of 0.7 radii and more, they get worse.
 ///
 /// @param width, height  pixels, >= 1
 /// @param radius         pixels, >= 0
@@ -38,7 +38,7 @@ std::vector<float> reduced(const std::vector<float>& values, int width, int heig
                            Executor& executor = inline_executor());
 
 /// Returns the mean light over each cell, weighted by alpha. So on paper of any colour, each cell looks like the mean
-/// of the picture's pixels on that paper.
+/// of its pixels on that paper.
 ColourPicture reduced(const ColourPicture& picture, const CellGrid& cells, Executor& executor = inline_executor());
 
 }  // namespace ccdt

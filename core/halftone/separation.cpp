@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// A mixture of inks: the cover of each ink, followed by the excess of predicted over wanted light in each channel.
+/// A mixture of inks: the cover of each ink, followed by the predicted light minus the wanted light in each channel.
 using Node = std::array<float, kMaxInks + 3>;
 using Numbers = Overprint::Numbers;
 using Channels = Overprint::Channels;
@@ -29,8 +29,8 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-/// Finds the covers of the inks whose halftone is closest to a colour. Among equally close covers, it chooses those
-/// with the least sum.
+/// Finds the cover of each ink such that the halftone is as close to a colour as possible. Among equally close covers,
+/// it chooses those with the least sum.
 ///
 /// Minimises by Gauss and Newton's method, with covers bounded to [0, 1]. The target moves in steps from the paper's
 /// colour to the wanted colour. Each step starts from the mixture that the previous step found. So the minimisation
@@ -66,8 +66,8 @@ Separator::Mixture Separator::mixture(const Numbers& cover, const ColourDifferen
     return {cover, off, dot(off, off) / 2 + kPriceOfCover * std::accumulate(cover.begin(), cover.end(), 0.0)};
 }
 
-/// Returns the minimum of the cost, linearised around a mixture. Damping keeps the result in the range in which the
-/// linearisation is valid.
+/// Returns the covers that minimise the cost if colour differences are linear around the mixture `from`. Damping keeps
+/// the result in the range in which the differences are nearly linear.
 Numbers Separator::linearised_minimum(const Mixture& from, const ColourDifference& difference) const {
     constexpr double kStep = 1.0 / 256;
     constexpr double kDamping = 1;
@@ -213,7 +213,8 @@ std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size
         shares[ink] = 1;
         --left;
     }
-    // First, inks get the whole parts of their quotas. Then the ink farthest below its quota gets the next site.
+    // First, each ink gets the integer part of its quota. Then, each remaining site goes to the ink that is farthest
+    // below its quota.
     const auto quota = [&](std::size_t ink) { return ink_sums[ink] / total * static_cast<double>(sites); };
     for (const std::size_t ink : order) {
         const auto whole = static_cast<std::size_t>(quota(ink));

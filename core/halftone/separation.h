@@ -13,7 +13,7 @@
 
 namespace ccdt {
 
-/// Converts the colours of inks and paper to the scale of a tone.
+/// Converts the colours of inks and paper from linear light to the quantity that a tone reproduces.
 InkSet toned(const InkSet& inks, Tone tone);
 
 /// A picture separated into inks.
@@ -21,8 +21,8 @@ struct Separation {
     /// [inks][width * height] Share of each pixel that the dots of each ink would cover without the other inks, in [0,
     /// 1].
     std::vector<std::vector<float>> coverage;
-    LightPlanes
-        light;  ///< light of the halftone as predicted; equal to that of the picture within the gamut of the inks
+    /// Predicted light of the halftone; equal to the light of the picture within the gamut of the inks.
+    LightPlanes light;
 };
 
 /// Separates a picture into inks. The halftone, as Overprint predicts it, is then as close to the picture as possible.
@@ -30,14 +30,14 @@ struct Separation {
 /// Colours within the gamut of the inks are exact. Any other colour becomes the nearest colour of the gamut by
 /// ColourDifference, in which lightness counts twice. One black ink on white paper has the coverage that ink_coverage()
 /// gives for the picture's luminance. Of several mixtures with the same colour, the one with the least coverage is
-/// used. So with an ideal set of cyan, magenta, yellow and black, greys consist of black alone. Dots that would be
-/// invisible are left out.
+/// used. So with ideal cyan, magenta, yellow and black inks, greys consist of black alone. Dots that would be invisible
+/// are left out.
 ///
 /// Transparent pixels show the paper, without dots. Values outside [0, 1] are clamped, and NaN counts as 0.
 ///
 /// @param stop  polled once per row; after a stop the result must not be used
 /// Deterministic for any number of threads. O(pixels), plus a cost for each different colour. For a picture that
-/// contains all colours, this cost is that of some million additional pixels.
+/// contains all colours, this cost equals that of some million additional pixels.
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
                     Executor& executor = inline_executor());
 
@@ -49,7 +49,7 @@ std::vector<std::vector<float>> channel_coverage(const ColourPicture& picture, c
 /// Divides sites among inks in proportion to their coverage, so that all dots have about the same size.
 ///
 /// Rounds by the method of largest remainders. Each ink with any coverage gets at least one site. If there are too few
-/// sites for that, the inks with the most coverage get one each. An ink without coverage gets none.
+/// sites for that, the inks with the most coverage get one site each. An ink without coverage gets none.
 ///
 /// @param ink_sums  [inks] sum of each ink's coverage; >= 0
 /// @returns         [inks] numbers whose sum is `sites`, or 0 if no ink has any coverage

@@ -7,11 +7,11 @@
 
 namespace ccdt {
 
-/// Sharpens a coverage so that, after a blur, it resembles the original more closely. Values of 0 and 1 do not change,
-/// and local sums hardly change.
+/// Sharpens a coverage so that, after a blur, the result resembles the original coverage more closely. Values of 0 and
+/// 1 do not change, and local sums hardly change.
 ///
 /// @param cover  [width * height] in [0, 1]
-/// @param sigma  standard deviation in pixels of the blur by blurred(), >= 0; 0 returns an identical copy
+/// @param sigma  standard deviation, in pixels, of the blur, as for blurred(); >= 0; 0 returns an identical copy
 /// @returns      [width * height] in [0, 1]
 /// Takes two steps of deconvolution; further steps would sharpen mostly noise. Deterministic for any number of threads.
 /// O(pixels) for any sigma.

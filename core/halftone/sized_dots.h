@@ -9,8 +9,8 @@ namespace ccdt {
 /// Sizes of the dots of one kind, and the grounds on which they lie.
 struct SizedDots {
     std::vector<float> radii;         ///< [dots] in cells
-    std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the centre, as bits
-    std::vector<std::uint8_t> cut;    ///< [dots] channels whose boundary crosses the dot, as bits
+    std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the dot's centre, as bits
+    std::vector<std::uint8_t> cut;    ///< [dots] channels whose boundary of grounds crosses the dot, as bits
 };
 
 }  // namespace ccdt

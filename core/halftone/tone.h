@@ -25,7 +25,7 @@ float luminance(float lightness);
 /// Clamps a value to [0, 1]; NaN becomes 0.
 float to_share(float value);
 
-/// Returns the share of each pixel that the dots should cover [width * height], in [0, 1], top row first.
+/// Returns the share of each pixel that the dots should cover [width * height], in [0, 1], row by row from the top.
 ///
 /// Dark pixels get dots; with `invert`, light ones do. Transparent pixels show the paper, without dots. Values outside
 /// [0, 1] are clamped, and NaN counts as 0. Deterministic for any number of threads.
@@ -33,40 +33,43 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 
 /// Returns a number of dots that resolves a picture well.
 ///
-/// The number is one dot per 8 pixels of ink. If the fineness is above 0.02, the number is multiplied by fineness /
-/// 0.02, up to two dots per pixel of ink. It is at least 4,096, or one dot per pixel of ink if that is less. It is at
-/// most 100,000, at most `limit`, and at least 1. The number never decreases with more ink or finer detail.
+/// The number is one dot per 8 pixels of ink. If the fineness is above 0.02, this number is multiplied by fineness /
+/// 0.02, but only up to two dots per pixel of ink. The result is at least 4,096, or one dot per pixel of ink if that is
+/// less. It is at most 100,000, at most `limit`, and at least 1. The number never decreases with more ink or finer
+/// detail.
 ///
 /// @param ink       sum of the shares that dots cover, in pixels of the picture
 /// @param fineness  fineness of the picture, in [0, 1]
 std::size_t default_sites(double ink, double fineness, std::size_t limit);
 
-/// Returns a radius of dots for a drawing, in pixels of the drawing. The radius is 3 for a million pixels. It grows
-/// with the fourth root of the number of pixels, so that a larger drawing has both more dots and larger dots. If the
-/// detail of the picture is finer than in photographs, the radius is smaller, but not below half. It is at least 1.
+/// Returns a radius of dots for a drawing, in pixels of the drawing. For a drawing of a million pixels, the radius is
+/// 3. It grows with the fourth root of the number of pixels, so that a larger drawing has both more dots and larger
+/// dots. If the detail of the picture is finer than in photographs, the radius is smaller, down to half of this value.
+/// It is at least 1.
 ///
 /// @param pixels    number of pixels of the drawing, > 0
 /// @param fineness  fineness of the picture, in [0, 1]
 double radius_of_drawing(double pixels, double fineness);
 
-/// Returns the number of dots of radius_of_drawing() that cover the ink of a picture. The number is at most two dots
-/// per pixel of ink, which suffices for small pictures, at most 100,000, at most `limit`, and at least 1.
+/// Returns the number of dots with the radius radius_of_drawing() that are needed to cover the ink of a picture. The
+/// number is at most two dots per pixel of ink, which suffices for small pictures. It is also at most 100,000, at most
+/// `limit`, and at least 1.
 ///
 /// @param ink     sum of the shares that dots cover, in pixels of the picture
 /// @param scale   pixels of the drawing per pixel of the picture, > 0
 /// @param pixels  number of pixels of the drawing, > 0
 std::size_t sites_of_drawing(double ink, double fineness, double scale, double pixels, std::size_t limit);
 
-/// Largest values of default_scale(), and of the number of canvas pixels at that scale.
+/// Maximum of default_scale(), and maximum number of canvas pixels at the default scale.
 inline constexpr double kLargestScale = 16;
 inline constexpr double kMaxCanvasPixels = 16e6;
 
-/// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest whole number at
-/// which dots with the picture's mean tone have a radius of at least 3 pixels and thus look round. The number is
-/// limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
+/// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest integer at which
+/// dots that reproduce the picture's mean tone have a radius of at least 3 canvas pixels, and thus look round. The
+/// number is limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
-/// Returns the same, given the number of pixels of the picture.
+/// Returns the same scale, given the ink and the number of pixels of the picture.
 /// @param ink  sum of the shares that dots cover, in pixels of the picture
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 

@@ -74,7 +74,7 @@ private:
             const float* below = row + 1 < rows_ ? here + columns_ : here;
             float *x = dual_x_.data() + first, *y = dual_y_.data() + first;
             float *next_x = ahead_x_.data() + first, *next_y = ahead_y_.data() + first;
-            // Loops over short arrays of their own are compiled to vector instructions.
+            // The compiler vectorises loops over short local arrays.
             constexpr std::size_t kBlock = 64;
             std::array<float, kBlock> across, down;
             for (std::size_t begin = 0; begin < columns_; begin += kBlock) {

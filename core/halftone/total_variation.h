@@ -8,7 +8,7 @@
 namespace ccdt {
 
 /// Smooths an image but keeps its edges. Computes the u that minimises strength * TV(u) + 1/2 |u - values|^2, where TV
-/// is the isotropic total variation. The result has the accuracy of `steps` iterations.
+/// is the isotropic total variation. The result is as accurate as `steps` iterations allow.
 ///
 /// A disc of radius r loses 2 * strength / r of its contrast; a long straight edge loses nothing.
 ///

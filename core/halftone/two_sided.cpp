@@ -21,14 +21,15 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Number and size of dots.
+/// Number and sizes of dots.
 struct DotScale {
     double dots = 0;     ///< number
     double unit = 0;     ///< area of the largest dots, in cells
     float min_area = 0;  ///< area of the smallest dots, relative to the largest
 };
 
-/// Finds the number and size of dots. Both depend on the area of the smallest dots, so they are computed repeatedly.
+/// Finds the number and the sizes of dots. The area of the largest dots depends on the relative area of the smallest
+/// dots, and vice versa, so both are computed repeatedly.
 /// @param kinds  kinds of dots, with relative areas and with shares in place of densities
 DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kMinArea = 0.05f;
@@ -53,7 +54,7 @@ DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& opti
     return scale;
 }
 
-/// Returns the radius that dots would have if all had the same size, in cells.
+/// Returns the radius in cells that dots would have if all dots had the same size.
 double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Executor& executor) {
     if (options.radius) return *options.radius;
     return std::sqrt(minority_area(light, executor) / (kPi * static_cast<double>(*options.sites)));
@@ -134,8 +135,8 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
         if (stop.stop_requested() || repairs == kMaxRepairs || !grounds.replace_grounds(bare, plan)) break;
     }
     plan.is_nested = false;
-    // With three inks, some errors grow when light is fitted: a few at half a pitch, and for astronaut.png the 95th
-    // percentile at two pitches.
+    // With three inks, fitting the light increases some errors: a few after a blur of half a pitch, and for
+    // astronaut.png the 95th percentile after a blur of two pitches.
     constexpr std::size_t kMinInksOfLightFit = 4;
     const std::size_t sets = inks.inks.size() < kMinInksOfLightFit ? 0 : std::size_t{1} << inks.inks.size();
     if (sets > 0) plan.wanted = picture.light;

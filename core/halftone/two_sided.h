@@ -19,23 +19,23 @@ struct TwoSidedOptions {
     std::optional<std::size_t> sites;  ///< number of dots, >= 1
     std::optional<double> radius;      ///< radius of the largest dots, in cells, > 0; required if there is no `sites`
     double detail = 0;                 ///< strength of the sharpening of edges, in [0, 1]
-    double min_radius = 0;             ///< smallest radius of dots, in cells, unless the largest dots are smaller
-    /// Maximum number of dots. If dots with `radius` would be more, their radius is increased.
+    double min_radius =
+        0;  ///< lower limit of the radii, in cells; if the largest dots are smaller, all have their size
+    /// Maximum number of dots. If more dots of the given radius were needed, the radius is increased.
     std::optional<std::size_t> max_sites = std::nullopt;
 };
 
-/// Returns the area that dots have to flip, in cells. In each cell, this is min(c, 1 - c) of the channel c for which it
-/// is largest.
+/// Returns the area that dots have to flip, in cells. In a cell, this is the largest min(c, 1 - c) of all channels c.
 /// @param light  [channels][cells] in [0, 1]
 double minority_area(std::span<const std::vector<float>> light, Executor& executor = inline_executor());
 
 /// Divides the picture into grounds and plans the dots.
 ///
-/// The areas of dots make the pattern least visible. Consider dots of one kind with the density rho that cover the
-/// share c. After a blur, their contrast is c V exp(-k rho). Here, V is the visibility: the colour difference in CIELAB
-/// per share that is flipped, or for grey the slope of lightness. For a given number of dots, the sum of the contrast
-/// is least if rho is proportional to log(1 + c V / mu). So dots are smaller in shadows, where paper dots are
-/// conspicuous, in highlights, and for rare kinds.
+/// The areas of the dots are chosen such that the pattern is least visible. Consider dots of one kind with the density
+/// rho that cover the share c. After a blur, their contrast is c V exp(-k rho), with a constant k. Here, V is the
+/// visibility: the colour difference in CIELAB per share that is flipped, or for grey the slope of lightness. For a
+/// given number of dots, the sum of the contrast is least if rho is proportional to log(1 + c V / mu), with a constant
+/// mu. So dots are smaller in shadows, where paper dots are conspicuous, in highlights, and for rare kinds.
 ///
 /// @param light  [1 or 3][cells] in [0, 1], linear light
 /// @param stop   polled between steps; after a stop the result must not be used

@@ -34,17 +34,17 @@ struct TwoSidedChannel {
 /// Dots that flip the same channels.
 struct KindOfDots {
     unsigned flips = 0;          ///< channels, as bits
-    std::vector<float> density;  ///< [cells] relative density of the sites; zero everywhere if the kind has no dots
+    std::vector<float> density;  ///< [cells] relative density of the dots; 0 everywhere if the kind has no dots
     std::vector<float> area;     ///< [cells] area of a dot at this position, in cells
-    double share = 0;            ///< sum of the densities
+    double share = 0;            ///< sum of `density` over all cells
 };
 
 /// Plan of a halftone with ink dots on white ground and paper dots on black ground.
 ///
 /// A grey picture has one channel, its light Y; a picture in colour has three. White ground has all light of the
 /// channel, black ground has none. Ink dots cover the share 1 - Y of white ground, and paper dots cover the share Y of
-/// black ground. Both shares are at most about one half, so dots hardly ever overlap, and the tone is the number of
-/// dots multiplied by their area.
+/// black ground. Both shares are at most about one half. So dots hardly ever overlap, and the share that they cover is
+/// their number per area multiplied by the area of a dot.
 ///
 /// In colour, the flipped areas of the channels are nested. A place has up to three kinds of dots. The first flips all
 /// three channels. The second flips the two channels with the larger flipped areas. The third flips the channel with
@@ -52,12 +52,12 @@ struct KindOfDots {
 /// overlap.
 struct TwoSidedPlan {
     CellGrid cells;
-    std::vector<TwoSidedChannel> channels;  ///< 1 or 3: red, green, blue; or one for each ink
+    std::vector<TwoSidedChannel> channels;  ///< grey; or red, green and blue; or one for each ink
     std::vector<KindOfDots> kinds;          ///< sorted by `flips`
     double dots = 0;        ///< number of dots that reproduce the tone with these areas; 0: the ground alone does
     double radius = 0;      ///< radius of the largest dots, in cells
     bool is_nested = true;  ///< whether the flipped areas of the channels are nested; false: kinds mix in any shares
-    /// [2^channels] Light of each set of inks; empty if fit_light() is not used.
+    /// [2^channels] light of each set of inks; empty if fit_light() is not used.
     std::vector<std::array<float, 3>> colours;
     LightPlanes wanted;  ///< [cells] light of the picture; empty if fit_light() is not used
 };

@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the slope of CIE 1976 lightness, in [0, 1], as a function of luminance.
+/// Returns the slope of CIE 1976 lightness at a luminance. Lightness and luminance are in [0, 1].
 float lightness_slope(float luminance) {
     constexpr float kLinearBelow = 216.0f / 24389.0f, kSlope = 24389.0f / 2700.0f;
     if (luminance <= kLinearBelow) return kSlope;
@@ -30,8 +30,8 @@ Visibility::Visibility(std::span<const float> light) : channels_(light.size()) {
         float value = 0;
         for (std::size_t c = 0; c < 3; ++c) value += static_cast<float>(kLightToXyz[k][c]) * light[c];
         slope[k] = lightness_slope(value);
-        // The level is the lightness: slope * value on the linear part; above it 1.16 root - 0.16, where root^2 is
-        // 1.16 / 3 / slope.
+        // The level is the lightness. On the linear part, it is slope * value. Above, it is 1.16 root - 0.16, where
+        // root is the cube root of the value, and root^2 is 1.16 / 3 / slope.
         level[k] = value * slope[k] < 0.08f ? value * slope[k] : 3 * value * slope[k] - 0.16f;
     }
     const float chroma = 100 * std::hypot(500.0f / 116 * (level[0] - level[1]), 200.0f / 116 * (level[1] - level[2]));

@@ -16,13 +16,15 @@ public:
     /// @param light  [1 or 3] linear light of each channel, in [0, 1]
     explicit Visibility(std::span<const float> light);
 
-    /// Returns the visible difference per share of the area that is flipped, in lightness from 0 to 1.
+    /// Returns the visible difference per share of the area that is flipped, in units in which black and white differ
+    /// by 1.
     ///
     /// @param flips  channels that are flipped, as bits
     /// @param white  channels that lose their light when flipped, as bits; the other channels gain it
     float of(unsigned flips, unsigned white) const;
 
-    /// Returns the visible difference per share of the area that changes, in lightness from 0 to 1.
+    /// Returns the visible difference per share of the area that changes, in units in which black and white differ by
+    /// 1.
     /// @param change  change of each channel within the changed area
     float of(const std::array<float, 3>& change) const;
 

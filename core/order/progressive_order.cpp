@@ -30,14 +30,15 @@ constexpr std::size_t kStopStride = 1'024;  ///< points between polls of the sto
 constexpr double kReach = 1.7;  ///< relative to the neighbour distance in a hexagonal grid
 constexpr double kStep = 0.7;   ///< share of the points that remain at the end of a step; reaches grow between steps
 
-/// Least distance of remaining points, relative to the neighbour distance in a hexagonal grid. A hexagonal grid
-/// contains a subset of a third of its points without any two neighbours. Any further point is at 0.577 from the
-/// nearest point of that subset, in the units of this constant. A larger value forces the choice of half the points
-/// when about a third remain, and leaves more power.
+/// Least distance of remaining points, relative to the neighbour distance in a hexagonal grid. Of a hexagonal grid, at
+/// most a third of the points can remain such that no two of them are neighbours. Those points are sqrt(3) times as far
+/// apart as before. So in the units of this constant, neighbours in the original grid are 1 / sqrt(3) = 0.577 apart.
+/// With a larger value, such neighbours would be too near while more than a third of the points remain. This would
+/// leave more power in low frequencies.
 constexpr double kMinDistance = 0.58;
 
-/// Weight of the surplus around a point relative to its crowding. A larger weight leaves less power in long waves, and
-/// more power in waves of two or three spacings.
+/// Weight of the surplus around a point, relative to the crowding of the point. A larger weight leaves less power in
+/// long waves, and more power in waves of two or three spacings.
 constexpr float kSurplusWeight = 0.5F;
 
 /// Distance of the nodes that smooth the surplus, relative to the neighbour distance in a hexagonal grid.
@@ -58,13 +59,14 @@ double squared_length(Point p) {
     return dot(p, p);
 }
 
-/// Polynomial for the crowding by a neighbour at a given share of the reach. (1 - share)^5 is approximated by (1 -
-/// share^2)^5 times a polynomial in 1 - share^2, to within 7 % from a third to nine tenths of the reach.
+/// Coefficients of a polynomial that approximates the crowding by a neighbour. Let the distance of the neighbour be a
+/// given share of the reach. The crowding (1 - share)^5 is then about (1 - share^2)^5 times this polynomial in 1 -
+/// share^2. The error is below 7% for shares from a third to nine tenths.
 constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
-/// Limit on the reach of a pair of points relative to the shorter of the two points' reaches. The pair's reach is the
-/// geometric mean of both. So where two densities meet, neither the denser nor the sparser side loses more than its
-/// share.
+/// Limit on the reach of a pair of points, relative to the shorter of the two points' own reaches. Up to this limit,
+/// the reach of a pair is the geometric mean of the two points' reaches. So where two densities meet, neither the
+/// denser nor the sparser side loses more than its share.
 constexpr double kMaxReach = 1.3;
 constexpr float kMaxSquare = static_cast<float>(1 / (kMaxReach * kMaxReach));
 
@@ -120,7 +122,7 @@ public:
         left_ = sizes_;
     }
 
-    /// Returns the depth of regions that have enough remaining points to choose from.
+    /// Returns the depth of regions that have enough points to choose from if `left` points remain in all.
     int depth(std::size_t left) const {
         int depth = 0;
         while (depth < depth_ && (left >> (depth + 1)) >= kMinRegionPoints) ++depth;
@@ -175,8 +177,8 @@ private:
     }
 
     int depth_ = 0;
-    std::vector<std::uint32_t> sizes_;  ///< [2 << depth] the halves of region i are 2 i and 2 i + 1
-    std::vector<std::uint32_t> left_;
+    std::vector<std::uint32_t> sizes_;  ///< [2 << depth_] points at first; the halves of region i are 2 i and 2 i + 1
+    std::vector<std::uint32_t> left_;   ///< [2 << depth_] remaining points
 };
 
 /// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic
@@ -203,10 +205,10 @@ public:
         join(actual_);
     }
 
-    /// Returns the wanted smoothed number of points around a point, per point in all.
+    /// Returns the smoothed number of points that are wanted around a point, divided by the number of all points.
     float wanted(std::uint32_t point) const { return read(around_[point], wanted_); }
 
-    /// Returns the actual smoothed number of points around a point.
+    /// Returns the smoothed number of points that are around a point.
     float actual(std::uint32_t point) const { return read(around_[point], actual_); }
 
     void remove(std::uint32_t point) {
@@ -241,8 +243,8 @@ private:
         std::size_t nodes, period;
     };
 
-    /// The nine nodes around a position: the lowest one, and the offset of the position in the cell of the middle node,
-    /// in [0, 1].
+    /// The nine nodes around a position. `column` and `row` are those of the node at the lower left. `x` and `y` are
+    /// the offset of the position in the cell of the middle node, in [0, 1].
     struct Around {
         std::uint32_t column, row;
         float x, y;
@@ -261,7 +263,7 @@ private:
         return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y), [&](std::size_t row) { return first + row * x_.nodes; });
     }
 
-    /// Adds a multiple of the weights to the nodes around a position.
+    /// Adds the spline weights of a position, multiplied by `factor`, to the nodes around it.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
         float* const first = nodes.data() + node(at);
         for_taps(b_spline<2>(at.x), b_spline<2>(at.y), factor,
@@ -290,8 +292,8 @@ private:
     }
 
     Axis x_, y_;
-    std::vector<float> wanted_;   ///< [nodes] wanted smoothed number of points, per point in all
-    std::vector<float> actual_;   ///< [nodes] actual smoothed number of points
+    std::vector<float> wanted_;   ///< [nodes] smoothed number of wanted points, divided by that of all points
+    std::vector<float> actual_;   ///< [nodes] smoothed number of actual points
     std::vector<Around> around_;  ///< nodes around each point
 };
 
@@ -306,11 +308,12 @@ class Crowd {
 public:
     /// Two points that are near each other.
     struct Pair {
-        float square;  ///< squared ratio of their distance to the reach
+        float square;  ///< squared ratio of their distance to the reach of the pair
         std::uint32_t i, j;
     };
 
-    /// @param reaches  [n] distance within which points crowd each other
+    /// @param reaches  [n] distance within which other points crowd each point
+    /// @param widest   limit on the reach of a pair of points, relative to the reach of either point
     Crowd(const Domain& domain, std::span<const Point> places, std::span<const double> reaches, double widest,
           Executor& executor, const std::stop_token& stop)
         : cells_(domain, places),
@@ -348,8 +351,8 @@ public:
         std::ranges::sort(pairs_, {}, [](const Pair& pair) { return std::tuple(pair.square, pair.i, pair.j); });
     }
 
-    /// Pairs that become too near during a step, in ascending order of distance. Of many coincident points, only some
-    /// pairs are listed.
+    /// Pairs of points that become too near to each other during a step, in ascending order of distance / reach. Of
+    /// many coincident points, only some pairs are listed.
     std::span<const Pair> pairs() const { return pairs_; }
 
     float operator()(std::uint32_t point) const { return crowding_[slots_[point]]; }
@@ -370,8 +373,8 @@ private:
         cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
     }
 
-    /// Computes the squared ratios of the distances from point k to the reach. Entries beyond the end, and k itself,
-    /// get 1.
+    /// Computes, for the eight points from list position `begin` on, the squared ratio of their distance from point k
+    /// to the reach of the pair. Points from `end` on, and k itself, get 1.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
         EightLanes::Counts columns, rows;
         Floats other;
@@ -395,8 +398,9 @@ private:
         crowding = square * square * left * factor;
     }
 
-    /// Sums the crowding of a point.
-    /// @returns  the squared ratio of distance to reach for the nearest point
+    /// Sums the crowding of point k.
+    /// @param runs  the points near point k
+    /// @returns     the squared ratio of distance to reach for the nearest point
     CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
         Floats sum{}, nearest = Floats{} + 1;
         for (const auto [begin, end] : runs) {
@@ -529,8 +533,8 @@ private:
         });
     }
 
-    /// Returns the distance of nodes. With it, there are at most about as many nodes as points, whatever the domain's
-    /// shape.
+    /// Returns the distance of nodes. It is so large that there are at most about as many nodes as points, whatever the
+    /// shape of the domain.
     double node_distance() const {
         const Box box = domain_.unit_bounds();
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
@@ -538,8 +542,9 @@ private:
                          std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
     }
 
-    /// Returns the point to remove next. If two points would be too near each other among `stay` remaining points, it
-    /// is one of these two. Otherwise it is the point with the largest excess in the region that is next in turn.
+    /// Returns the point to remove next, after which `stay` points remain. If two points would be too near to each
+    /// other in a pattern of `stay` points, returns one of the two. Otherwise returns the point with the largest excess
+    /// in the region that is next in turn.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
         const double least = kMinDistance / kReach * std::sqrt(grown);
@@ -556,8 +561,9 @@ private:
     float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->actual(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
-    /// Returns the point with the largest excess. bounds_ stores excesses without their wanted part. During a step such
-    /// values only decrease, so old values are upper bounds.
+    /// Returns the point in [begin, end) with the largest excess. bounds_ stores excesses without the wanted part of
+    /// the surplus. During a step these values only decrease, so old values are upper bounds.
+    /// @param left  number of points that remain in the domain
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
         Ints found;
         with_lanes([&](auto) CCDT_INLINE { find_largest(begin, end, left, found); });
@@ -629,7 +635,7 @@ private:
     std::optional<Crowd> crowd_;
     std::vector<std::uint8_t> is_there_;
     std::optional<Surplus> surplus_;
-    std::vector<float> wanted_;  ///< wanted part of the weighted surplus, per remaining point
+    std::vector<float> wanted_;  ///< wanted part of the weighted surplus, divided by the number of remaining points
     std::vector<float> bounds_;  ///< upper bounds of the excess without its wanted part
     std::size_t next_pair_ = 0;
 };
@@ -656,7 +662,8 @@ double clamped(double coordinate) {
     return std::clamp(coordinate, -kMaxCoordinate, kMaxCoordinate);
 }
 
-/// Added to the sum of directions, so that the sum has a direction even if points all over the globe cancel out.
+/// Added to the sum of the points' directions, so that the sum has a direction even if points all over the globe cancel
+/// out.
 constexpr double kTilt = 1e-6;
 
 constexpr double kMinSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide

@@ -15,33 +15,35 @@ namespace ccdt {
 /// Orders points progressively: for any k, the first k points are spread as evenly as possible, with the same relative
 /// density as all points.
 ///
-/// Points are removed one after another, and the order of the result is the reverse of their removal. The next point is
-/// always one with the largest excess. The excess is the sum of (1 - d / r)^5 over neighbours at distances d < r, plus
-/// half of the smoothed surplus of points around the point. r is 1.7 to 2 times the neighbour distance h in a hexagonal
-/// grid of the remaining points, scaled by the local spacing. The surplus is smoothed by splines on cells of width 3 h.
-/// If two points are nearer to each other than 0.58 h, one of them is removed at once.
+/// Points are removed one after another, and the result lists them in the reverse order of their removal. Each time,
+/// the point with the largest excess in a region (see below) is removed. The excess of a point is its crowding plus
+/// half of the surplus of points around it. The crowding is the sum of (1 - d / r)^5 over all neighbours at distances d
+/// < r. Here, h is the distance of neighbours in a hexagonal grid with the local density of the remaining points, and r
+/// is 1.7 h to 2 h. The surplus is smoothed by splines on a grid whose cells are about 3 h wide at the mean density. If
+/// two points are nearer to each other than 0.58 h, one of them is removed before all other points.
 ///
-/// No part of the domain should lose more points than others. So the domain is recursively halved into regions with
-/// equal numbers of points, of which 256 to 511 remain, and the regions lose points in turn.
+/// No part of the domain should lose a larger share of its points than another part. So the domain is recursively
+/// halved into regions with nearly equal numbers of points, and the regions lose points in turn. As points are removed,
+/// regions are merged, so that about 256 to 511 points remain in each.
 ///
 /// @param domain    on a torus distances are periodic; of any other domain only the bounding box is used
 /// @param points    [n], in the domain's bounding box; may coincide
-/// @param even      whether points have the same density everywhere, without a border; otherwise the density is
-///                  measured from the points
+/// @param even      whether the points have the same density everywhere and the domain has no border; otherwise, the
+///                  density is measured from the points
 /// @param stop      polled regularly; a stop is not an error, but the returned permutation must not be used
-/// @param executor  computes crowding and densities
+/// @param executor  runs the tasks that compute crowding and densities
 /// @returns         indices [n]: a permutation
 ///
 /// Deterministic for any number of threads. O(n log n).
 ///
-/// Source: Yuksel 2015, "Sample elimination for generating Poisson disk sample sets". Departures: r grows steadily as
-/// points are removed, not once per octave; the surplus, which suppresses long waves; the least distance; regions; the
-/// density is measured from the points.
+/// Source: Yuksel 2015, "Sample elimination for generating Poisson disk sample sets". Departures: r grows each time 30%
+/// of the remaining points have been removed, not only after each halving; the surplus, which suppresses long waves;
+/// the least distance of 0.58 h; the regions; a density that is measured from the points.
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
                                              const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
-/// Does the same for points on the globe, given by longitude and latitude in degrees. Uses a conformal chart around
-/// their centre.
+/// Does the same for points on the globe, given by longitude and latitude in degrees. Uses a conformal chart around the
+/// centre of the points.
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop = {},
                                                       Executor& executor = inline_executor());
 

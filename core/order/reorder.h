@@ -9,7 +9,7 @@
 namespace ccdt {
 
 /// Reorders the points of a distribution, together with its mesh, if any.
-/// @param order  indices [points]: a permutation
+/// @param order  [points] for each position, the index of the point that moves there: a permutation
 void reorder(Distribution& distribution, std::span<const std::uint32_t> order);
 
 }  // namespace ccdt

@@ -18,12 +18,13 @@ namespace ccdt {
 namespace {
 
 // Test ThresholdMask requires the quality that these constants reach. A narrower Gaussian leaves more power in low
-// frequencies, a wider one clusters.
+// frequencies; a wider one makes pixels cluster.
 constexpr double kSigma = 1.5;  ///< in pixels
 constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values beyond this are below 4e-4
 constexpr int kMaxSweeps = 32;
 
-/// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
+/// Share of set pixels in the tile. If fewer pixels are set, the Gaussians of neighbouring set pixels no longer
+/// overlap.
 constexpr double kSparseShare = 1.0 / 16;
 
 /// A pattern of set pixels on a torus, to be spread evenly.
@@ -80,7 +81,7 @@ public:
         while (gone.size() < count && !(gone.size() % kStopStride == 0 && stop.stop_requested())) {
             const auto [crowding, i] = queue.top();
             queue.pop();
-            // Since the entry was queued, removals nearby have reduced the crowding.
+            // Removals of nearby pixels have reduced the crowding since the entry was queued.
             if (crowding != crowding_[i]) {
                 queue.emplace(crowding_[i], i);
                 continue;

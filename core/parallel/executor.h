@@ -14,18 +14,18 @@ public:
     virtual ~Executor() = default;
 
     /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel. Returns after all tasks have
-    /// ended. A task must not touch what another task writes, and must not call run().
+    /// ended. A task must not access data that another task writes, and must not call run().
     ///
-    /// Rethrows an exception thrown by a task; if several tasks throw, that of the lowest task number. After an
-    /// exception, the remaining tasks may not be called.
+    /// If tasks throw exceptions, rethrows that of the task with the lowest number. After an exception, it is not
+    /// certain that the remaining tasks are called.
     virtual void run(std::size_t count, const std::function<void(std::size_t)>& task) = 0;
 };
 
 /// Returns an executor that runs all tasks in the calling thread, one after the other.
 Executor& inline_executor();
 
-/// Divides [0, count) into ranges of `range` numbers, the last one possibly shorter, and calls function(begin, end) for
-/// each.
+/// Divides [0, count) into ranges of `range` numbers, the last one possibly shorter. Calls function(begin, end) for
+/// each range, possibly in parallel.
 template <class Function>
 void for_ranges(Executor& executor, std::size_t count, std::size_t range, Function&& function) {
     if (count <= range) {

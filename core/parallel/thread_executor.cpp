@@ -17,7 +17,8 @@ public:
     }
 };
 
-/// Spins for a short time: mostly the condition soon becomes true, and waking a thread takes tens of microseconds.
+/// Spins for a short time until a condition is true. The condition usually becomes true soon, whereas waking a sleeping
+/// thread takes tens of microseconds.
 template <class Predicate>
 void wait_awake(Predicate&& has_come) {
     constexpr auto kSoon = std::chrono::microseconds(50);

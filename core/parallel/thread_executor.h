@@ -36,8 +36,8 @@ private:
         std::size_t count = 0;
         const std::function<void(std::size_t)>* task = nullptr;
         std::atomic<std::size_t> next = 0;  ///< next task to begin
-        std::mutex failing;
-        std::size_t failed = 0;  ///< lowest number of a task that threw
+        std::mutex failing;                 ///< guards `failed` and `failure`
+        std::size_t failed = 0;             ///< lowest number of a task that threw
         std::exception_ptr failure;
     };
 
@@ -50,9 +50,9 @@ private:
     std::condition_variable_any wanted_;  ///< signals new work
     std::condition_variable left_;        ///< signals that a helper is no longer busy
     Work* work_ = nullptr;
-    std::atomic<std::size_t> round_ = 0;  ///< number of the current work
-    std::size_t open_slots_ = 0;          ///< helpers that may still join
-    std::atomic<std::size_t> busy_ = 0;   ///< helpers at work
+    std::atomic<std::size_t> round_ = 0;  ///< number of the current work, counted from the start
+    std::size_t open_slots_ = 0;          ///< number of helpers that may still join the current work
+    std::atomic<std::size_t> busy_ = 0;   ///< number of helpers at work
     std::vector<std::jthread> helpers_;
 };
 

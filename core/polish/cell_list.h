@@ -13,7 +13,7 @@
 
 namespace ccdt {
 
-/// Finds the points near a place, by a grid with about one point per cell. Each crowded cell has a nested grid.
+/// Finds the points near a place by means of a grid with about one point per cell. Each crowded cell has a nested grid.
 class CellList {
 public:
     /// @param places  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
@@ -21,8 +21,8 @@ public:
     /// O(points), multiplied by the depth of nested grids.
     CellList(const Domain& domain, std::span<const Point> places);
 
-    /// Calls function(point, number) for each point that may be within `reach` of p. On a torus, `point` is the copy
-    /// nearest to p. Some points farther away may be included.
+    /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
+    /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
     /// @param reach  > 0
     template <class Function>
     void for_near(Point p, double reach, Function&& function) const {
@@ -37,7 +37,7 @@ public:
         }
     }
 
-    /// A range of successive points in sorted order.
+    /// A range of successive points in the order of numbers(). In this order, the points of a cell are successive.
     struct Run {
         std::uint32_t begin, end;
     };
@@ -46,7 +46,7 @@ public:
     /// @param runs  out; cleared first
     void find_near(Point p, double reach, std::vector<Run>& runs) const;
 
-    /// Numbers of the points in sorted order. Runs are ranges of this list.
+    /// Returns the indices of all points in `places`, sorted by cell. Runs are ranges of this list.
     std::vector<std::uint32_t> numbers() const;
 
 private:
@@ -86,8 +86,8 @@ private:
 
     static int wrapped(int i, int cells) { return i < 0 ? i + cells : i >= cells ? i - cells : i; }
 
-    /// Range of cells of the first grid. On a torus the range may extend beyond the grid's ends, but contains no cell
-    /// twice.
+    /// Returns the range of cells of the first grid within `reach` of a coordinate. On a torus, the range may extend
+    /// beyond the grid's ends, but contains no cell twice.
     Range around(double v, double reach, const Axis& axis) const {
         if (!torus_) return {axis.cell(v - reach), axis.cell(v + reach)};
         const auto cell = [&](double place) {

@@ -54,7 +54,8 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     spread_wanted(masses, side);
 }
 
-/// Determines which points of the grid to store: all points that spreading within the pieces can reach.
+/// Determines which points of the grid to store: all points over which a place in one of the pieces can be spread.
+/// @param pieces  the pieces of the box that contain a part of the areas
 /// @param side  size of the pieces
 void ErrorGrid::choose_stored(const CrossedCells& pieces, Point side) {
     constexpr double kMargin = 0.5;  // in pieces; rounding can move a point beyond the side of a piece

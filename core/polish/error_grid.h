@@ -11,16 +11,17 @@
 
 namespace ccdt {
 
-/// Measures the smoothed difference between the actual and the wanted density of sites. Sites are spread on a grid by
-/// cubic B-splines, and so are areas, weighted by the number of sites that they want. Each cell distributes its excess
-/// over the sites that were spread on it, so no error is lost. Waves of two cells and shorter, which are the pattern
-/// itself, are smoothed away. In each row, only grid points near the areas are stored.
+/// Measures the smoothed difference between the actual and the wanted density of sites. Cubic B-splines spread each
+/// site over the points of a grid. The areas where sites are wanted are spread in the same way, weighted by the number
+/// of sites that they want. Each grid point distributes its excess over the sites that were spread on it, so no error
+/// is lost. Waves of two cells and shorter belong to the pattern of the sites itself; they are smoothed away. In each
+/// row, only grid points near the areas are stored.
 class ErrorGrid {
 public:
     /// @param sides    size of the box that contains areas and sites; the box's lower left corner is the origin
-    /// @param cell     side of the grid's cells; enlarged if there would be too many for the number of sites
+    /// @param cell     side of the grid's cells; enlarged if there would be more than 64 cells per site
     /// @param border   border of the areas, which together want `sites` sites
-    /// @param density  density of the wanted sites, stretched over the box
+    /// @param density  wanted density of sites, stretched over the box
     ///
     /// O(rows + cells between borders + the density's cells).
     ErrorGrid(Point sides, double cell, std::size_t sites, std::span<const BorderEdge> border, const Density& density);
@@ -33,8 +34,8 @@ public:
     double at(Point site) const;
 
 private:
-    /// The 4 x 4 grid points around a place: the one at the lower left, and the offset of the place from the point in
-    /// the second row and column.
+    /// The 4 x 4 grid points around a place. `column` and `row` are those of the lower left point. `fraction` is the
+    /// offset of the place, in cells, from the point in the second row and column.
     struct Place {
         std::size_t column, row;
         Point fraction;
@@ -51,10 +52,10 @@ private:
 
     double cell_;
     std::size_t columns_, rows_;
-    /// [rows] index that the point in column 0 would have if it were stored; may wrap around.
+    /// [rows] index in wanted_ and values_ that the point in column 0 would have if it were stored; may wrap around.
     std::vector<std::size_t> numbers_;
-    std::vector<double> wanted_;  ///< [points] wanted sites
-    /// [points] actual sites; after measure(), their excess as a share of the actual sites.
+    std::vector<double> wanted_;  ///< [points] number of wanted sites
+    /// [points] number of actual sites; after measure(), the excess of sites divided by this number.
     std::vector<double> values_;
 };
 

@@ -11,9 +11,9 @@ namespace {
 /// Removes the part of a move that would bring a site nearer than `least` to an obstacle.
 /// @param away      any vector pointing away from the obstacle
 /// @param squared   squared length of `away`
-/// @param distance  distance from the obstacle times the length of `away`
+/// @param distance  distance of the site from the obstacle, times the length of `away`
 void keep_off(Point away, double squared, double distance, double least, Point& move) {
-    // Returns early, without a square root, if the site is far enough whatever the direction of the move.
+    // If the site is far enough for any direction of the move, no square root is needed.
     if (distance * distance > 2 * (least * least + dot(move, move)) * squared) return;
     const double scale = 1 / std::sqrt(squared);
     const double before = scale * distance, after = before + scale * dot(move, away), kept = std::min(before, least);

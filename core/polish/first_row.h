@@ -10,7 +10,8 @@
 
 namespace ccdt {
 
-/// Depth of the first row below the border, in spacings. Half a row of the hexagonal grid is 0.47 spacings.
+/// Distance that the first row should keep from the border, in spacings. Half a row of the hexagonal grid is 0.47
+/// spacings.
 inline constexpr double kFirstRow = 0.45;
 
 /// The first row: the sites that share an edge with a vertex of the border.
@@ -20,19 +21,20 @@ public:
     /// @param mesh  trimmed, not of a torus
     void find(const Triangulation& mesh);
 
-    /// Removes the part of each move that would bring a site nearer than `depth` to the border edge opposite to it. A
-    /// site that is already nearer may slide along the edge, but comes no nearer.
+    /// Limits the moves of sites that face an edge of the border across a triangle. Removes the part of a move that
+    /// would bring the site nearer than `depth` to that edge. A site that is already nearer may slide along the edge,
+    /// but comes no nearer.
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
-    /// @param depth     in spacings
+    /// @param depth     least distance from the border, in spacings
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// Does the same for vertices of the border instead of edges. Vertices hold back sites in narrow tongues and
-    /// needles.
+    /// Limits the moves of sites in the same way with respect to the border vertices to which edges of the mesh join
+    /// them. This also holds back sites that face no edge of the border, as in narrow tongues and needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 
-    /// The sites of the first row [n], in ascending order.
+    /// Returns the sites of the first row [n], in ascending order.
     std::span<const std::uint32_t> sites() const { return sites_; }
 
 private:
@@ -41,7 +43,7 @@ private:
     };
     std::vector<std::uint32_t> sites_;
     std::vector<Neighbours> ends_;         ///< edges from sites of the first row to vertices of the border
-    std::vector<std::uint32_t> segments_;  ///< half-edges on the border opposite to a site
+    std::vector<std::uint32_t> segments_;  ///< half-edges on the border that face a site across their triangle
 };
 
 }  // namespace ccdt

@@ -11,12 +11,13 @@ namespace {
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 /// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges connect two aggregates not only
-/// in parallel, but also in chains. Along such a chain, a potential falls evenly over two or three fine edges, the
-/// width of an aggregate. In the coarse graph it falls over a single edge.
+/// in parallel, but also in chains. Along such a chain, the potential falls evenly over two or three fine edges, which
+/// is the width of an aggregate. In the coarse graph, the same difference of potential lies across a single edge.
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block
-/// Vertices per task. A task interleaves its blocks, since each step within a block waits for the previous step.
+/// Vertices per task. A task processes its blocks interleaved, because each step within a block waits for the result of
+/// the previous step.
 constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
@@ -60,7 +61,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     level.first.reserve(vertices + 1);
     level.first.push_back(0);
     level.all.reserve(links.size());
-    std::vector<std::uint32_t> last(vertices, kNone);  // [vertices] the link most recently created to each vertex
+    std::vector<std::uint32_t> last(vertices, kNone);  // [vertices] index of the newest link to each vertex
     for (std::uint32_t v = 0; v < vertices; ++v) {
         const std::size_t begin = level.all.size();
         double sum = 0;
@@ -72,7 +73,8 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
                 level.all[last[link.to]].conductance += link.conductance;
             }
         }
-        // Sorts the links: lower numbers in the block of v, higher numbers in the block, then other blocks.
+        // Groups the links: first links to lower numbers in the block of v, then to higher numbers in the block, then
+        // to other blocks.
         const auto from = level.all.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto beyond =
             std::partition(from, level.all.end(), [v](const Link& link) { return link.to / kBlock == v / kBlock; });
@@ -90,8 +92,9 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
     return level;
 }
 
-/// Aggregates vertices. A vertex of whose neighbours none is in an aggregate yet forms one with all its neighbours.
-/// Each remaining vertex joins the aggregate of the neighbour with the largest conductance.
+/// Divides the vertices into aggregates. If neither a vertex nor any of its neighbours is in an aggregate yet, the
+/// vertex forms one with all its neighbours. Each remaining vertex joins the aggregate of a neighbour: the one with the
+/// largest conductance.
 /// @returns  number of aggregates
 std::size_t GraphSolver::aggregate(Level& level) {
     std::vector<std::uint32_t> seeds(level.size(), kNone);
@@ -132,7 +135,8 @@ inline double GraphSolver::Level::outflow(std::uint32_t v, std::span<const doubl
     return flow;
 }
 
-/// Calls function(begin, end) for ranges of vertices of a level, in parallel.
+/// Calls function(begin, end) for ranges of the vertices of a level, in parallel. A range is the work of one task.
+/// @param vertices  number of vertices of the level
 template <class Function>
 void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     for_ranges(executor_, vertices, kTask, [&](std::size_t begin, std::size_t end) {
@@ -140,7 +144,7 @@ void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     });
 }
 
-/// Calls function(begin, end) for ranges of vertices of the finest level.
+/// Calls function(begin, end) for the same ranges of the vertices of the finest level.
 /// @returns  the sum of the results
 template <class Function>
 double GraphSolver::sum_over_blocks(Function&& function) {
@@ -162,8 +166,8 @@ void GraphSolver::cycle(std::size_t number) {
         return sum;
     };
     const auto relax = [&](std::uint32_t v, double all) { level.potential[v] = all * level.inverse[v]; };
-    // All potentials start at zero, so links to later vertices contribute nothing yet. What they would contribute at
-    // the end of the sweep is the residual.
+    // All potentials start at zero, so links to later vertices and to other blocks contribute nothing in this sweep.
+    // What they would contribute after the sweep is the residual.
     for_blocks(level.size(), [&](std::uint32_t begin, std::uint32_t end) {
         const std::uint32_t most = std::min(kBlock, end - begin);
         for (std::uint32_t i = 0; i < most; ++i) {

@@ -13,7 +13,8 @@ namespace ccdt {
 /// Solves Laplace's equation on a graph whose edges have conductances: finds the potentials that drive given inflows
 /// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph replaces
 /// an aggregate, that is, a vertex and its neighbours. The graph need not be connected. Relaxation processes blocks of
-/// successive vertices in parallel. Each block uses the previous potentials of the other blocks.
+/// successive vertices in parallel. For vertices of other blocks, a block uses the potentials from before the current
+/// sweep.
 ///
 /// Source: Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 56 (1996), for the choice of
 /// aggregates. Departure: prolongation is not smoothed; instead, corrections are scaled up.
@@ -28,18 +29,20 @@ public:
         float conductance;
     };
 
-    /// @param edges     parallel edges add up; neighbouring vertices should have close numbers
-    /// @param executor  runs the tasks; must outlive this
+    /// @param edges     the conductances of parallel edges are added; most neighbours should have close numbers, so
+    ///                  that they are in the same block
+    /// @param executor  runs the tasks; must outlive this object
     ///
     /// O(vertices + edges).
     GraphSolver(std::size_t vertices, std::span<const Edge> edges, Executor& executor = inline_executor());
 
     std::size_t size() const { return levels_.front().size(); }
 
-    /// Edges of a vertex.
+    /// Returns the links of a vertex, one to each neighbour.
     std::span<const Link> links(std::uint32_t vertex) const { return levels_.front().links(vertex); }
 
-    /// Finds potentials such that sum of conductance * (potential - neighbour's potential) = inflow, approximately.
+    /// Finds potentials such that, at each vertex, the sum of conductance * (potential - neighbour's potential) over
+    /// its links is approximately the inflow.
     /// @param inflow     [vertices], with sum 0 in each connected component; overwritten
     /// @param potential  out [vertices]
     /// @param steps      number of iterations, each of which reduces the error to a third or less
@@ -49,18 +52,21 @@ public:
 
 private:
     struct Level {
-        /// [vertices + 1] start of each vertex' links: first the links within its block, in order, then the others.
+        /// [vertices + 1] start of each vertex' links. First come the links to lower numbers in the vertex' block, then
+        /// the links to higher numbers in the block, then the links to other blocks.
         std::vector<std::uint32_t> first;
-        /// [vertices] the first of the vertex' links that leads to a vertex with a larger number.
+        /// [vertices] start of the vertex' links to higher numbers in its block.
         std::vector<std::uint32_t> later;
-        std::vector<std::uint32_t> beyond;  ///< [vertices] the first of the vertex' links that leaves the block
+        std::vector<std::uint32_t> beyond;  ///< [vertices] start of the vertex' links to other blocks
         std::vector<Link> all;              ///< links of all vertices
         std::vector<double> sum;            ///< [vertices] sum of the links' conductances
         std::vector<double> inverse;        ///< [vertices] 1 / sum, or 0
-        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level; empty on the last level
-        /// [vertices of the next level + 1] The vertices that form each vertex of the next level, and where its list
-        /// starts.
+        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level that contains it; empty on the last
+        /// Lists of the vertices for which each vertex of the next level stands. `members` contains all lists
+        /// [vertices], and `first_member` the start of each list [vertices of the next level + 1].
         std::vector<std::uint32_t> members, first_member;
+        /// [vertices] State of cycle(). `left` is first the residual, then the inflow including flows from other
+        /// blocks.
         std::vector<double> inflow, potential, left;
 
         std::size_t size() const { return sum.size(); }

@@ -21,7 +21,7 @@ Point own_way(std::uint32_t site) {
     return {std::cos(angle), std::sin(angle)};
 }
 
-/// Returns the share of the separation of two sites that the first one moves.
+/// Returns the share of the total move of two sites that `site` makes; `other` makes the remaining share.
 double share_of(const InkSite& site, const InkSite& other) {
     const double area = site.own_spacing * site.own_spacing;
     return area / (area + other.own_spacing * other.own_spacing);

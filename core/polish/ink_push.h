@@ -19,13 +19,13 @@ struct InkSite {
     double own_spacing = 1;  ///< local spacing of the sites of the same ink; only ratios matter
 };
 
-/// Pushes sites of different inks apart. Sites of the same ink do not push each other. Of two sites, the one whose ink
-/// is sparser moves farther, in proportion to the area per site of the two inks. So dense patterns, in which gaps would
-/// be most visible, stay even.
+/// Pushes sites of different inks apart. Sites of the same ink do not push each other. Of two sites, the one of the
+/// sparser ink moves farther: the two moves are in proportion to the areas per site of the two inks. So dense patterns,
+/// in which gaps would be most visible, stay even.
 ///
 /// @param reach  distance below which sites push each other, relative to the neighbour distance in a hexagonal grid of
 ///               the sites of all inks
-/// @param push   share of the missing distance by which the two sites move on average
+/// @param push   share of the missing distance by which a site moves, averaged over the two sites
 /// @param stop   polled regularly; after a stop the remaining sites are not pushed
 /// @returns      the move of each site [sites]
 ///

@@ -27,7 +27,7 @@ LocalSpacing::LocalSpacing(Point sides, const Density& density, double sites)
     }
 }
 
-/// Number of sites wanted by a block of 2^level x 2^level cells.
+/// Returns the number of sites wanted by a block of 2^level x 2^level cells.
 double LocalSpacing::sites_of(std::size_t level, std::size_t column, std::size_t row) const {
     if (level == 0) return sites_per_value_ * density_.value(static_cast<int>(column), static_cast<int>(row));
     const Level& blocks = levels_[level - 1];

@@ -9,13 +9,13 @@
 
 namespace ccdt {
 
-/// Spacing of sites around a place, even if sites are far denser there than elsewhere. The spacing follows from the
-/// mean density of a block of cells (1, 2 x 2, 4 x 4, ...): the smallest block that contains the place and wants at
-/// least one site.
+/// Computes the spacing of sites around a place, even if sites are far denser there than elsewhere. The spacing follows
+/// from the mean density of a block of cells (1, 2 x 2, 4 x 4, ...): the smallest block that contains the place and
+/// wants at least one site.
 class LocalSpacing {
 public:
     /// @param sides    size of the box over which the density is stretched
-    /// @param density  not uniform; must outlive this
+    /// @param density  not uniform; must outlive this object
     /// @param sites    total number of sites
     ///
     /// O(the density's cells).

@@ -14,13 +14,13 @@ namespace ccdt {
 
 namespace {
 
-/// Longest push, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep more than half of
-/// their distance.
+/// Longest push, in spacings. Even if two neighbours of a hexagonal grid, 1.07 spacings apart, move straight towards
+/// each other, they keep more than half of their distance.
 constexpr double kMaxPush = 0.2;
-/// Distance from the border that a push keeps, in spacings. Without it, sites get stuck together in needles. A larger
-/// value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. Pushes with a reach beyond the
-/// nearest neighbours would press sites against the border, where nothing pushes back. Such pushes keep the first row
-/// at its depth instead.
+/// Least distance from the border, in spacings, to which a push may move a site. Without this limit, sites get stuck
+/// together in needles. A larger value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. It
+/// holds for pushes with a reach of at most 1. With a longer reach, sites would be pressed against the border, where
+/// nothing pushes back; such pushes keep the first row at the distance kFirstRow instead.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
 // Sites or triangles per task.
@@ -56,8 +56,8 @@ Point MeshPolish::inside(Point p) const {
             std::clamp(p.y, kInside * sides.y, (1 - kInside) * sides.y)};
 }
 
-/// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0,
-/// unless all of the density is far away.
+/// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0.
+/// If there is no such place within two spacings, the density may be 0.
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
@@ -146,8 +146,8 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of a range of triangles, which `block` selects. Edges within the block and other edges are listed
-/// separately.
+/// Lists the edges of a range of triangles, which `block` selects. Edges within the block are listed in edges_, other
+/// edges in `others`.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -205,6 +205,7 @@ std::vector<std::array<std::uint32_t, 2>> MeshPolish::near_pairs(const Triangula
 }
 
 /// Lists the pairs of near sites that are joined by an edge, the smaller number first.
+/// @param half_reach  half of the distance below which two sites are near, relative to the mean of their spacings
 std::vector<std::array<std::uint32_t, 2>> MeshPolish::joined_within(const Triangulation& mesh,
                                                                     double half_reach) const {
     std::vector<std::array<std::uint32_t, 2>> joined;
@@ -271,7 +272,7 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
-    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites held in place are nearer
+    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites that are stuck are nearer
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
@@ -280,8 +281,8 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double least = half_reach * (spacing_of(a) + spacing_of(b));
         const double squared = dot(along, along);
         if (squared >= least * least) return;
-        // Two sites that face each other across a narrow tongue would be pressed against its shores. So they also turn
-        // around each other.
+        // Two sites that face each other across a narrow tongue would be pressed against the shores of the tongue. So
+        // they also turn around each other.
         const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
         const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;
         const Point by = push * (least / std::sqrt(squared) - 1) * way;
@@ -312,6 +313,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
 }
 
 /// Pushes sites away from fixed points that have no vertex.
+/// @param half_reach  as in joined_within()
 void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, double push) {
     const Point sides = domain_.unit_bounds().max;
     for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
@@ -366,8 +368,8 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
-/// Shortens or reverts moves around triangles that would be inverted or lose most of their area, until no such triangle
-/// remains.
+/// Shortens or reverts the moves of sites whose triangles would be inverted or lose most of their area, until no such
+/// triangle remains.
 void MeshPolish::revert_moves(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space to move
     const std::size_t triangles = mesh.triangle_count();

@@ -28,13 +28,13 @@ namespace ccdt {
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
-    /// @param domain, density  must outlive this
-    /// @param capacity         capacity of the domain, in units of one cell of density 1; unused if the density is
-    ///                         uniform
+    /// @param domain, density  must outlive this object
+    /// @param capacity         capacity of the domain, in units of the capacity of a density cell with the value 1;
+    ///                         unused if the density is uniform
     /// @param sites            number of free sites
     /// @param fixed            existing points; `fixed.places` are the mesh's last sites
     /// @param stop             polled regularly; after a stop the object must not be used
-    /// @param executor         runs the steps; must outlive this
+    /// @param executor         runs the steps; must outlive this object
     MeshPolish(const Domain& domain, const Density& density, double capacity, std::size_t sites, FixedSites fixed = {},
                const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
@@ -43,8 +43,8 @@ public:
     /// Returns 1 / sqrt(wanted density of sites) around a point.
     double spacing(Point p) const;
 
-    /// Evens out the initial sites. Called before they are triangulated, so that sites can cross gaps in the density.
-    /// Does nothing for a uniform density.
+    /// Evens out the initial sites. Must be called before the sites are triangulated, so that they can cross gaps in
+    /// the density. Does nothing for a uniform density.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
     /// Releases most of the memory until the next step.
@@ -54,28 +54,32 @@ public:
     /// change.
     void begin(const Triangulation& mesh);
 
-    /// Moves neighbours that are too near apart, and adds the given moves. This step and the following ones keep all
-    /// triangles counter-clockwise, but not the Delaunay property.
-    /// @param reach   relative to the neighbour distance in a hexagonal grid
+    /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like the steps below,
+    /// this step keeps all triangles counter-clockwise, but loses the Delaunay property.
+    /// @param reach   distance below which neighbours are pushed, relative to the neighbour distance in a hexagonal
+    ///                grid
     /// @param push    share of the missing distance by which each of the two sites moves
     /// @param pushed  [sites] moves caused by other inks; may be empty
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
     /// Whether any two sites are nearer than `least`, relative to the neighbour distance in a hexagonal grid. In
-    /// polygons, two near sites need not be joined by an edge: they can face each other across water or around a vertex
-    /// of the border. Such pairs are found as well, and the next pushes move them apart.
+    /// polygons, an edge need not join two near sites: they can face each other across water or around a vertex of the
+    /// border. This function also finds such pairs, and the next calls of push_apart() move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of near sites that find_nearer() has found. Each site is the first of at most one pair. Drops
-    /// cached data of the mesh, since the caller may relocate either site of a pair.
+    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits some pairs, so that
+    /// each site is the first one of at most one pair. Drops cached data of the mesh, since the caller may relocate
+    /// either site of a pair.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
-    /// Removes long waves of density error. Does nothing in polygons if the density is not smooth.
+    /// Removes long waves of density error. In polygons, does nothing if the density is not smooth or if there are
+    /// fixed points.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
-    /// Removes the power of low frequencies on a torus of uniform density that is wide enough and has no fixed sites.
-    /// Does nothing once the power of all low frequencies is negligible (Stealth::kNegligiblePower).
+    /// Removes the power of low frequencies. The domain must be a torus of uniform density that is wide enough
+    /// (Stealth::fits()) and has no fixed sites. Does nothing once the power of all low frequencies is negligible
+    /// (Stealth::kNegligiblePower).
     void remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop);
 
     /// Moves the sites. @param moves  [sites]
@@ -112,13 +116,14 @@ private:
     std::optional<LocalSpacing> local_;            ///< present if the density varies and there is no transport_
     Support support_;
     FirstRow row_;  ///< for polygons
-    /// Half-edges between sites [levels][blocks]. Each half-edge is listed for the smallest block that contains it.
+    /// [levels][blocks] Half-edges between sites. Each half-edge is listed for the smallest block that contains both of
+    /// its sites.
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
-    /// [sites] moves; after they are applied, the previous positions.
+    /// [sites] moves; once they are applied, the positions before the moves.
     std::vector<Point> moves_;
-    std::vector<double> spacings_;  ///< [sites]; empty if all are equal
-    double even_spacing_ = 0;       ///< the spacing if all are equal
+    std::vector<double> spacings_;  ///< [sites] local spacings; empty if the density of a box or torus is uniform
+    double even_spacing_ = 0;       ///< the spacing if the density is uniform
     double largest_area_ = 0;       ///< doubled area of the largest triangle before a move
 };
 

@@ -193,8 +193,9 @@ MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const P
 /// Computes the errors of the sites. Subtracts the mean error of each component: the measure smooths across gaps in the
 /// domain, so this mean can differ from zero.
 void MeshTransport::find_errors(const Triangulation& mesh) {
-    // In a narrow tongue, one missing site is most of the density, so the error is not small to first order. Countries
-    // in core/README.md: a third of this limit leaves 5 dB more of waves of four spacings in Canada.
+    // Limit on the error of a site. In a narrow tongue, a single missing site is most of the density, so the error is
+    // too large for a solution to first order. Countries in core/README.md: with a third of this limit, waves of four
+    // spacings in Canada are 5 dB stronger.
     constexpr double kMax = 0.3;
     measure_(std::span<const Point>(mesh.points()).first(mesh.site_count()), error_);
     std::ranges::fill(sums_, 0.0);

@@ -21,8 +21,9 @@ namespace ccdt {
 /// smoothed difference between actual and wanted density, and small moves of all sites that cancel this difference.
 ///
 /// The excess of sites is measured on a grid. The excess flows along the edges of the triangulation, which have the
-/// conductances of linear finite elements. So nothing flows across the border or between parts of the domain: each part
-/// wants as many sites as it has. The density must vary little between neighbouring sites.
+/// conductances of linear finite elements. So nothing flows across the border or between parts of the domain. Therefore
+/// the wanted density of each part is scaled such that the part wants as many sites as it has. The density must vary
+/// little between neighbouring sites.
 ///
 /// Source: as for Transport, but Laplace's equation is solved on the mesh; core/README.md has the derivation.
 class MeshTransport {
@@ -33,13 +34,13 @@ public:
     /// O(sites + vertices of the border + cells of the grid). The grid has at most 64 cells per site.
     MeshTransport(const Domain& domain, const Density& density, const Triangulation& mesh);
 
-    /// Computes the share of the error, in sites, assigned to each site, as ErrorGrid::at() does.
+    /// Function that computes the share of the error, in sites, that is assigned to each site, as ErrorGrid::at() does.
     using Measure = std::function<void(std::span<const Point> sites, std::span<double> errors)>;
 
-    /// Whether the excess may flow along the edge between two sites.
+    /// Function that returns whether the excess may flow along the edge between two sites.
     using Passes = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-    /// Uses another measure of the error. Only the edges that `passes` accepts carry a flow.
+    /// Uses another measure of the error. Only edges that `passes` accepts carry a flow.
     /// O(sites + vertices of the border).
     MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
 
@@ -68,9 +69,9 @@ private:
     GraphSolver solver_;
     Measure measure_;
     std::vector<double> error_, potential_;  ///< [sites] error and potential of each site
-    /// [sites] number of the connected component, with respect to the edges that carry a flow.
+    /// [sites] number of the site's component. Sites are connected if a path of edges that carry a flow joins them.
     std::vector<std::uint32_t> part_of_;
-    std::vector<double> sums_;    ///< [components] sum of the error
+    std::vector<double> sums_;    ///< [components] sum of the errors of the sites
     std::vector<double> counts_;  ///< [components] number of sites
 };
 

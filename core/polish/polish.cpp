@@ -82,7 +82,8 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
            [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
 }
 
-/// Calls function(layer, moves) for each ink until stopped; `moves` is empty if there is only one ink.
+/// Calls function(layer, moves) for each ink until stopped. `moves` is the part of moves_ for this ink; it is empty if
+/// there is only one ink.
 template <class Function>
 void Polish::for_each(const std::stop_token& stop, Function&& function) {
     std::span<Point> moves = moves_;
@@ -122,8 +123,8 @@ bool Polish::is_any_nearer(double least) {
                             layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
 }
 
-/// Repeats a push on new triangulations while any two sites are too near. If pushes cannot separate two sites, other
-/// sites or the two shores of a narrow neck enclose them. Then one of the two sites is relocated.
+/// Repeats a push on new triangulations while any two sites are too near. Pushes cannot separate two sites that are
+/// enclosed by other sites or by the shores of a narrow neck. One of two such sites is relocated.
 void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
                         const std::stop_token& stop) {
     for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);

@@ -29,19 +29,20 @@ public:
     struct Layer {
         MeshPolish* steps = nullptr;
         Triangulation* mesh = nullptr;
-        /// Makes the mesh Delaunay and its triangles more equal; may be empty if the settings never need it.
+        /// Restores the Delaunay property of the mesh, and makes the capacities of its triangles more equal by a number
+        /// of passes. May be empty if the settings have no relax rounds.
         std::function<void(int passes)> equalise;
         /// Relocates one site of each pair of near sites in a polygon to a place with more space. If empty, no site is
         /// relocated.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 
-    /// Computes moves of the sites of all inks.
+    /// Function that computes moves of the sites of all inks.
     /// @param sites  [layers] in the unit frame
     /// @returns      [layers][sites]
     using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
-    /// @param layers  [n >= 1], with densities on one common grid; all must outlive this
+    /// @param layers  [n >= 1], with densities on one common grid; all must outlive this object
     /// @param stop    polled regularly; after a stop the object must not be used
     Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_token& stop = {});
 
@@ -73,7 +74,7 @@ private:
     const Domain& domain_;
     std::vector<Layer> layers_;
 
-    // Data of all inks together, ink by ink; empty if there is only one ink.
+    // Data of the sites of all inks, one ink after the other; empty if there is only one ink.
     std::optional<Density> density_;
     std::optional<Transport> transport_;
     std::vector<Point> places_;   ///< [sites] positions

@@ -70,8 +70,8 @@ constexpr Row kVarying{
 };
 // Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. If neighbours
 // are never found again, this distance is a fiftieth smaller where the density varies; finding them in each round gains
-// no more. The last round reduces the distance as well, but without it the tone of each ink is lost:
-// DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
+// no more. The last even round (`last_rounds`) reduces this distance as well, but without it the tone of each ink is
+// lost: DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,
@@ -99,7 +99,7 @@ constexpr Row kInks{
      .retouch_rounds = 6},
 };
 
-/// The first round leaves a power of about 1e-7, the second 1e-11, and the third only rounding errors.
+/// Stealth rounds. The first round leaves a power of about 1e-7, the second 1e-11, and the third only rounding errors.
 constexpr int kStealthRounds = 4;
 
 }  // namespace

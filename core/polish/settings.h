@@ -16,34 +16,36 @@ enum class Quality {
 };
 
 /// Schedule of a polish, in order of execution, and the strength of its steps. Every reach is relative to the neighbour
-/// distance in a hexagonal grid: of an ink's own sites for pushes within an ink, and of all inks' sites for pushes
-/// between inks.
+/// distance in a hexagonal grid. For pushes within an ink, this grid has the density of the ink's own sites; for pushes
+/// between inks, it has the density of the sites of all inks.
 struct PolishSettings {
-    /// Number of iterations, the last ones, that begin with a push and the removal of waves; in dot maps only.
+    /// Number of the last iterations before the polish that begin with a push and the removal of waves; in dot maps
+    /// only.
     int early = 0;
-    int rounds = 0;        ///< rounds that push near sites apart and remove long waves
-    int even_every = 1;    ///< rounds from one removal of waves to the next, also for relax rounds
-    int mesh_every = 0;    ///< rounds from one search for neighbours to the next; 0: no searches
-    double reach = 0;      ///< distance below which neighbours of one ink are pushed
-    double push = 0;       ///< share of the missing distance by which each of the two sites moves
-    double ink_reach = 0;  ///< distance below which sites of different inks are pushed
-    int relax_rounds = 0;  ///< next step: rounds that also make triangles equal again
-    int relax_passes = 0;  ///< passes of relaxation in each relax round
-    int relax_evens = 1;   ///< number of times that a relax round removes waves, if it removes waves at all
-    int even_rounds = 0;   ///< next step: even rounds, which remove waves
+    int rounds = 0;                      ///< rounds that push near sites apart and remove long waves
+    int even_every = 1;                  ///< rounds from one removal of waves to the next; also applies to relax rounds
+    int mesh_every = 0;                  ///< rounds from one search for neighbours to the next; 0: no search
+    double reach = 0;                    ///< distance below which neighbours of one ink are pushed
+    double push = 0;                     ///< share of the missing distance by which each of the two sites moves
+    double ink_reach = 0;                ///< distance below which sites of different inks are pushed
+    int relax_rounds = 0;                ///< next step: rounds that also equalise the triangles' capacities
+    int relax_passes = 0;                ///< passes of relaxation in each relax round
+    int relax_evens = 1;                 ///< number of removals of waves in a relax round that removes waves
+    int even_rounds = 0;                 ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
-    int near_rounds = 0;                 ///< next step: near pushes alone, of too few sites to create waves
+    int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves
     double nearest = 0;                  ///< reach of a near push within an ink
     double ink_nearest = 0;              ///< reach of a near push between inks
-    /// Near pushes are repeated on new triangulations while any two sites are closer than this.
+    /// Near pushes are repeated on new triangulations while any two sites of an ink are closer than this distance. It
+    /// is relative to the neighbour distance in a hexagonal grid, like a reach.
     double least = 0;
     int max_retries = 0;  ///< limit on these repetitions
-    /// Number of repetitions without relocation. Each further one begins by relocating one site of every pair that is
-    /// too close; in polygons only.
+    /// Number of these repetitions without relocation. Each further repetition begins by relocating one site of every
+    /// pair that is too close; in polygons only.
     int relocate_after = 0;
-    int last_rounds = 0;     ///< next step: even rounds that remove the waves which these pushes create
-    int retouch_rounds = 0;  ///< last step: rounds of moves that the caller computes from all inks together
-    int stealth_rounds = 0;  ///< largest number of rounds that remove the power of low frequencies
+    int last_rounds = 0;     ///< next step: even rounds, which remove waves that the pushes have left
+    int retouch_rounds = 0;  ///< next step: rounds of moves that the caller computes from all inks together
+    int stealth_rounds = 0;  ///< last step: maximum number of rounds that remove the power of low frequencies
 
     int all_rounds() const {
         return rounds + relax_rounds + even_rounds + near_rounds + last_rounds + retouch_rounds + stealth_rounds;
@@ -52,8 +54,8 @@ struct PolishSettings {
 
 /// Returns the schedule for a quality.
 /// @param quality  not Draft, which has no polish
-/// @param smooth   whether the density is smooth; with several inks unused
-/// @param in_box   whether the domain is a box or a torus
+/// @param smooth   whether the density is smooth; unused if there are several inks
+/// @param in_box   whether the domain is a box or a torus; used only for one ink with a smooth density
 PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, bool in_box = true);
 
 /// Returns the schedule for a dot map of one class with a smooth density.

@@ -19,7 +19,8 @@ constexpr int kDegree = 5;
 constexpr std::size_t kTaps = kDegree + 1;
 constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
-/// Values at the six grid points around a position, for each number of a vector.
+/// Values at the six grid points around a position, along both axes at once. Each value is a vector with a pair (x, y)
+/// for each of the points that are processed together.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
 
@@ -75,7 +76,7 @@ struct Row {
     }
 };
 
-/// Returns the x components of taps. Each vector holds two successive components of each point.
+/// Returns the x components of taps. Each vector holds the x components of two successive taps for each point.
 template <class Lanes>
 CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
     return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};

@@ -15,18 +15,18 @@
 
 namespace ccdt {
 
-/// A grid over a box or torus, and its transform: Fourier on a torus; cosine in a box, which corresponds to a grid
-/// mirrored at the sides. Points are spread onto the grid, and values are read from it, with quintic B-splines.
-/// Spreading and transform together form a non-uniform transform, once the spectrum of the splines, window(), is
-/// divided out. For frequencies up to a fifth of a cycle per cell, the error is below 3e-4 of the content at higher
-/// frequencies.
+/// A grid over a box or torus, and its transform. On a torus, this is the Fourier transform. In a box, it is the cosine
+/// transform, which corresponds to a grid that is mirrored at its sides. Points are spread onto the grid, and values
+/// are read from it, with quintic B-splines. Spreading and transforming, followed by a division by the spectrum of the
+/// splines, window(), is a non-uniform transform. For frequencies up to a fifth of a cycle per cell, the error is below
+/// 3e-4 of the content at higher frequencies.
 ///
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
 public:
     /// @param sides          size of the box, > 0
     /// @param columns, rows  even, >= 2; see good_size()
-    /// @param executor       runs operations on the whole grid and on many points; must outlive this
+    /// @param executor       runs operations on the whole grid and on many points; must outlive this object
     SplineGrid(bool torus, Point sides, int columns, int rows, Executor& executor = inline_executor());
 
     int columns() const { return columns_; }
@@ -53,15 +53,16 @@ public:
 
     /// Computes from coefficients the values that gradient() reads.
     void transform_back();
-    /// Returns the gradient, per unit of length, of the function with the given coefficients. The coefficients must
-    /// have been divided by window().
+    /// Returns the gradient, per unit of length, of the function whose coefficients transform_back() has transformed.
+    /// The coefficients must have been divided by window() before.
     Point gradient(Point p) const;
     /// Computes the gradients at many points. Faster than separate calls.
     /// @param gradients  out [points]; may be the memory of `points`
     void gradients(std::span<const Point> points, std::span<Point> gradients) const;
 
-    /// Values of the cells [rows * columns], for plain transforms by forward() and backward(), which together multiply
-    /// by cells().
+    /// Returns the values of the cells [rows * columns], for transforms without splines. forward() transforms these
+    /// values to coefficients, and backward() transforms coefficients to values. Both together multiply the values by
+    /// cells().
     std::span<double> grid();
     void forward();
     void backward();
@@ -118,11 +119,11 @@ public:
     double copies() const { return torus_ ? 1 : 4; }
 
 private:
-    /// Positions of points in the padded grid. The taps of a point begin three columns and rows before the point. The
-    /// offset is measured from the third of these columns and rows.
+    /// Positions of points in the padded grid. A point has taps in six columns and six rows, three on each side of the
+    /// point. `fractions` is the offset of each point, in cells, from the third column and the third row.
     template <class Lanes>
     struct Places {
-        std::array<std::size_t, Lanes::kCount> rows;   ///< row at which the taps begin
+        std::array<std::size_t, Lanes::kCount> rows;   ///< first row of the taps
         std::array<std::size_t, Lanes::kCount> first;  ///< index of the first tap
         typename Lanes::Pairs fractions;
     };
@@ -152,9 +153,9 @@ private:
     Point sides_;
     int columns_;
     int rows_;
-    int kept_;        ///< columns of coefficients
-    Pair half_cell_;  ///< half a cell relative to the box's sides
-    std::size_t stride_;
+    int kept_;            ///< number of columns of coefficients
+    Pair half_cell_;      ///< half a cell relative to the box's sides
+    std::size_t stride_;  ///< number of values in a row of the padded grid
     std::vector<double> column_windows_, row_windows_;
     std::variant<RealTransform, CosineTransform> transform_;
     /// The grid with its margin for taps. On a torus it lies in the spectrum's memory, in a box in the grid's own

@@ -42,18 +42,17 @@ public:
     static bool fits(const Domain& torus, std::size_t sites);
 
     /// @param torus     wide enough for the sites, see fits()
-    /// @param executor  runs the tasks; must outlive this
+    /// @param executor  runs the tasks; must outlive this object
     ///
-    /// About 400 bytes per site.
+    /// Needs about 400 bytes of memory per site.
     Stealth(const Domain& torus, std::size_t sites, Executor& executor = inline_executor());
 
     /// Computes the moves of one round.
     /// @param sites  [sites] in the unit frame; any periodic copy
     /// @param moves  out [sites]
     /// @param stop   polled regularly
-    /// @returns      false after a stop, or if no low frequency has power above kNegligiblePower; the moves must not be
-    /// used
-    ///               then
+    /// @returns      false after a stop, or if no low frequency has power above kNegligiblePower; the moves must not
+    ///               be used then
     ///
     /// Deterministic. O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});

@@ -22,26 +22,26 @@ constexpr double kCellsPerSpacing = 2;  ///< a grid's highest frequency is one c
 /// Highest frequency considered, in cycles per spacing. share_undone() at this limit is below 1e-16 for uniform
 /// densities and 5e-4 for others.
 constexpr double kShortest = 0.95;
-/// Longest move, in spacings. Two neighbours, which are 1.07 spacings apart in a hexagonal grid, keep half of their
-/// distance.
+/// Longest move, in spacings. Even if two neighbours of a hexagonal grid, 1.07 spacings apart, move straight towards
+/// each other, they keep more than half of their distance.
 constexpr double kMaxMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
-/// light, 8 bits give densities of 1 to 113, which with kCaution are 4.1 octaves.
+/// light, pictures of 8 bits give densities of 1 to 113. These are 3.4 octaves of spacing, or 4.1 with kCaution.
 constexpr std::size_t kMaxOctaves = 6;
 /// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
 /// spacing, hence at most 16 cells per site.
 constexpr double kMaxContrast = 4;
 
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
-// is kLevelSmoothing, of which a larger value would reduce the error.
+// is kLevelSmoothing: a larger value would reduce the error.
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
 /// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
 constexpr double kLevelSmoothing = 2;
-constexpr double kCaution = 0.7;  ///< octaves by which a site's limit exceeds its spacing
+constexpr double kCaution = 0.7;  ///< octaves by which the limit of a site is coarser than its spacing
 
-/// Returns the share of a wave's error that a round removes, for its frequency in cycles per spacing. If the density
-/// varies, the octaves overlap and need a softer end. Lower or higher ends leave more error: benchmarks TorusPattern
-/// and PictureTone.
+/// Returns the share of a wave's error that a round removes. If the density varies, the octaves overlap and need a
+/// softer end. Lower or higher ends leave more error: benchmarks TorusPattern and PictureTone.
+/// @param frequency  frequency of the wave, in cycles per spacing
 double share_undone(double frequency, bool uniform) {
     constexpr double kUniformEnd = 0.52, kVaryingEnd = 0.57;
     const double ratio = frequency / (uniform ? kUniformEnd : kVaryingEnd), squared = ratio * ratio;
@@ -261,8 +261,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// Computes the same for a density with more detail than the finest grid resolves. Spreads the density like sites, in
-/// pieces no larger than the grid's cells.
+/// Computes the same potential for a density with more detail than the finest grid resolves. Spreads the density like
+/// sites, in pieces no larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -311,7 +311,8 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Returns the share in which sites of a level belong to an octave.
+/// Returns the share with which sites of a level belong to an octave.
+/// @param level  an element of levels_
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);
@@ -351,7 +352,7 @@ bool Transport::transform(const std::stop_token& stop) {
     return true;
 }
 
-/// Spreads all sites and transforms them.
+/// Spreads all sites on the grids, and transforms the grids.
 /// @returns  false after a stop
 bool Transport::spread(std::span<const Point> sites, std::span<const double> weights, const std::stop_token& stop) {
     const auto weight = [&](std::size_t i) {
@@ -365,7 +366,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
         octaves_[0].grid.spread(sites, values);  // here octave 0 covers the whole box
         return transform(stop);
     }
-    std::vector<Point> moved;  // positions relative to the box, if its corner differs from that of the unit frame
+    std::vector<Point> moved;  // positions relative to the box's corner; empty if this corner is the origin
     if (!(origin_ == Point{})) moved.resize(sites.size());
     const std::span<const Point> places = moved.empty() ? sites : moved;
     std::vector<std::uint16_t> levels(sites.size());
@@ -388,7 +389,8 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 
 /// Solves Laplace phi = error. Sums the long waves of all octaves, each octave up to its own limit. Once the potential
 /// of the wanted density is known, subtracts it.
-/// @param total  coefficients of octave 0; on entry those of the sites, on return those of the potential
+/// @param total  coefficients of octave 0: on entry the coefficients of the sites, on return the coefficients of the
+///               potential
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;

@@ -24,24 +24,25 @@ namespace ccdt {
 ///
 /// Moves u change the density of sites by -div(density u), to first order. Let E = sites - density be the error. Of all
 /// moves that cancel E, those are chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier
-/// transform solves this equation on a torus, and a cosine transform in a box, which no site leaves. Waves shorter than
-/// about two spacings are the pattern itself and are not changed. If the density varies, sites and density are both
-/// split among octaves of spacing, each with its own limit. One round cancels E to first order. The remaining error is
-/// of second order, or due to ridges of the density that are too thin for the gradient to follow. In a box, the grid
-/// covers only the bounding box of nonzero density, so empty margins do not matter.
+/// transform solves this equation on a torus, and a cosine transform solves it in a box. With the cosine transform, no
+/// site leaves the box. Waves shorter than about two spacings are the pattern itself and are not changed. If the
+/// density varies, sites and density are both split among octaves of spacing, and each octave has its own limit on the
+/// wavelength. One round cancels E to first order. The remaining error is of second order, or due to ridges of the
+/// density that are too thin for the gradient to follow. In a box, the grid covers only the bounding box of nonzero
+/// density, so empty margins do not matter.
 ///
-/// Departure from a plain blur: the filter ends sharply, so that no wave below the limit remains and no wave above it
-/// is affected.
+/// Departure from a plain blur: the filter ends sharply, so that all waves longer than the limit are removed and
+/// shorter waves are not affected.
 /// Source: one step of Moser's flow (1965; Dacorogna and Moser 1990), which is steepest descent on the energy of long
 /// waves; core/README.md has the derivation.
 class Transport {
 public:
     /// @param domain    a box or a torus; the documented ranges of its sides, and of the density's values, keep
     ///                  contrast, spacings and grid sizes finite and nonzero
-    /// @param density   must outlive this
+    /// @param density   must outlive this object
     /// @param sites     >= 1
     /// @param stop      polled regularly; after a stop the object must not be used
-    /// @param executor  runs the tasks; must outlive this
+    /// @param executor  runs the tasks; must outlive this object
     ///
     /// O(the density's cells + sites log sites).
     Transport(const Domain& domain, const Density& density, std::size_t sites, const std::stop_token& stop = {},
@@ -51,15 +52,16 @@ public:
     /// @param sites    [sites] in the unit frame, in the domain; on a torus, any periodic copy
     /// @param moves    out [sites], each at most a quarter of the local spacing
     /// @param stop     polled regularly
-    /// @param weights  weights of the last sites; all others have weight 1
+    /// @param weights  [at most sites] weights of the last sites; all sites before them have weight 1
     /// @returns        false after a stop; the moves must not be used then
     ///
     /// O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {},
                        std::span<const double> weights = {});
 
-    /// Returns 1 / sqrt(density of sites) around a point in the unit frame, with the density smoothed over a spacing.
-    /// Uses the smallest block of cells that wants one site if sites are denser than the octaves resolve.
+    /// Returns 1 / sqrt(density of sites) around a point in the unit frame. The density is smoothed over a spacing. If
+    /// sites are denser than the octaves resolve, uses the density of the smallest block of cells that wants one site
+    /// (LocalSpacing).
     double spacing(Point p) const;
 
     /// Releases most of the memory until the next call of displacements().
@@ -69,10 +71,10 @@ private:
     /// Sites whose spacing is about 2^octave times as large as the finest spacing.
     struct Octave {
         SplineGrid grid;
-        /// Factor of each coefficient for its share of the potential; see factor().
+        /// Factors that convert the coefficients of the sites to this octave's share of the potential; see factor().
         std::vector<float> factors;
 
-        /// Factor for the coefficients (column, row) and (column, -row), which are equal.
+        /// Returns the factor of the coefficients (column, row) and (column, -row), for which it is the same.
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
@@ -102,7 +104,7 @@ private:
     Point over_sides_;  ///< 1 / sides_
     double sites_;
     double finest_ = 0;  ///< spacing of octave 0
-    /// The spacing if all sites stood on a line along the longer side; a lower bound of the grids' resolution.
+    /// The spacing if all sites stood on a line along the longer side; a lower bound of the octaves' spacings.
     double in_line_ = 0;
     std::vector<Octave> octaves_;
     /// [coefficients of octave 0] potential of the wanted density alone; empty if the wanted density is uniform

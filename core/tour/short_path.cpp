@@ -125,7 +125,8 @@ public:
     /// Number of steps forward from one stop to another.
     std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
 
-    /// Reverses the path from one stop forward to another, unless that moves too many stops.
+    /// Reverses the path from one stop forward to another.
+    /// @returns  false if that would move too many stops; the tour is then unchanged
     bool reverse(Stop first, Stop last) {
         std::uint32_t inner = steps(first, last) + 1;
         if (2 * inner > size()) {  // reversing the other stops instead makes the same tour
@@ -147,9 +148,12 @@ public:
         return true;
     }
 
-    /// Removes a run of stops and inserts it after another stop, unless that moves too many stops.
-    /// @param first  first stop of the run
-    /// @param after  not in the run
+    /// Removes a run of stops and inserts it after another stop.
+    /// @param first   first stop of the run
+    /// @param length  number of stops in the run
+    /// @param after   not in the run
+    /// @param turned  whether the run is reversed
+    /// @returns       false if that would move too many stops; the tour is then unchanged
     bool move(Stop first, std::uint32_t length, Stop after, bool turned) {
         std::array<Stop, kMaxRun> run{};
         for (std::uint32_t i = 0; i < length; ++i) run[i] = at(places_[first] + i);
@@ -249,8 +253,9 @@ private:
         }
     }
 
-    /// 2-opt: takes the edge from a to its next (or previous) stop b, and the edge from a nearby stop c to its next (or
-    /// previous) stop d. Replaces both by the edges a-c and b-d.
+    /// Tries the 2-opt step: replaces two edges by the edges a-c and b-d. The two edges lead from a to b, and from a
+    /// nearby stop c to d. Here, b and d are the next stops after a and c, or both are the previous stops.
+    /// @returns  whether a step shortened the path
     bool exchange(Stop a) {
         for (const bool forward : {true, false}) {
             const auto beside = [&](Stop stop) { return forward ? tour_.next(stop) : tour_.previous(stop); };
@@ -269,8 +274,9 @@ private:
         return false;
     }
 
-    /// Or-opt: moves a run of stops that begins or ends at a. The new place is between a nearby stop and a neighbour of
-    /// that stop on the tour.
+    /// Tries the Or-opt step: moves a run of stops that begins or ends at a. The new place of the run is between a stop
+    /// near a and the stop before or after that stop on the tour.
+    /// @returns  whether a step shortened the path
     bool relocate(Stop a) {
         Stop forward = a;
         Stop backward = a;
@@ -283,7 +289,9 @@ private:
         return false;
     }
 
-    /// @param a  the run's first or last stop, which becomes adjacent to the nearby stop
+    /// @param a            the run's first or last stop, which becomes adjacent to the nearby stop
+    /// @param first, last  ends of the run
+    /// @param length       number of stops in the run
     bool relocate(Stop a, Stop first, Stop last, std::uint32_t length) {
         const Stop before = tour_.previous(first);
         const Stop behind = tour_.next(last);

@@ -16,10 +16,10 @@ namespace ccdt {
 /// @param stop    polled regularly; a stop returns the current path, which is not an error
 /// @returns       indices [n]: a permutation
 ///
-/// Deterministic. About O(n log n); for random points 8% longer than the shortest path.
+/// Deterministic. About O(n log n). For random points, the path is 8 % longer than the shortest path.
 /// Source: Bentley 1992, "Fast algorithms for geometric traveling salesman problems": 2-opt and Or-opt with neighbour
-/// lists, and a queue instead of don't-look bits. Departures: the initial path is Hilbert's curve, neighbours are those
-/// of the Delaunay triangulation, and very long reversals are skipped.
+/// lists, and a queue instead of don't-look bits. Departures: the initial path follows Hilbert's curve, the neighbour
+/// lists come from the Delaunay triangulation, and reversals of very many points are skipped.
 std::vector<std::uint32_t> short_path(std::span<const Point> points, const std::stop_token& stop = {});
 
 /// Returns the length of the path through all points in order.
