@@ -9,14 +9,23 @@
 
 namespace ccdt::server::test {
 
-/// Reads the body of a request whose head was read from the connection, as a server does, and sends no answer.
-inline HttpResult<std::string> read_body(Connection& connection, Request head, std::size_t limit) {
-    HttpResult<std::string> body;
+/// Handles a request whose head was read from the connection, as a server does: the body can be read meanwhile. Writes
+/// no answer.
+/// @param handle  as in process_request()
+inline void process_without_answer(Connection& connection, Request& head, const Handle& handle) {
     Response response;
     bool last = false;
     process_request(connection, head, response, last, [&](const HttpResult<void>& dispatched) {
-        body = dispatched.and_then([&] { return connection.read_body(head, limit); });
+        handle(dispatched);
         response.status = kClientGone;
+    });
+}
+
+/// Reads the body of a request whose head was read from the connection, as a server does.
+inline HttpResult<std::string> read_body(Connection& connection, Request head, std::size_t limit) {
+    HttpResult<std::string> body;
+    process_without_answer(connection, head, [&](const HttpResult<void>& dispatched) {
+        body = dispatched.and_then([&] { return connection.read_body(head, limit); });
     });
     return body;
 }

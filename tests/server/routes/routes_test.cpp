@@ -14,10 +14,20 @@
 
 #include "server/jobs/sqlite_job_store.h"
 #include "tests/server/computing_in_process.h"
+#include "tests/server/reading.h"
 #include "tests/server/waiting.h"
 
 namespace ccdt::server {
 namespace {
+
+/// Returns the answer to a request whose head was read from the connection. Its body can be read.
+Response answer(Routes& routes, Request request, Connection& connection) {
+    Response response;
+    test::process_without_answer(connection, request, [&](const HttpResult<void>& dispatched) {
+        response = routes.answer(request, dispatched, connection);
+    });
+    return response;
+}
 
 /// Passes requests directly to the routes, as if they had arrived over a connection.
 class RoutesTest : public testing::Test {
@@ -36,7 +46,7 @@ protected:
     Response ask(const std::string& head, Connection& connection) {
         const std::string sent = head + "\r\n\r\n";
         EXPECT_EQ(write(sockets_[1], sent.data(), sent.size()), static_cast<ssize_t>(sent.size()));
-        return routes_.answer(*connection.read_head(), {}, connection);
+        return answer(routes_, *connection.read_head(), connection);
     }
 
     static std::string header(const Response& response, std::string_view name) {
@@ -229,7 +239,7 @@ protected:
         Connection connection(sockets[0]);
         const auto request =
             parse_head("POST /sample HTTP/1.1\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n");
-        const int found = routes.answer(*request, {}, connection).status;
+        const int found = answer(routes, *request, connection).status;
         for (const int socket : sockets) ::close(socket);
         return found;
     }
