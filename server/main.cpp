@@ -71,8 +71,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
 }
 
 int serve(const Config& config) {
-    constexpr int kGivenBack = 1 << 20;
-    give_back_freed_memory(kGivenBack);
+    give_back_freed_memory();
     const ServerSignals signals;
     const Log log(config.log_format);
     const auto service = Service::start(config, log);

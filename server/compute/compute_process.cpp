@@ -29,12 +29,9 @@
 namespace ccdt::server {
 namespace {
 
-/// Returns free memory to the system, after a computation that has freed much of it. This takes less than a
-/// millisecond, after the answer was sent. Short computations keep their memory for the next one.
-void give_back_memory() {
-    constexpr std::size_t kMuch = std::size_t{1} << 20;
-    if (mallinfo2().fordblks > kMuch) malloc_trim(0);
-}
+/// Duration above which a computation is assumed to have fragmented the heap. After its answer was sent, free memory is
+/// then returned to the system, which takes less than a millisecond.
+constexpr std::chrono::milliseconds kLong{50};
 
 /// A request that has arrived, and the source by which its computation is stopped.
 struct Task {
@@ -241,8 +238,9 @@ void run_compute_process(ComputeFiles files, const Computer& compute) {
         [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });
     while (true) {
         const Task task = inbox.wait();
+        const auto start = std::chrono::steady_clock::now();
         reply_to(task, compute, decoder, lent, files.channel.get());
-        give_back_memory();
+        if (std::chrono::steady_clock::now() - start > kLong) malloc_trim(0);
     }
 }
 
