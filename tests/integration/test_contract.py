@@ -390,10 +390,13 @@ class Formats(ContractCase):
             given = BODIES[path] if path == "/analyze" else {**BODIES[path], "width_mm": 100}
             made = [self.pose(path, {**given, "format": word}).type.split(";")[0]
                     for word in words if not word.startswith("mask")]
-            self.assertEqual(sorted(made), sorted(content))
+            device = {"image": given.get("image"), "device": "1bit"}
+            words = properties("DeviceOptions")["format"]["enum"] if path == "/halftone" else ()
+            for_devices = [self.pose(path, {**device, "format": word}).type for word in words if word != "png"]
+            self.assertEqual(sorted(made + for_devices), sorted(content))
             body = {option: value for option, value in given.items() if option != "format"}
             for media in content:
-                answer = self.pose(path, body, "--header", "Accept: " + media)
+                answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
 
 

@@ -21,11 +21,11 @@ async function open(address) {
 }
 
 /**
- * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
+ * Options without a field of the same name. They are older names, shapes, downloads and their layers, controls beside the picture, the
  * properties that a map counts, and the pen, which has two fields.
  */
 const elsewhere = {
-  halftone: ["dwell", "format", "invert", "pen"],
+  halftone: ["dwell", "format", "invert", "layers", "pen"],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
 };
 
@@ -104,7 +104,7 @@ test("accepts pictures for density and exclusion, and areas and points as text",
   await writeFile(script, await snippet());
   await run("bash", [script], { cwd: folder });
   assert.equal(JSON.parse(await readFile(path.join(folder, "points.json"), "utf8")).points.length, 1000);
-  await page.getByRole("button", { name: "Remove: Mask from a picture" }).click();
+  await page.getByRole("button", { name: "Remove: Areas to leave out, from a picture" }).click();
   await settled(page, "sample");
   assert.equal((await request()).exclude, undefined);
   await more("avoid").locator("textarea").fill("[[[0, 0], [1,");

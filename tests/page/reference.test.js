@@ -30,6 +30,8 @@ test("has all routes, options, defaults and statuses", async () => {
   assert.deepEqual(described.dot, ["number above 0, up to 65536 or auto or string ^[0-9.eE+-]+mm$", "auto"]);
   assert.deepEqual(described.quality, ["draft, standard, best", "standard"]);
   assert.deepEqual(described.image, ["string", "required"]);
+  const devices = await rows("Members for POST /halftone: DeviceRequest");
+  assert.deepEqual(devices.map(([name]) => name), [...Object.keys(components.schemas.DeviceOptions.properties), "image"]);
   const statuses = await rows("Answers of POST /sample");
   assert.deepEqual(statuses.map(([status]) => status), Object.keys(paths["/sample"].post.responses));
   assert.equal(await page.textContent(".error"), "");

@@ -52,13 +52,17 @@ function table(label, titles, rows) {
     make("table", { role: "table" }, group("thead", head), group("tbody", ...lines)));
 }
 
-function optionsOf(whole, content, title) {
-  const rows = membersOf(whole, content.schema).map(([name, part, required]) => {
-    const schema = resolve(whole, part);
-    const fallback = schema.default === undefined ? "" : JSON.stringify(schema.default).replaceAll('"', "");
-    return [name, valuesOf(whole, part), required?.includes(name) ? "required" : fallback, schema.description ?? ""];
+/** Returns a table of members for each form that a body may have. */
+function tablesOf(whole, content, title) {
+  const forms = (content.schema.anyOf ?? [content.schema]).map((form) => [form.$ref?.split("/").pop(), membersOf(whole, form)]);
+  return forms.filter(([, members]) => members.length > 0).map(([name, members], i) => {
+    const rows = members.map(([member, part, required]) => {
+      const schema = resolve(whole, part);
+      const fallback = schema.default === undefined ? "" : JSON.stringify(schema.default).replaceAll('"', "");
+      return [member, valuesOf(whole, part), required?.includes(member) ? "required" : fallback, schema.description ?? ""];
+    });
+    return table(`Members for ${title}${i > 0 ? `: ${name}` : ""}`, ["member", "values", "default", "meaning"], rows);
   });
-  return table(`Members for ${title}`, ["member", "values", "default", "meaning"], rows);
 }
 
 function examplesOf(content, path) {
@@ -77,7 +81,7 @@ function sectionOf(whole, path, method, operation) {
   return make("section", {},
     make("h2", { textContent: title }),
     make("p", {}, ...prose([operation.summary, operation.description].filter(Boolean).join(". "))),
-    ...(content ? [optionsOf(whole, content, title), ...examplesOf(content, path)] : []),
+    ...(content ? [...tablesOf(whole, content, title), ...examplesOf(content, path)] : []),
     table(`Answers of ${title}`, ["status", "when", "as"], statuses));
 }
 
