@@ -240,8 +240,8 @@ Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& 
     return separated;
 }
 
-/// Decodes a picture and separates it into inks. Tries averaged squares first where possible, and uses all pixels if
-/// the squares are too coarse. Frees the decoded picture.
+/// Decodes a picture and separates it into inks. Where possible, first tries the means of square blocks of pixels.
+/// Uses all pixels if the blocks are too coarse. Frees the decoded picture.
 Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                                           const Control& control) {
     const int reduce = reducible(request, limits);

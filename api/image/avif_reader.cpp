@@ -34,7 +34,8 @@ Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     return decoder;
 }
 
-/// Returns the EXIF orientation of a picture that is first rotated, then mirrored.
+/// Returns the EXIF orientation that is equivalent to the image's transformations: first its rotation, then its
+/// mirroring.
 int orientation_of(const avifImage& image) {
     enum Mirror : std::size_t { kNone, kTopToBottom, kLeftToRight };
     constexpr std::array<std::array<int, 3>, 4> kOrientations = {{{1, 4, 2}, {8, 5, 7}, {3, 2, 4}, {6, 7, 5}}};

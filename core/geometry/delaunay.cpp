@@ -334,8 +334,8 @@ private:
         return std::nullopt;
     }
 
-    /// Finds the first vertex or constrained edge that a segment meets after its beginning. No edge may run along the
-    /// beginning of the segment.
+    /// Finds the first vertex or constrained edge that a segment meets after its beginning. Precondition: no edge at
+    /// `from` runs along the segment.
     std::pair<Vertex, Triangulation::Edge> look_along(Vertex from, Vertex to) const {
         const auto side = [&](Vertex v) { return triangulation_.orientation(from->point(), to->point(), v->point()); };
         auto face = triangulation_.incident_faces(from);

@@ -348,8 +348,8 @@ private:
         add(std::move(capsule));
     }
 
-    /// Adds the neighbourhood of an edge, on its left. The polygon bulges on the right: sides that run almost along the
-    /// border would cross it many times.
+    /// Adds a polygon that covers the neighbourhood of an edge, on its left. On the right, the polygon bulges beyond
+    /// the edge. Otherwise it would have a side almost along the border, and the two would cross many times.
     void add_edge(Point a, Point b, double reach) {
         const Point up = normal(a, b);
         add({a, 0.5 * (a + b) - reach / 8 * up, b, b + reach * up, a + reach * up});

@@ -181,7 +181,7 @@ private:
         return gains;
     }
 
-    /// Divides a dot with its current area into parts, each on one ground.
+    /// Divides a dot of its current size into parts, each of which lies on one ground.
     void cut(std::size_t dot) {
         constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
         const double reach = dots_.radius(dot);

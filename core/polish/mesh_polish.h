@@ -63,9 +63,10 @@ public:
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Whether any two sites are nearer than `least`, relative to the neighbour distance in a hexagonal grid. In
-    /// polygons, an edge need not join two near sites: they can face each other across water or around a vertex of the
-    /// border. This function also finds such pairs, and the next calls of push_apart() move them apart.
+    /// Whether any two sites are nearer to each other than `least`, relative to the neighbour distance in a hexagonal
+    /// grid. In polygons, two near sites are not always joined by an edge: they can face each other across water or
+    /// around a vertex of the border. This function also finds such pairs, and the next calls of push_apart() move them
+    /// apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
     /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits some pairs, so that

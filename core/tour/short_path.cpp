@@ -274,8 +274,8 @@ private:
         return false;
     }
 
-    /// Tries the Or-opt step: moves a run of stops that begins or ends at a. The new place of the run is between a stop
-    /// near a and the stop before or after that stop on the tour.
+    /// Tries the Or-opt step: takes a run of stops that begins or ends at `a`, and inserts it next to a stop near `a`,
+    /// before or after that stop.
     /// @returns  whether a step shortened the path
     bool relocate(Stop a) {
         Stop forward = a;

@@ -25,7 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Elapsed time allowed for each second of a child's limit of processor time. The time for beginning is added to it.
+/// Seconds of elapsed time that a child may take for each second of its limit of processor time. The time that a child
+/// may take to begin is added.
 constexpr int kMaxPerProcessorTime = 3;
 
 /// Reasons why there is no reply.

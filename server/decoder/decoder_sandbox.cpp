@@ -72,7 +72,7 @@ bool add_rules(scmp_filter_ctx context) {
     return added && seccomp_rule_add_array(context, SCMP_ACT_ALLOW, SCMP_SYS(write), 1, &to_output) == 0;
 }
 
-/// Compiles the filter to the form of the kernel, so that children need not compile it.
+/// Compiles the filter to BPF, the form that the kernel takes, so that children need not compile it.
 /// @returns  empty on failure
 std::vector<sock_filter> compile(scmp_filter_ctx context) {
     const UniqueFd file(memfd_create("filter", MFD_CLOEXEC));
