@@ -19,7 +19,7 @@ public:
     /// @param wanted  light of the picture; must outlive this object
     InkGrounds(const InkSet& inks, const LightPlanes& wanted, Executor& executor);
 
-    /// Where dots would cover more than a half of a cell, changes the ground of some inks there. Sets the bare share of
+    /// Changes the ground of some inks in cells of which dots would cover more than a half. Sets the bare share of
     /// these inks to a value near one half, so that the smoothing of the grounds can still change the ground.
     /// @param bare  [inks][cells] share of each cell that an ink leaves bare; modified
     void reduce_cover(std::vector<std::vector<float>>& bare);

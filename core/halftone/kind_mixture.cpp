@@ -39,7 +39,7 @@ private:
     static constexpr double kRidge = 1e-2, kNothing = 1e-9;
     static constexpr std::size_t kMaxFree = 12;
 
-    /// Of the variables held at 0, releases the one whose release decreases the objective fastest.
+    /// Releases, among the variables held at 0, the one whose release decreases the objective fastest.
     /// @returns  false if no release decreases the objective
     bool free_variable() {
         Row off = wanted_;

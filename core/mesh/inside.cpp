@@ -41,8 +41,8 @@ void mark_outside(Triangulation& mesh) {
     }
 }
 
-/// Where several segments begin at the same place, gives each fan of inside triangles there its own vertex. This vertex
-/// is the input point at which the segment begins that bounds the fan and has the fan on its left.
+/// Gives each fan of inside triangles its own vertex at places where several segments begin. This vertex is the input
+/// point at which the segment begins that bounds the fan and has the fan on its left.
 void separate(Triangulation& mesh, std::span<const ConstrainedDelaunay::Branch> branches) {
     if (branches.empty()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex
