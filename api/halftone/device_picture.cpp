@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "api/image/srgb.h"
+#include "api/image/ink_set.h"
 #include "api/input/drawing_options.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
@@ -132,11 +132,6 @@ FrameSize contained(const FrameSize& picture, const FrameSize& frame) {
     const FrameSize by_width{frame.width, scaled(picture.height, frame.width, picture.width)};
     if (by_width.height <= frame.height) return by_width;
     return {std::min(scaled(picture.width, frame.height, picture.height), frame.width), frame.height};
-}
-
-Light light_of(const Colour& colour) {
-    return {static_cast<float>(to_linear(colour.red)), static_cast<float>(to_linear(colour.green)),
-            static_cast<float>(to_linear(colour.blue))};
 }
 
 std::vector<Light> light_of(std::span<const Colour> colours) {

@@ -4,14 +4,11 @@
 #include "api/image/srgb.h"
 
 namespace ccdt::api {
-namespace {
 
 Light light_of(const Colour& colour) {
     return {static_cast<float>(to_linear(colour.red)), static_cast<float>(to_linear(colour.green)),
             static_cast<float>(to_linear(colour.blue))};
 }
-
-}  // namespace
 
 InkSet ink_set(const Palette& palette) {
     InkSet set;

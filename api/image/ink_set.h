@@ -6,6 +6,9 @@
 
 namespace ccdt::api {
 
+/// Returns a colour in linear light.
+Light light_of(const Colour& colour);
+
 /// Returns the colours of inks and paper in linear light.
 /// @param palette  a palette with the mixing Multiply or Add, not Cover
 InkSet ink_set(const Palette& palette);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/input/colour.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -45,6 +46,22 @@ Result<Colour> read_colour(const Input& input) {
     if (!text) return tl::unexpected(text.error());
     if (const auto colour = parse_colour(*text)) return *colour;
     return malformed(input, "must be a colour as #rgb or #rrggbb (in a query, # is written %23)");
+}
+
+Result<std::vector<Colour>> read_colours(const Input& input, std::size_t min, std::size_t max) {
+    const auto parts = read_list(input, max, "colour");
+    if (!parts) return tl::unexpected(parts.error());
+    if (parts->size() < min)
+        return malformed(input, "must have " + std::to_string(min) + " to " + std::to_string(max) + " colours");
+    std::vector<Colour> colours;
+    for (const Input& part : *parts) {
+        const auto colour = read_colour(part);
+        if (!colour) return tl::unexpected(colour.error());
+        if (std::ranges::find(colours, *colour) != colours.end())
+            return malformed(part, "repeats an earlier colour: " + hexadecimal(*colour));
+        colours.push_back(*colour);
+    }
+    return colours;
 }
 
 Result<Colour> read_colour_or_none(const Input& input) {

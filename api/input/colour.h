@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "api/input/option_reader.h"
 #include "core/result.h"
@@ -27,6 +29,10 @@ std::string hexadecimal(const Colour& colour);
 /// Reads `#rgb` or `#rrggbb`.
 /// Errors: Malformed.
 Result<Colour> read_colour(const Input& input);
+
+/// Reads `min` to `max` different colours: text with commas between them, or a JSON array of strings.
+/// Errors: Malformed. The field of an error in an array is that of the element.
+Result<std::vector<Colour>> read_colours(const Input& input, std::size_t min, std::size_t max);
 
 /// Reads `#rgb`, `#rrggbb` or `transparent`.
 Result<Colour> read_colour_or_none(const Input& input);

@@ -81,19 +81,7 @@ Result<Device> read_device(const Input& input) {
 }
 
 Result<std::vector<Colour>> read_device_colours(const Input& input) {
-    const auto parts = read_list(input, kMaxDeviceColours, "colour");
-    if (!parts) return tl::unexpected(parts.error());
-    if (parts->size() < 2)
-        return malformed(input, "must have 2 to " + std::to_string(kMaxDeviceColours) + " colours for a device");
-    std::vector<Colour> colours;
-    for (const Input& part : *parts) {
-        const auto colour = read_colour(part);
-        if (!colour) return tl::unexpected(colour.error());
-        if (std::ranges::find(colours, *colour) != colours.end())
-            return malformed(part, "repeats an earlier colour: " + hexadecimal(*colour));
-        colours.push_back(*colour);
-    }
-    return colours;
+    return read_colours(input, 2, kMaxDeviceColours);
 }
 
 }  // namespace ccdt::api

@@ -38,18 +38,10 @@ Result<Palette> read_color(const Input& input) {
 }
 
 Result<Palette> read_palette(const Input& input) {
-    const auto parts = read_list(input, kMaxInks, "colour");
-    if (!parts) return tl::unexpected(parts.error());
-    if (parts->empty()) return malformed(input, "must have 1 to " + std::to_string(kMaxInks) + " colours");
+    const auto colours = read_colours(input, 1, kMaxInks);
+    if (!colours) return tl::unexpected(colours.error());
     Palette palette{{}, kWhite, Mixing::Multiply};
-    for (const Input& part : *parts) {
-        const auto colour = read_colour(part);
-        if (!colour) return tl::unexpected(colour.error());
-        const auto same = [&](const Ink& ink) { return ink.colour == *colour; };
-        if (std::ranges::any_of(palette.inks, same))
-            return malformed(part, "repeats an earlier colour: " + hexadecimal(*colour));
-        palette.inks.push_back({hexadecimal(*colour), *colour});
-    }
+    for (const Colour& colour : *colours) palette.inks.push_back({hexadecimal(colour), colour});
     return palette;
 }
 
