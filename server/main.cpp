@@ -71,7 +71,8 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
 }
 
 int serve(const Config& config) {
-    give_back_freed_memory();
+    constexpr int kGivenBack = 1 << 20;
+    give_back_freed_memory(kGivenBack);
     const ServerSignals signals;
     const Log log(config.log_format);
     const auto service = Service::start(config, log);

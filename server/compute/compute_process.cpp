@@ -29,9 +29,12 @@
 namespace ccdt::server {
 namespace {
 
-/// Duration above which a computation is assumed to have fragmented the heap. After its answer was sent, free memory is
-/// then returned to the system, which takes less than a millisecond.
-constexpr std::chrono::milliseconds kLong{50};
+/// Returns free memory to the system if there is more than a megabyte of it. This takes less than a millisecond. Short
+/// computations keep their memory for the next one.
+void give_back_memory() {
+    constexpr std::size_t kMuch = std::size_t{1} << 20;
+    if (mallinfo2().fordblks > kMuch) malloc_trim(0);
+}
 
 /// A request that has arrived, and the source by which its computation is stopped.
 struct Task {
@@ -165,7 +168,10 @@ public:
     /// @param timings  timings of the current computation, which are sent with the head
     PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
 
+    /// Sends the head. Also returns the free memory of the computation, because a slow client may receive the body for a
+    /// long time.
     Result<void> begin(const api::Answer& head) override {
+        give_back_memory();
         Reply reply;
         reply.kind = Reply::Kind::Head;
         reply.timings = timings_;
@@ -238,9 +244,8 @@ void run_compute_process(ComputeFiles files, const Computer& compute) {
         [&files](const Order& order, const std::stop_token&) { return send_order(files.events.get(), order); });
     while (true) {
         const Task task = inbox.wait();
-        const auto start = std::chrono::steady_clock::now();
         reply_to(task, compute, decoder, lent, files.channel.get());
-        if (std::chrono::steady_clock::now() - start > kLong) malloc_trim(0);
+        give_back_memory();
     }
 }
 

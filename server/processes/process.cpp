@@ -66,10 +66,9 @@ std::optional<std::size_t> address_space_limit() {
     return limit.rlim_cur;
 }
 
-void give_back_freed_memory() {
-    constexpr int kGivenBack = 1 << 20;
-    mallopt(M_MMAP_THRESHOLD, kGivenBack);
-    mallopt(M_TRIM_THRESHOLD, kGivenBack);
+void give_back_freed_memory(int bytes) {
+    mallopt(M_MMAP_THRESHOLD, bytes);
+    mallopt(M_TRIM_THRESHOLD, bytes);
 }
 
 void share_heap_among_threads() {

@@ -16,10 +16,10 @@ std::size_t available_memory();
 /// Limit of the address space in bytes (ulimit -v); none if there is no limit.
 std::optional<std::size_t> address_space_limit();
 
-/// Makes the allocator return freed blocks of a megabyte or more to the system. By default, when large blocks are
+/// Makes the allocator return freed blocks of at least this size to the system. By default, when large blocks are
 /// freed, glibc raises its thresholds for mapping and trimming up to 32 and 64 MiB in each arena. Then an idle process
 /// keeps most of its peak memory.
-void give_back_freed_memory();
+void give_back_freed_memory(int bytes);
 
 /// Makes all threads allocate from one heap. By default, glibc gives most threads their own arena, which keeps freed
 /// memory. Must be called before threads are created.
