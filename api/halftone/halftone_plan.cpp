@@ -453,7 +453,8 @@ Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedP
         const auto coverage = plan.two_sides ? std::vector<float>{} : std::exchange(picture.inks.coverage[ink], {});
         if (plan.sites[ink] == 0) continue;
         const std::span<const float> values = plan.two_sides ? plan.two_sides->kinds[ink].density : coverage;
-        auto density = Density::grid(picture.cells.columns, picture.cells.rows, values);
+        const CellGrid& cells = plan.two_sides ? plan.two_sides->dot_cells : picture.cells;
+        auto density = Density::grid(cells.columns, cells.rows, values);
         if (!density) return tl::unexpected(density.error());
         densities[ink] = *std::move(density);
     }

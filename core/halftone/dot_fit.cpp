@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/halftone/bilinear.h"
 #include "core/halftone/dot_print.h"
 #include "core/halftone/fitted_dots.h"
 #include "core/halftone/light_fit.h"
@@ -51,7 +50,7 @@ public:
         for (const TwoSidedChannel& channel : plan.channels) {
             std::vector<float> error(channel.white);
             for_pixels(executor, error.size(), [&](std::size_t i) { error[i] -= channel.light[i]; });
-            bases_.push_back(dots_.error_image(error));
+            bases_.push_back(std::move(error));
         }
         cut_.resize(dots_.count() * plan.channels.size());
         gains_.resize(dots_.count());
@@ -102,10 +101,6 @@ public:
     }
 
 private:
-    float at(const std::vector<float>& values, Point site) const {
-        return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
-    }
-
     /// Returns the gain of a dot in each channel, apart from its sign; see FittedDots::improve(). The kinds around the
     /// dot divide the correction such that the sum of their squared relative changes is least. In this sum, each kind
     /// has the share that it covers as its weight. Let the matrix A contain, for each pair of channels, the area in
@@ -121,7 +116,7 @@ private:
         for (std::size_t c = 0; c < channels; ++c) {
             const TwoSidedChannel& channel = plan_.channels[c];
             const bool white = channel.ground.is_white(dots_.site(dot));
-            const float light = at(channel.light, dots_.site(dot));
+            const float light = plan_.at(channel.light, dots_.site(dot));
             share[c] = std::max(white ? 1 - light : light, 0.0f);
             sign[c] = white ? -1.0f : 1.0f;
             flipped[c] = flips(dot, c) ? sign[c] : 0;
@@ -152,7 +147,7 @@ private:
         }
         const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
         for (const KindOfDots& kind : plan_.kinds) {
-            const float covered = at(kind.density, site) * at(kind.area, site) / unit;
+            const float covered = plan_.at(kind.density, site) * plan_.at(kind.area, site) / unit;
             if (!(covered > 0)) continue;
             for_pairs([&](std::size_t i, std::size_t j) {
                 if ((kind.flips >> i & kind.flips >> j & 1) != 0) areas[i][j] += covered;

@@ -3,7 +3,6 @@
 
 #include <limits>
 
-#include "core/halftone/bilinear.h"
 #include "core/halftone/dot_print.h"
 
 namespace ccdt {
@@ -38,13 +37,13 @@ void dilate(std::vector<std::uint8_t>& values, const CellGrid& cells, std::size_
 }  // namespace
 
 FittedDots::FittedDots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor)
-    : plan_(plan), executor_(executor) {
+    : plan_(plan), executor_(executor), scale_(plan.scale()) {
     for (std::size_t kind = 0; kind < sites.size(); ++kind) {
         if (!sites[kind].empty()) add(plan.kinds[kind], sites[kind]);
     }
     areas_ = planned_;
     changes_.resize(count());
-    choose_grid();
+    find_samples();
     find_near_boundary();
 }
 
@@ -55,32 +54,20 @@ void FittedDots::add(const KindOfDots& kind, std::span<const Point> sites) {
                                      [&](std::size_t i) { return static_cast<double>(kind.density[i]); });
     const auto least = std::max(static_cast<float>(kMinDensity * sum / static_cast<double>(kind.density.size())),
                                 std::numeric_limits<float>::min());
-    const auto unit = static_cast<float>(sum / static_cast<double>(sites.size()));
-    const auto at = [&](const std::vector<float>& values, Point site) {
-        return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
-    };
+    const auto unit = static_cast<float>(sum * plan_.dot_cell_area() / static_cast<double>(sites.size()));
     for (const Point& site : sites) {
         sites_.push_back(site);
         flips_.push_back(static_cast<std::uint8_t>(kind.flips));
-        planned_.push_back(at(kind.area, site));
-        ground_per_dot_.push_back(unit / std::max(at(kind.density, site), least));
+        planned_.push_back(plan_.at(kind.area, site));
+        ground_per_dot_.push_back(unit / std::max(plan_.at(kind.density, site), least));
     }
 }
 
-/// Chooses the coarsest grid that resolves the spacing of nearly all dots. With 1.3 cells per spacing instead of 2, the
-/// grain of flat greys is six times as large.
-void FittedDots::choose_grid() {
-    constexpr double kSmallShare = 0.1, kCellsPerSpacing = 2;
-    std::vector<float> sorted = ground_per_dot_;
-    const auto small = sorted.begin() + static_cast<std::ptrdiff_t>(kSmallShare * static_cast<double>(count()));
-    std::ranges::nth_element(sorted, small);
-    const double side = std::max(spread(*small) / kCellsPerSpacing, 1.0);
-    const auto cells = [&](int count) { return static_cast<int>(std::ceil(count / side)); };
-    grid_ = {cells(plan_.cells.columns), cells(plan_.cells.rows)};
-    scale_ = {static_cast<double>(grid_.columns) / plan_.cells.columns,
-              static_cast<double>(grid_.rows) / plan_.cells.rows};
+/// Finds the position of each dot in the pyramid of local means.
+void FittedDots::find_samples() {
     const double unit = std::sqrt(scale_.x * scale_.y);
-    means_ = BlurPyramid(grid_.columns, grid_.rows, unit * spread(*std::ranges::max_element(ground_per_dot_)));
+    means_ = BlurPyramid(plan_.dot_cells.columns, plan_.dot_cells.rows,
+                         unit * spread(*std::ranges::max_element(ground_per_dot_)));
     samples_.resize(count());
     for_pixels(executor_, count(), [&](std::size_t dot) {
         samples_[dot] =
@@ -89,25 +76,28 @@ void FittedDots::choose_grid() {
 }
 
 void FittedDots::find_near_boundary() {
-    constexpr double kMargin = 1.5;  // half a cell to the centre of the dot's cell, one cell for the interpolation
+    // Half a dot cell to the centre of the dot's cell, one for the interpolation of the level.
+    constexpr double kMargin = 1.5;
     const double largest = static_cast<double>(kLargest * *std::ranges::max_element(planned_));
-    const auto reach = static_cast<std::size_t>(std::sqrt(largest / std::numbers::pi) + kMargin);
-    std::vector<std::uint8_t> white(plan_.channels.front().light.size()), black(white.size());
+    const double radius = std::max(scale_.x, scale_.y) * std::sqrt(largest / std::numbers::pi);
+    const auto reach = static_cast<std::size_t>(radius + kMargin);
+    std::vector<std::uint8_t> white(plan_.channels.front().white.size()), black(white.size());
     for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-        const Ground& ground = plan_.channels[c].ground;
+        const std::vector<float>& share = plan_.channels[c].white;
         for (std::size_t i = 0; i < white.size(); ++i) {
-            const bool is_white = ground.level()[i] > 0.5f;
-            white[i] |= static_cast<std::uint8_t>(is_white << c);
-            black[i] |= static_cast<std::uint8_t>(!is_white << c);
+            white[i] |= static_cast<std::uint8_t>((share[i] > 0) << c);
+            black[i] |= static_cast<std::uint8_t>((share[i] < 1) << c);
         }
     }
-    dilate(white, plan_.cells, reach);
-    dilate(black, plan_.cells, reach);
+    dilate(white, plan_.dot_cells, reach);
+    dilate(black, plan_.dot_cells, reach);
+    const auto place = [](double at, int count) {
+        return static_cast<std::size_t>(std::clamp(static_cast<int>(at), 0, count - 1));
+    };
     for (const Point& site : sites_) {
-        const auto place = [](double at, int count) { return std::clamp(static_cast<int>(at), 0, count - 1); };
-        const auto cell =
-            static_cast<std::size_t>(place(site.y, plan_.cells.rows)) * static_cast<std::size_t>(plan_.cells.columns) +
-            static_cast<std::size_t>(place(site.x, plan_.cells.columns));
+        const std::size_t column = place(scale_.x * site.x, plan_.dot_cells.columns);
+        const std::size_t row = place(scale_.y * site.y, plan_.dot_cells.rows);
+        const std::size_t cell = row * static_cast<std::size_t>(plan_.dot_cells.columns) + column;
         near_boundary_.push_back(white[cell] & black[cell]);
     }
 }
@@ -116,18 +106,13 @@ std::vector<std::array<std::uint32_t, 2>> FittedDots::close_pairs() const {
     return ::ccdt::close_pairs(plan_.cells, sites_, areas_);
 }
 
-std::vector<float> FittedDots::error_image(const std::vector<float>& values) const {
-    if (grid_ == plan_.cells) return values;
-    return reduced(values, plan_.cells.columns, plan_.cells.rows, grid_, executor_);
-}
-
 void FittedDots::add_light(Point place, float amount, std::vector<float>& image) const {
-    ::ccdt::add_light(grid_, {scale_.x * place.x, scale_.y * place.y}, amount * static_cast<float>(scale_.x * scale_.y),
-                      image);
+    ::ccdt::add_light(plan_.dot_cells, {scale_.x * place.x, scale_.y * place.y},
+                      amount * static_cast<float>(scale_.x * scale_.y), image);
 }
 
 void FittedDots::add_disc(Point centre, double radius, float amount, std::vector<float>& image) const {
-    constexpr double kSmall = 0.35;  // in cells of the grid; the extent of smaller discs has no effect
+    constexpr double kSmall = 0.35;  // in dot cells; the extent of smaller discs has no effect
     if (scale_.x * radius < kSmall) return add_light(centre, amount, image);
     const double reach = radius / 2;  // four positions with the same mean and variance as the disc
     for (const double y : {-reach, reach}) {

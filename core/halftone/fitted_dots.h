@@ -24,8 +24,8 @@ namespace ccdt {
 /// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on the mixing
 /// of colours.
 ///
-/// The error of the drawing is measured on a grid that may be coarser than the cells of the plan: the error at a dot is
-/// a mean over the local spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
+/// The error of the drawing is measured on the dot cells of the plan: the error at a dot is a mean over the local
+/// spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
 class FittedDots {
 public:
     /// @param sites  [kinds][sites]; dots are numbered in this order
@@ -48,11 +48,8 @@ public:
     /// Finds the pairs of dots that may overlap, given the current areas.
     std::vector<std::array<std::uint32_t, 2>> close_pairs() const;
 
-    /// Returns an error image: the errors of the drawing without dots, as means over the cells of the error's grid.
-    /// @param values  [cells of the plan] error of the drawing without dots
-    std::vector<float> error_image(const std::vector<float>& values) const;
-
-    /// Adds light to an error image. add_light() adds it at a position; add_disc() distributes it over a disc.
+    /// Adds light to an image of the error [dot cells]. add_light() adds it at a position; add_disc() distributes it
+    /// over a disc.
     /// @param amount  light multiplied by the area that has it, in cells of the plan
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
@@ -62,8 +59,8 @@ public:
     /// changes for all channels are added. One round removes errors of long wavelength. Errors whose wavelength is
     /// about one spacing take several rounds.
     ///
-    /// @param bases  [channels] results of error_image()
-    /// @param draw   draw(channel, image) adds the light of all dots to an error image
+    /// @param bases  [channels][dot cells] error of the drawing without dots
+    /// @param draw   draw(channel, image) adds the light of all dots to an image of the error
     /// @param gain   gain(dot, channel) returns the gain of a dot for errors of a channel
     template <class Draw, class Gain>
     void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
@@ -87,7 +84,7 @@ private:
     static constexpr float kLargest = 2.5f;  // largest area that a dot can get, relative to its planned area
 
     void add(const KindOfDots& kind, std::span<const Point> sites);
-    void choose_grid();
+    void find_samples();
     void find_near_boundary();
 
     const TwoSidedPlan& plan_;
@@ -98,8 +95,7 @@ private:
     std::vector<float> areas_;                 ///< [dots] current area
     std::vector<float> ground_per_dot_;        ///< [dots] local area of ground per dot of the kind
     std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels whose boundary is near, as bits
-    CellGrid grid_;                            ///< grid of error images
-    Point scale_;                              ///< cells of the grid per cell of the plan, along each axis
+    Point scale_;                              ///< dot cells per cell, along each axis
     BlurPyramid means_;
     std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
     std::vector<float> image_, changes_;        ///< memory of improve()

@@ -123,12 +123,19 @@ void apply_run(const LevelRow& row, const PixelColumns& columns, std::size_t beg
         pixels[x] = ink_of(black_share(row, columns[x], step, antialias), pixels[x]);
 }
 
-/// Returns the range of levels of a cell and its eight neighbours.
-LevelRange range_around(const Ground& ground, int column, int row) {
+/// Rectangle in a picture, in cells.
+struct Part {
+    Point low, high;
+};
+
+/// Returns the range of levels of all cells in a part of the picture, and of the cells next to them.
+LevelRange range_around(const Ground& ground, const Part& part) {
     const CellGrid& cells = ground.cells();
+    const auto first = [](double at) { return std::max(static_cast<int>(at) - 1, 0); };
+    const auto last = [](double at, int count) { return std::min(static_cast<int>(std::ceil(at)), count - 1); };
     float low = 1, high = 0;
-    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, cells.rows - 1); ++y) {
-        for (int x = std::max(column - 1, 0); x <= std::min(column + 1, cells.columns - 1); ++x) {
+    for (int y = first(part.low.y); y <= last(part.high.y, cells.rows); ++y) {
+        for (int x = first(part.low.x); x <= last(part.high.x, cells.columns); ++x) {
             const float level = ground.level()[static_cast<std::size_t>(y) * static_cast<std::size_t>(cells.columns) +
                                                static_cast<std::size_t>(x)];
             low = std::min(low, level);
@@ -138,18 +145,22 @@ LevelRange range_around(const Ground& ground, int column, int row) {
     return {low, high};
 }
 
-/// Returns the share of a cell that is white, a multiple of 1/16 in [0, 1].
-float white_share(const Ground& ground, int column, int row) {
+/// Returns the share of a part of the picture that is white, in [0, 1]. Samples it at least four times per cell along
+/// each axis.
+float white_share(const Ground& ground, const Part& part) {
     constexpr int kSamples = 4;
-    const auto [low, high] = range_around(ground, column, row);
+    const auto [low, high] = range_around(ground, part);
     if (low > kBoundary) return 1;
     if (high <= kBoundary) return 0;
+    const Point size = part.high - part.low;
+    const int across = kSamples * static_cast<int>(std::ceil(size.x));
+    const int down = kSamples * static_cast<int>(std::ceil(size.y));
     int white = 0;
-    for (int y = 0; y < kSamples; ++y) {
-        for (int x = 0; x < kSamples; ++x)
-            white += ground.is_white({column + (x + 0.5) / kSamples, row + (y + 0.5) / kSamples});
+    for (int y = 0; y < down; ++y) {
+        for (int x = 0; x < across; ++x)
+            white += ground.is_white(part.low + Point{(x + 0.5) / across * size.x, (y + 0.5) / down * size.y});
     }
-    return static_cast<float>(white) / (kSamples * kSamples);
+    return static_cast<float>(white) / static_cast<float>(across * down);
 }
 
 /// Sharpens light by unsharp masking.
@@ -203,17 +214,19 @@ Ground Ground::inverse() const {
     return {std::move(level), cells_};
 }
 
-std::vector<float> Ground::white_shares(Executor& executor) const {
-    std::vector<float> shares(level_.size());
-    const auto columns = static_cast<std::size_t>(cells_.columns);
-    for_ranges(executor, static_cast<std::size_t>(cells_.rows), rows_of_task(cells_.columns),
-               [&](std::size_t begin, std::size_t end) {
-                   for (std::size_t row = begin; row < end; ++row) {
-                       for (std::size_t column = 0; column < columns; ++column)
-                           shares[row * columns + column] =
-                               white_share(*this, static_cast<int>(column), static_cast<int>(row));
-                   }
-               });
+std::vector<float> Ground::white_shares(const CellGrid& parts, Executor& executor) const {
+    const auto columns = static_cast<std::size_t>(parts.columns), rows = static_cast<std::size_t>(parts.rows);
+    std::vector<float> shares(columns * rows);
+    const auto corner = [&](std::size_t column, std::size_t row) {
+        return Point{static_cast<double>(column) * cells_.columns / parts.columns,
+                     static_cast<double>(row) * cells_.rows / parts.rows};
+    };
+    for_ranges(executor, rows, rows_of_task(parts.columns), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            for (std::size_t column = 0; column < columns; ++column)
+                shares[row * columns + column] = white_share(*this, {corner(column, row), corner(column + 1, row + 1)});
+        }
+    });
     return shares;
 }
 

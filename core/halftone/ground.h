@@ -30,8 +30,11 @@ public:
     /// Returns the ground that is black where this one is white.
     Ground inverse() const;
 
-    /// Returns the share of each cell that is white [columns * rows], a multiple of 1/16 in [0, 1].
-    std::vector<float> white_shares(Executor& executor = inline_executor()) const;
+    /// Returns the share of each part of the picture that is white, in [0, 1]. It is exactly 0 or 1 where no boundary
+    /// is near.
+    /// @param parts  division of the picture into parts of equal size, at most as many as cells along each axis
+    /// @returns      [columns * rows] of `parts`
+    std::vector<float> white_shares(const CellGrid& parts, Executor& executor = inline_executor()) const;
 
     /// Converts the share of each pixel that dots flip to the share that ink covers. The two shares are equal on white
     /// ground; on black ground, they add up to 1.

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <utility>
 
-#include "core/halftone/bilinear.h"
 #include "core/halftone/dot_print.h"
 #include "core/halftone/fitted_dots.h"
 #include "core/halftone/pixel_ranges.h"
@@ -96,10 +95,6 @@ private:
         unsigned ground = 0;  ///< inks of the ground between the dots, as bits
     };
 
-    float at(const std::vector<float>& values, Point site) const {
-        return interpolated(values, plan_.cells.columns, plan_.cells.rows, site);
-    }
-
     unsigned ground_at(Point place) const {
         unsigned ground = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c)
@@ -109,7 +104,8 @@ private:
 
     /// Computes the light of the ground minus the light of the picture.
     void find_bases() {
-        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
+        const auto columns = static_cast<std::size_t>(plan_.dot_cells.columns);
+        const Point scale = plan_.scale();
         for (std::size_t c = 0; c < 3; ++c) bases_[c].resize(plan_.wanted[c].size());
         for_pixels(executor_, bases_[0].size(), [&](std::size_t i) {
             bool whole = true;
@@ -123,15 +119,14 @@ private:
             if (!whole) {
                 light = {};
                 for (int s = 0; s < 16; ++s) {
-                    const Point place{static_cast<double>(i % columns) + (s % 4 + 0.5) / 4,
-                                      static_cast<double>(i / columns) + (s / 4 + 0.5) / 4};
+                    const Point place{(static_cast<double>(i % columns) + (s % 4 + 0.5) / 4) / scale.x,
+                                      (static_cast<double>(i / columns) + (s / 4 + 0.5) / 4) / scale.y};
                     const Colour& there = plan_.colours[ground_at(place)];
                     for (std::size_t c = 0; c < 3; ++c) light[c] += there[c] / 16;
                 }
             }
             for (std::size_t c = 0; c < 3; ++c) bases_[c][i] = light[c] - plan_.wanted[c][i];
         });
-        for (std::vector<float>& base : bases_) base = dots_.error_image(base);
     }
 
     /// Returns the light that a dot adds to a channel on a ground, divided by the dot's area.
@@ -167,7 +162,7 @@ private:
             }
         };
         for (const KindOfDots& kind : plan_.kinds) {
-            const float covered = at(kind.density, site) * at(kind.area, site) / unit;
+            const float covered = plan_.at(kind.density, site) * plan_.at(kind.area, site) / unit;
             if (covered > 0) add(effect(ground, kind.flips), covered);
         }
         const Colour own = effect_of(dot);

@@ -33,7 +33,7 @@ public:
     MixturePlan(TwoSidedPlan& plan, const InkSet& inks, const LightPlanes& light, double sigma, Executor& executor)
         : plan_(plan), executor_(executor) {
         for (std::size_t c = 0; c < light.size(); ++c)
-            sharp_[c] = sharpened(light[c], plan.cells.columns, plan.cells.rows, sigma, executor);
+            sharp_[c] = sharpened(light[c], plan.dot_cells.columns, plan.dot_cells.rows, sigma, executor);
         grounds_.resize(cells());
         for_pixels(executor, cells(),
                    [&](std::size_t i) { grounds_[i] = static_cast<std::uint8_t>(black_channels(plan, i)); });
@@ -55,7 +55,7 @@ public:
                 for (std::size_t c = 0; c < 3; ++c) missing[c][i] -= seen[c];
             });
             for (std::size_t c = 0; c < 3; ++c) {
-                blur(missing[c], plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch,
+                blur(missing[c], plan_.dot_cells.columns, plan_.dot_cells.rows, kSurroundingsOfDots * radius, scratch,
                      executor_);
                 for_pixels(executor_, cells(), [&](std::size_t i) {
                     wanted[c][i] += missing[c][i];
@@ -68,6 +68,7 @@ public:
     /// Sets the light of each channel to the share that the ink leaves bare. This share follows from the shares of the
     /// kinds.
     void set_light(const LightPlanes& wanted) {
+        for (TwoSidedChannel& channel : plan_.channels) channel.light.resize(cells());
         for_pixels(executor_, cells(), [&](std::size_t i) {
             Channels bare{};
             add_bare(0, 0, 1, i, light_at(wanted, i), bare);
@@ -102,10 +103,11 @@ public:
         std::vector<float> scratch;
         LightPlanes around = sharp_;
         for (std::vector<float>& each : around)
-            blur(each, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
+            blur(each, plan_.dot_cells.columns, plan_.dot_cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
         for (KindOfDots& kind : plan_.kinds) {
             kind.area = kind.density;
-            blur(kind.area, plan_.cells.columns, plan_.cells.rows, kSurroundingsOfDots * radius, scratch, executor_);
+            blur(kind.area, plan_.dot_cells.columns, plan_.dot_cells.rows, kSurroundingsOfDots * radius, scratch,
+                 executor_);
         }
         for_pixels(executor_, cells(), [&](std::size_t i) {
             const auto [red, green, blue] = light_at(around, i);
@@ -183,8 +185,8 @@ private:
     /// ground with the set of inks g.
     std::vector<std::uint64_t> grounds_around(std::size_t reach) const {
         static_assert(kMaxInks <= 6);
-        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
-        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const auto columns = static_cast<std::size_t>(plan_.dot_cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.dot_cells.rows);
         std::vector<std::uint64_t> across(cells(), 0), around(cells(), 0);
         for_pixels(executor_, cells(), [&](std::size_t i) {
             const std::size_t column = i % columns;
@@ -204,8 +206,8 @@ private:
     /// cells, the shares follow from the cell's own colour.
     void average_shares_around(std::size_t cell) {
         constexpr std::size_t kReach = 2;
-        const auto columns = static_cast<std::size_t>(plan_.cells.columns);
-        const auto rows = static_cast<std::size_t>(plan_.cells.rows);
+        const auto columns = static_cast<std::size_t>(plan_.dot_cells.columns);
+        const auto rows = static_cast<std::size_t>(plan_.dot_cells.rows);
         const std::size_t column = cell % columns, row = cell / columns;
         KindMixture::Shares sum{};
         float count = 0;

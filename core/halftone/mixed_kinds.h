@@ -14,9 +14,9 @@ namespace ccdt {
 /// KindOfDots::density is the share that the dots of a kind cover. Sets the light of each channel to the share that the
 /// ink leaves bare, with these dots.
 ///
-/// @param light   light of the picture
-/// @param radius  radius of the dots, in cells
-/// @param sigma   standard deviation, in cells, of the blur that sharpening compensates
+/// @param light   [dot cells] light of the picture
+/// @param radius  radius of the dots, in dot cells
+/// @param sigma   standard deviation, in dot cells, of the blur that sharpening compensates
 /// @param stop    polled between steps; after a stop the plan must not be used
 void add_mixed_kinds(TwoSidedPlan& plan, const InkSet& inks, LightPlanes light, double radius, double sigma,
                      const std::stop_token& stop = {}, Executor& executor = inline_executor());

@@ -51,7 +51,7 @@ public:
         std::vector<float> scratch;
         const auto surroundings = [&](const std::vector<float>& values) {
             std::vector<float> means = values;
-            blur(means, plan.cells.columns, plan.cells.rows, kSurroundingsOfDots * radius, scratch, executor);
+            blur(means, plan.dot_cells.columns, plan.dot_cells.rows, kSurroundingsOfDots * radius, scratch, executor);
             return means;
         };
         for (const auto& each : share) share_around_.push_back(surroundings(each));

@@ -13,9 +13,9 @@ namespace ccdt {
 /// result, KindOfDots::area is relative to the area of the largest dot, and KindOfDots::density is the share that the
 /// dots of a kind cover.
 ///
-/// @param share   [channels][cells] share of each cell that dots should flip
-/// @param light   [channels][cells] light of the picture
-/// @param radius  radius of the dots, in cells
+/// @param share   [channels][dot cells] share that dots should flip
+/// @param light   [channels][dot cells] light of the picture
+/// @param radius  radius of the dots, in dot cells
 void add_nested_kinds(TwoSidedPlan& plan, std::span<const std::vector<float>> share,
                       std::span<const std::vector<float>> light, double radius, Executor& executor = inline_executor());
 

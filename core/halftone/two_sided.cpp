@@ -30,19 +30,20 @@ struct DotScale {
 
 /// Finds the number and the sizes of dots. The area of the largest dots depends on the relative area of the smallest
 /// dots, and vice versa, so both are computed repeatedly.
-/// @param kinds  kinds of dots, with relative areas and with shares in place of densities
-DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Executor& executor) {
+/// @param plan  its kinds have relative areas, and shares in place of densities
+DotScale scale_of(const TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kMinArea = 0.05f;
     constexpr int kRounds = 3;
     DotScale scale;
     scale.min_area = kMinArea;
     for (int round = 0; round < kRounds; ++round) {
         double units = 0;
-        for (const KindOfDots& kind : kinds) {
+        for (const KindOfDots& kind : plan.kinds) {
             units += sum_of_pixels(executor, kind.area.size(), [&](std::size_t i) {
                 return static_cast<double>(kind.density[i] / std::max(kind.area[i], scale.min_area));
             });
         }
+        units *= plan.dot_cell_area();
         scale.unit = options.radius ? std::max(kPi * *options.radius * *options.radius, kMinDotArea)
                                     : units / static_cast<double>(*options.sites);
         if (options.max_sites) scale.unit = std::max(scale.unit, units / static_cast<double>(*options.max_sites));
@@ -60,20 +61,44 @@ double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOpti
     return std::sqrt(minority_area(light, executor) / (kPi * static_cast<double>(*options.sites)));
 }
 
-/// Returns a plan that has the grounds of a picture, but no dots yet.
-TwoSidedPlan with_grounds(std::vector<std::vector<float>> light, const CellGrid& cells, double radius, double detail,
-                          bool is_rgb, Executor& executor) {
+/// Returns a plan that has the grounds of a picture, but no dots yet. Its dot cells are its cells.
+TwoSidedPlan with_grounds(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
+                          double detail, bool is_rgb, Executor& executor) {
     TwoSidedPlan plan;
-    plan.cells = cells;
-    std::vector<Ground> grounds = divide_ground(light, cells, radius, detail, is_rgb, executor);
-    for (std::size_t c = 0; c < light.size(); ++c)
-        plan.channels.push_back({std::move(grounds[c]), std::move(light[c]), {}});
+    plan.cells = plan.dot_cells = cells;
+    for (Ground& ground : divide_ground(light, cells, radius, detail, is_rgb, executor))
+        plan.channels.push_back({std::move(ground), {}, {}});
     return plan;
+}
+
+/// Computes the share of white ground in each dot cell.
+void find_white_shares(TwoSidedPlan& plan, Executor& executor) {
+    for (TwoSidedChannel& channel : plan.channels)
+        channel.white = channel.ground.white_shares(plan.dot_cells, executor);
+}
+
+/// Chooses dot cells whose side is at most half the spacing of nearly all dots. They are not larger than 1/64 of the
+/// shorter side of the picture.
+///
+/// Measured on eleven photographs and pages with 2,000 to 60,000 dots: nine dots of ten have a spacing of at least 2.7
+/// mean radii. With 1.3 cells per spacing instead of 2, the grain of flat greys is six times as large.
+/// @param radius  radius that dots would have if all had the same size, in cells
+CellGrid dot_cells_of(const CellGrid& cells, double radius) {
+    constexpr double kSide = 1.35;  // radii
+    constexpr double kFewest = 64;
+    const double side = std::max(std::min(kSide * radius, std::min(cells.columns, cells.rows) / kFewest), 1.0);
+    return {static_cast<int>(std::ceil(cells.columns / side)), static_cast<int>(std::ceil(cells.rows / side))};
+}
+
+/// Returns the means of a picture's light over the dot cells of a plan.
+std::vector<float> in_dot_cells(const TwoSidedPlan& plan, std::vector<float> light, Executor& executor) {
+    if (plan.dot_cells == plan.cells) return light;
+    return reduced(light, plan.cells.columns, plan.cells.rows, plan.dot_cells, executor);
 }
 
 /// Converts shares to densities, and relative areas to areas in cells. Sets the number and the radius of the dots.
 void set_scale(TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
-    const DotScale scale = scale_of(plan.kinds, options, executor);
+    const DotScale scale = scale_of(plan, options, executor);
     plan.dots = scale.dots;
     plan.radius = std::sqrt(scale.unit / kPi);
     for (KindOfDots& kind : plan.kinds) {
@@ -103,17 +128,22 @@ TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGri
     assert(light.size() == 1 || light.size() == 3);
     const double radius = mean_radius(light, options, executor);
     const bool is_rgb = light.size() > 1;
-    TwoSidedPlan plan = with_grounds(std::move(light), cells, radius, options.detail, is_rgb, executor);
+    TwoSidedPlan plan = with_grounds(light, cells, radius, options.detail, is_rgb, executor);
+    plan.dot_cells = dot_cells_of(cells, radius);
+    find_white_shares(plan, executor);
+    const double own_radius = radius / std::sqrt(plan.dot_cell_area());  // in dot cells
     std::vector<std::vector<float>> sharp, share;
-    for (TwoSidedChannel& channel : plan.channels) {
+    for (std::size_t c = 0; c < light.size(); ++c) {
         if (stop.stop_requested()) return plan;
-        sharp.push_back(sharpened(channel.light, cells.columns, cells.rows, options.detail * radius, executor));
-        channel.white = channel.ground.white_shares(executor);
-        share.push_back(flip_share(sharp.back(), channel.white, cells, executor));
-        clear_thin_ground(channel.white, cells, radius, share.back(), executor);
+        TwoSidedChannel& channel = plan.channels[c];
+        channel.light = in_dot_cells(plan, std::move(light[c]), executor);
+        sharp.push_back(sharpened(channel.light, plan.dot_cells.columns, plan.dot_cells.rows,
+                                  options.detail * own_radius, executor));
+        share.push_back(flip_share(sharp.back(), channel.white, plan.dot_cells, executor));
+        clear_thin_ground(channel.white, plan.dot_cells, own_radius, share.back(), executor);
     }
     if (stop.stop_requested()) return plan;
-    add_nested_kinds(plan, share, sharp, radius, executor);
+    add_nested_kinds(plan, share, sharp, own_radius, executor);
     set_scale(plan, options, executor);
     return plan;
 }
@@ -131,10 +161,14 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
     TwoSidedPlan plan;
     for (int repairs = 0; repairs <= kMaxRepairs; ++repairs) {
         plan = with_grounds(bare, cells, radius, options.detail, false, executor);
-        for (TwoSidedChannel& channel : plan.channels) channel.white = channel.ground.white_shares(executor);
+        find_white_shares(plan, executor);
         if (stop.stop_requested() || repairs == kMaxRepairs || !grounds.replace_grounds(bare, plan)) break;
     }
+    bare.clear();
     plan.is_nested = false;
+    plan.dot_cells = dot_cells_of(cells, radius);
+    find_white_shares(plan, executor);
+    for (std::vector<float>& channel : picture.light) channel = in_dot_cells(plan, std::move(channel), executor);
     // With three inks, fitting the light increases some errors: a few after a blur of half a pitch, and for
     // astronaut.png the 95th percentile after a blur of two pitches.
     constexpr std::size_t kMinInksOfLightFit = 4;
@@ -147,7 +181,8 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
         plan.colours.push_back({light.red, light.green, light.blue});
     }
     if (stop.stop_requested()) return plan;
-    add_mixed_kinds(plan, inks, std::move(picture.light), radius, options.detail * radius, stop, executor);
+    const double own_radius = radius / std::sqrt(plan.dot_cell_area());  // in dot cells
+    add_mixed_kinds(plan, inks, std::move(picture.light), own_radius, options.detail * own_radius, stop, executor);
     if (stop.stop_requested()) return plan;
     set_scale(plan, options, executor);
     return plan;

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/geometry/point.h"
+#include "core/halftone/bilinear.h"
 #include "core/halftone/ground.h"
 #include "core/halftone/overprint.h"
 #include "core/halftone/reduction.h"
@@ -27,16 +29,16 @@ inline constexpr std::size_t kMaxInkKinds = 15;
 /// A channel of a picture, divided into grounds.
 struct TwoSidedChannel {
     Ground ground;
-    std::vector<float> light;  ///< [cells] light of the picture
-    std::vector<float> white;  ///< [cells] share of white ground
+    std::vector<float> light;  ///< [dot cells] light of the picture
+    std::vector<float> white;  ///< [dot cells] share of white ground
 };
 
 /// Dots that flip the same channels.
 struct KindOfDots {
     unsigned flips = 0;          ///< channels, as bits
-    std::vector<float> density;  ///< [cells] relative density of the dots; 0 everywhere if the kind has no dots
-    std::vector<float> area;     ///< [cells] area of a dot at this position, in cells
-    double share = 0;            ///< sum of `density` over all cells
+    std::vector<float> density;  ///< [dot cells] relative density of the dots; 0 everywhere if the kind has no dots
+    std::vector<float> area;     ///< [dot cells] area of a dot at this position, in cells
+    double share = 0;            ///< sum of `density` over all dot cells
 };
 
 /// Plan of a halftone with ink dots on white ground and paper dots on black ground.
@@ -50,8 +52,12 @@ struct KindOfDots {
 /// three channels. The second flips the two channels with the larger flipped areas. The third flips the channel with
 /// the largest flipped area. So the dots of all kinds together cover only the largest of the three areas, and do not
 /// overlap.
+///
+/// The grounds are given in small cells, because their boundaries are drawn precisely. All properties of dots are given
+/// in larger cells, the dot cells, whose side is about half the spacing of dots.
 struct TwoSidedPlan {
-    CellGrid cells;
+    CellGrid cells;                         ///< of the grounds; the unit of positions, areas and radii
+    CellGrid dot_cells;                     ///< along each axis at most as many as `cells`
     std::vector<TwoSidedChannel> channels;  ///< grey; or red, green and blue; or one for each ink
     std::vector<KindOfDots> kinds;          ///< sorted by `flips`
     double dots = 0;        ///< number of dots that reproduce the tone with these areas; 0: the ground alone does
@@ -59,10 +65,26 @@ struct TwoSidedPlan {
     bool is_nested = true;  ///< whether the flipped areas of the channels are nested; false: kinds mix in any shares
     /// [2^channels] light of each set of inks; empty if fit_light() is not used.
     std::vector<std::array<float, 3>> colours;
-    LightPlanes wanted;  ///< [cells] light of the picture; empty if fit_light() is not used
+    LightPlanes wanted;  ///< [dot cells] light of the picture; empty if fit_light() is not used
+
+    /// Returns the number of dot cells per cell, along each axis.
+    Point scale() const {
+        return {static_cast<double>(dot_cells.columns) / cells.columns,
+                static_cast<double>(dot_cells.rows) / cells.rows};
+    }
+
+    /// Returns the area of a dot cell, in cells.
+    double dot_cell_area() const { return 1 / (scale().x * scale().y); }
+
+    /// Interpolates values that are given for dot cells.
+    /// @param values  [dot cells]
+    /// @param place   in cells
+    float at(const std::vector<float>& values, Point place) const {
+        return interpolated(values, dot_cells.columns, dot_cells.rows, {scale().x * place.x, scale().y * place.y});
+    }
 };
 
-/// Returns the channels whose ground is black in the larger part of a cell, as bits.
+/// Returns the channels whose ground is black in the larger part of a dot cell, as bits.
 inline unsigned black_channels(const TwoSidedPlan& plan, std::size_t cell) {
     unsigned bits = 0;
     for (std::size_t c = 0; c < plan.channels.size(); ++c)

@@ -52,7 +52,7 @@ TEST(Ground, PlacesBoundaryWithSubcellPrecision) {
         EXPECT_TRUE(ground.is_white(Point{20, 15} + 8.9 * way)) << k;
         EXPECT_FALSE(ground.is_white(Point{20, 15} + 9.1 * way)) << k;
     }
-    const auto shares = ground.white_shares();
+    const auto shares = ground.white_shares(kCells);
     EXPECT_NEAR(std::accumulate(shares.begin(), shares.end(), 0.0), std::acos(-1.0) * 81, 2);
 }
 
@@ -123,7 +123,7 @@ TEST(GroundOutline, SeparatesRingsThatTouchAtCorners) {
     const Ground ground(cells([&](double, double) { return random.uniform(); }), kCells);
     const auto rings = outline_of(ground);
     EXPECT_GT(rings.size(), 20U);
-    const auto shares = ground.white_shares();
+    const auto shares = ground.white_shares(kCells);
     const double white = std::accumulate(shares.begin(), shares.end(), 0.0);
     EXPECT_NEAR(black_area(ground), kCells.columns * kCells.rows - white, 0.03 * white);
     for (const auto& ring : rings) {

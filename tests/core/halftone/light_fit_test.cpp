@@ -45,8 +45,8 @@ Sites placed(const TwoSidedPlan& plan) {
     std::vector<Density> densities;
     std::vector<double> shares;
     for (const KindOfDots& kind : plan.kinds) {
-        densities.push_back(
-            Density::grid(kCells.columns, kCells.rows, std::span(kind.density)).value_or(Density::uniform()));
+        densities.push_back(Density::grid(plan.dot_cells.columns, plan.dot_cells.rows, std::span(kind.density))
+                                .value_or(Density::uniform()));
         shares.push_back(kind.share);
     }
     const auto domain = Domain::rectangle(kCells.columns, kCells.rows);
@@ -96,17 +96,20 @@ LightPlanes drawn(const TwoSidedPlan& plan, const std::vector<Colour>& colours, 
 }
 
 /// Returns the mean error of light after a blur of one spacing.
-double error_of(LightPlanes light, const LightPlanes& wanted) {
-    const double spacing = std::sqrt(static_cast<double>(kCount) / kSites);
+double error_of(const LightPlanes& light, const TwoSidedPlan& plan) {
+    const CellGrid& cells = plan.dot_cells;
+    const auto count = static_cast<std::size_t>(cells.columns * cells.rows);
+    const double spacing = std::sqrt(static_cast<double>(count) / kSites);
     std::vector<float> scratch;
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t i = 0; i < kCount; ++i) light[c][i] -= wanted[c][i];
+        std::vector<float> error = reduced(light[c], kCells.columns, kCells.rows, cells);
+        for (std::size_t i = 0; i < count; ++i) error[i] -= plan.wanted[c][i];
         for (int step = 0; step < 2; ++step)
-            blur(light[c], kCells.columns, kCells.rows, spacing / std::sqrt(2), scratch, inline_executor());
-        for (const float error : light[c]) sum += static_cast<double>(std::abs(error));
+            blur(error, cells.columns, cells.rows, spacing / std::sqrt(2), scratch, inline_executor());
+        for (const float each : error) sum += static_cast<double>(std::abs(each));
     }
-    return sum / (3 * kCount);
+    return sum / (3 * static_cast<double>(count));
 }
 
 /// Two colours with different grounds.
@@ -116,7 +119,7 @@ TEST(LightFit, IsCloserToPictureThanFitOfEachInk) {
     TwoSidedPlan plan = plan_of_halves(kReddish, kBluish);
     const Sites sites = placed(plan);
     const std::vector<Colour> colours = plan.colours;
-    const auto error = [&] { return error_of(drawn(plan, colours, sites, size_dots(plan, sites, true)), plan.wanted); };
+    const auto error = [&] { return error_of(drawn(plan, colours, sites, size_dots(plan, sites, true)), plan); };
     const double by_light = error();
     plan.colours.clear();
     const double by_ink = error();
@@ -125,7 +128,6 @@ TEST(LightFit, IsCloserToPictureThanFitOfEachInk) {
 }
 
 TEST(LightFit, NeedsNoLargerDotsOnGroundThatHidesThem) {
-    constexpr std::size_t kColumns = 96;
     for (const auto& [left, right] : {std::pair(kReddish, kBluish),
                                       {{0.25F, 0.06F, 0.02F}, {0.5F, 0.45F, 0.35F}},
                                       {{0.5F, 0.4F, 0.1F}, {0.05F, 0.1F, 0.05F}}}) {
@@ -138,12 +140,13 @@ TEST(LightFit, NeedsNoLargerDotsOnGroundThatHidesThem) {
                 most = std::max(most, std::abs(plan.colours[ground ^ flips][c] - plan.colours[ground][c]));
             return most > kLeast;
         };
-        const auto reach = static_cast<std::size_t>(plan.radius);
+        const auto reach = static_cast<std::size_t>(std::ceil(plan.radius * plan.scale().x));
+        const auto columns = static_cast<std::size_t>(plan.dot_cells.columns);
         int found = 0;
         float largest = 0;
         for (const KindOfDots& kind : plan.kinds) {
-            for (std::size_t i = reach; i + reach < kCount; ++i) {
-                if (i % kColumns < reach || i % kColumns + reach >= kColumns) continue;
+            for (std::size_t i = reach; i + reach < kind.density.size(); ++i) {
+                if (i % columns < reach || i % columns + reach >= columns) continue;
                 if (!(kind.density[i] > 0) || shows(i, kind.flips)) continue;
                 for (const std::size_t other : {i - reach, i + reach}) {
                     if (!(kind.density[other] > 0) || !shows(other, kind.flips)) continue;

@@ -56,9 +56,10 @@ Drawing draw(Planes light, const CellGrid& cells, std::size_t sites, bool fit = 
     const auto domain = Domain::rectangle(cells.columns, cells.rows);
     std::vector<Density> densities;
     std::vector<double> shares;
+    const CellGrid& dot_cells = drawing.plan.dot_cells;
     for (const KindOfDots& kind : drawing.plan.kinds) {
         densities.push_back(
-            Density::grid(cells.columns, cells.rows, std::span(kind.density)).value_or(Density::uniform()));
+            Density::grid(dot_cells.columns, dot_cells.rows, std::span(kind.density)).value_or(Density::uniform()));
         shares.push_back(kind.share);
     }
     const auto placed = distribute_inks(*domain, densities, share_sites(shares, sites), {});
@@ -256,18 +257,18 @@ TEST(TwoSided, NestsFlippedChannels) {
     // Densities are relative: an area is a share of the cell after division by that of the largest dots.
     const double unit = std::numbers::pi * plan.radius * plan.radius;
     double off = 0;
-    for (std::size_t i = 0; i < light.front().size(); ++i) {
+    for (std::size_t i = 0; i < plan.channels.front().light.size(); ++i) {
         float covered = 0;
         const auto flipped = flipped_in(plan, i, covered);
         EXPECT_LE(covered / unit, 0.58) << i;
         EXPECT_NEAR(covered, *std::ranges::max_element(flipped), 1e-4 * unit) << "flipped areas are nested";
         EXPECT_LE(std::ranges::count_if(plan.kinds, [&](const auto& kind) { return kind.density[i] > 0; }), 3) << i;
         for (std::size_t c = 0; c < 3; ++c) {
-            const float wanted = std::abs(plan.channels[c].white[i] - light[c][i]);
+            const float wanted = std::abs(plan.channels[c].white[i] - plan.channels[c].light[i]);
             off += std::abs(static_cast<double>(flipped[c]) / unit - static_cast<double>(wanted));
         }
     }
-    EXPECT_LT(off / static_cast<double>(3 * light.front().size()), 0.01)
+    EXPECT_LT(off / static_cast<double>(3 * plan.channels.front().light.size()), 0.01)
         << "only cells at a boundary or on thin ground differ";
 }
 
@@ -315,7 +316,7 @@ TEST(TwoSided, DrawsGreysWithDotsFlippingAllChannels) {
     for (std::size_t kind = 0; kind + 1 < colour.kinds.size(); ++kind) EXPECT_EQ(colour.kinds[kind].share, 0) << kind;
     EXPECT_NEAR(colour.radius, alone.radius, 1e-6 * alone.radius);
     for (const TwoSidedChannel& channel : colour.channels) EXPECT_EQ(channel.white, alone.channels.front().white);
-    for (std::size_t i = 0; i < grey.size(); ++i)
+    for (std::size_t i = 0; i < alone.kinds.front().density.size(); ++i)
         EXPECT_NEAR(colour.kinds.back().density[i], alone.kinds.front().density[i], 1e-3F) << i;
 }
 
