@@ -128,30 +128,27 @@ struct Part {
     Point low, high;
 };
 
-/// Returns the range of levels of all cells in a part of the picture, and of the cells next to them.
-LevelRange range_around(const Ground& ground, const Part& part) {
-    const CellGrid& cells = ground.cells();
-    const auto first = [](double at) { return std::max(static_cast<int>(at) - 1, 0); };
-    const auto last = [](double at, int count) { return std::min(static_cast<int>(std::ceil(at)), count - 1); };
-    float low = 1, high = 0;
-    for (int y = first(part.low.y); y <= last(part.high.y, cells.rows); ++y) {
-        for (int x = first(part.low.x); x <= last(part.high.x, cells.columns); ++x) {
-            const float level = ground.level()[static_cast<std::size_t>(y) * static_cast<std::size_t>(cells.columns) +
-                                               static_cast<std::size_t>(x)];
-            low = std::min(low, level);
-            high = std::max(high, level);
-        }
+/// Ranges of cells along one axis: the cells under each part of the picture, and the cells next to them.
+class CellRanges {
+public:
+    CellRanges(int cells, int parts) : cells_(cells), parts_(parts) {}
+
+    double begin(std::size_t part) const { return static_cast<double>(part) * cells_ / parts_; }
+    std::size_t first(std::size_t part) const { return std::max<std::size_t>(whole(begin(part)), 1) - 1; }
+    std::size_t end(std::size_t part) const {
+        return std::min(whole(std::ceil(begin(part + 1))) + 1, static_cast<std::size_t>(cells_));
     }
-    return {low, high};
-}
+
+private:
+    static std::size_t whole(double place) { return static_cast<std::size_t>(place); }
+
+    int cells_, parts_;
+};
 
 /// Returns the share of a part of the picture that is white, in [0, 1]. Samples it at least four times per cell along
 /// each axis.
-float white_share(const Ground& ground, const Part& part) {
+float sampled_white_share(const Ground& ground, const Part& part) {
     constexpr int kSamples = 4;
-    const auto [low, high] = range_around(ground, part);
-    if (low > kBoundary) return 1;
-    if (high <= kBoundary) return 0;
     const Point size = part.high - part.low;
     const int across = kSamples * static_cast<int>(std::ceil(size.x));
     const int down = kSamples * static_cast<int>(std::ceil(size.y));
@@ -215,16 +212,29 @@ Ground Ground::inverse() const {
 }
 
 std::vector<float> Ground::white_shares(const CellGrid& parts, Executor& executor) const {
+    constexpr std::uint8_t kWhite = 1, kBlack = 2;
     const auto columns = static_cast<std::size_t>(parts.columns), rows = static_cast<std::size_t>(parts.rows);
+    const auto width = static_cast<std::size_t>(cells_.columns);
+    const CellRanges across(cells_.columns, parts.columns), down(cells_.rows, parts.rows);
     std::vector<float> shares(columns * rows);
-    const auto corner = [&](std::size_t column, std::size_t row) {
-        return Point{static_cast<double>(column) * cells_.columns / parts.columns,
-                     static_cast<double>(row) * cells_.rows / parts.rows};
-    };
     for_ranges(executor, rows, rows_of_task(parts.columns), [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint8_t> grounds(width);  // grounds in each column of cells, as bits
         for (std::size_t row = begin; row < end; ++row) {
-            for (std::size_t column = 0; column < columns; ++column)
-                shares[row * columns + column] = white_share(*this, {corner(column, row), corner(column + 1, row + 1)});
+            std::ranges::fill(grounds, std::uint8_t{0});
+            for (std::size_t y = down.first(row); y < down.end(row); ++y) {
+                const float* level = level_.data() + y * width;
+                for (std::size_t x = 0; x < width; ++x) grounds[x] |= level[x] > kBoundary ? kWhite : kBlack;
+            }
+            for (std::size_t column = 0; column < columns; ++column) {
+                std::uint8_t all = 0;
+                for (std::size_t x = across.first(column); x < across.end(column); ++x) all |= grounds[x];
+                float& share = shares[row * columns + column];
+                share = all == kWhite ? 1 : 0;
+                if (all == (kWhite | kBlack)) {
+                    share = sampled_white_share(*this, {{across.begin(column), down.begin(row)},
+                                                        {across.begin(column + 1), down.begin(row + 1)}});
+                }
+            }
         }
     });
     return shares;
