@@ -39,7 +39,7 @@ bool Cover::has_segment(std::uint32_t triangle, std::size_t edge) const {
     return set != kNone && !map_.groups_of(set).empty();
 }
 
-/// Reports points of the same ring that coincide.
+/// Collects input points that coincide, and reports those of the same ring.
 void Cover::find_shared_points() {
     std::vector<bool> is_shared(map_.points.size(), false);
     for (std::uint32_t i = 0; i < map_.vertex_of.size(); ++i) {

@@ -263,7 +263,7 @@ private:
     struct Piece {
         Vertex from;
         Vertex to;
-        std::uint32_t segment;  ///< kNone if it was inserted before, so that its meetings are not reported again
+        std::uint32_t segment;  ///< kNone if the piece was inserted before; its meetings are then not reported again
         Groups groups;
     };
     struct Edge {
@@ -291,8 +291,8 @@ private:
         return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
     }
 
-    /// Returns the groups along an edge, in the edge's entry in `edges_`. Creates the entry if there is none; an edge
-    /// that is one entire segment needs none.
+    /// Returns the groups along an edge, stored in `edges_`. Creates the entry if there is none; an edge that is one
+    /// whole segment has no entry at first.
     Groups& groups_along(const Ends& ends, bool is_constrained) {
         const auto [found, is_new] = edges_.try_emplace(key(ends));
         Groups& groups = found->second.groups;
@@ -357,8 +357,8 @@ private:
         }
     }
 
-    /// Adds the groups of a piece to the groups along an edge. A group that is already there is removed instead, since
-    /// two copies cancel out.
+    /// Adds the groups of a piece to the groups along an edge. A group that already runs along the edge is removed
+    /// instead, since by the even-odd rule two copies cancel out.
     void lay(const Piece& piece, const Ends& ends, bool was_constrained) {
         const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
         if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
@@ -400,7 +400,7 @@ private:
     }
 
     /// Returns the vertex at a place; inserts one if needed. Because of rounding, several lines through one point cross
-    /// at several places close together; the first such place serves for all of them.
+    /// at several places close together. All of these crossings share the first vertex.
     Vertex vertex_at(Point at, Face nearby) {
         Triangulation::Locate_type where{};
         int i = 0;

@@ -56,7 +56,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
                                                                         std::span<const Segment> segments,
                                                                         const std::stop_token& stop = {});
 
-/// Points, each joined by a segment to the next one of its chain. Chains are closed; several can form a group.
+/// Closed chains of segments. Each point is joined to the next point of its chain. Several chains can form a group.
 struct Chains {
     std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
     /// [points] end point of the segment that begins at this point; the point itself if no segment begins there.
@@ -71,7 +71,7 @@ struct Arrangement {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
         std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
-        std::array<std::uint32_t, 3> sets;        ///< the set of groups along each edge; kNone if no segment runs there
+        std::array<std::uint32_t, 3> sets;        ///< number of the set of groups along each edge; kNone: no segment
     };
     /// A place where a segment meets another segment other than at a shared end.
     struct Meeting {

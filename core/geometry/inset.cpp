@@ -23,7 +23,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kMore = 16;  ///< additional pieces per corner that crossings of overlapping strips may create
+constexpr std::size_t kMore = 16;  ///< argument `more` of max_pieces(), since overlapping strips cross often
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
@@ -122,8 +122,7 @@ private:
         }
     }
 
-    /// Returns the run of edges that begins at a corner: a single edge, or several edges if one capsule around them is
-    /// less work.
+    /// Returns the run of edges that begins at a corner: a single edge, or several edges that one capsule can replace.
     Run longest_run(const Ring& ring, std::size_t first) const {
         constexpr std::size_t kFewest = 4;
         Run longest;
@@ -230,10 +229,10 @@ public:
         add_corner_after(reach);
     }
 
-    /// Returns how many of the first pieces one polygon can represent (without the neighbourhood of the run's last
-    /// corner); at least 1. The pieces of such a run are edges of similar direction, long enough that no offset line
-    /// degenerates. At any distance up to the full one, the offset line of the run is then a graph over that direction.
-    /// A line at a greater distance lies above a line at a smaller distance, so no two lines cross.
+    /// Returns the number of leading pieces whose neighbourhood one polygon can represent, at least 1. The
+    /// neighbourhood of their last corner is left out. The edges of such a run have similar directions, and are long
+    /// enough that no offset line degenerates. So the offset curve is a graph over the direction of the first edge, and
+    /// does not cross itself.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine
@@ -349,7 +348,7 @@ private:
     }
 
     /// Adds a polygon that covers the neighbourhood of an edge, on its left. On the right, the polygon bulges beyond
-    /// the edge. Otherwise it would have a side almost along the border, and the two would cross many times.
+    /// the edge. Otherwise one of its sides would run almost along the border, and cross it many times.
     void add_edge(Point a, Point b, double reach) {
         const Point up = normal(a, b);
         add({a, 0.5 * (a + b) - reach / 8 * up, b, b + reach * up, a + reach * up});
@@ -388,8 +387,8 @@ private:
     std::vector<Area> areas_;
 };
 
-/// Unites areas in groups of few, repeatedly, until few are left. Edges inside a union disappear before the union meets
-/// the other areas.
+/// Unites areas in groups of eight, repeatedly, until at most eight are left. Edges inside a union disappear early,
+/// before they could cross other areas.
 Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, const std::stop_token& stop) {
     constexpr std::size_t kTogether = 8;
     while (areas.size() > kTogether) {
@@ -404,9 +403,8 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
     return areas;
 }
 
-/// A quadtree over the unit square. A square is divided until few pieces of the border can matter in it. The nearest
-/// piece alone decides whether a point is too near to the border. So a piece does not matter in a square if
-/// another piece is nearer to all of the square.
+/// A quadtree over the unit square. Only the nearest piece of the border decides whether a point is too near to the
+/// border. So a square is divided until few pieces can be the nearest piece of any point in the square.
 class ReachTree {
 public:
     /// @param coarse    radius in the unit frame of squares that are removed as a whole if the new border may cross
@@ -431,8 +429,8 @@ public:
     /// Whether the division ended early because there are very many squares. The tree is then useless.
     bool is_too_fine() const { return coarse_ == 0 && has_very_many_squares(); }
 
-    /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
-    /// long and far apart, the whole area is computed; otherwise the pieces that matter in each square.
+    /// Returns the removed area, at least within the squares that its border crosses. Computes the whole area if more
+    /// than a fifth of the pieces are long and far apart; otherwise, computes it square by square.
     Result<std::vector<Area>> border() const {
         constexpr double kMaxWhole = 0.2;
         const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
@@ -449,8 +447,8 @@ public:
         return areas;
     }
 
-    /// Returns the offset lines of all edges if these lines do not meet and are exactly the new border; else none. The
-    /// caller must drop rings inside the removed area.
+    /// Returns the offset lines of all edges, joined to rings; none if there are few pieces, or if any two of the lines
+    /// meet. The rings are the new border, and rings inside the removed area, which the caller must drop.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;
@@ -487,7 +485,7 @@ public:
         return std::nullopt;
     }
 
-    /// Whether a corner of the result of subtracting border() is too near to the border.
+    /// Whether a point is too near to the border of the domain. The point is a corner of what remains without border().
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
                          kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
@@ -522,13 +520,13 @@ private:
     enum class Kind : std::uint8_t {
         Clear,    ///< no point of the square is too near to the border
         Near,     ///< all points of the square are too near
-        Border,   ///< a few pieces of the border decide
-        Crowded,  ///< more pieces decide, but the square is small enough to count as too near as a whole
+        Border,   ///< few pieces of the border can be nearest to points of the square
+        Crowded,  ///< the square is so small that it is removed as a whole
         Divided,  ///< divided into four
     };
     struct Square {
         Kind kind = Kind::Clear;
-        std::uint32_t first = 0;  ///< first of its quarters, or of its pieces in `members_`
+        std::uint32_t first = 0;  ///< index of its first quarter in `squares_`, or of its first piece in `members_`
         std::uint32_t count = 0;  ///< number of pieces
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
@@ -540,8 +538,8 @@ private:
         return reaches_.size() > kMany;
     }
 
-    /// Whether there are very many squares although larger squares are allowed. Exact squares cost less than coarse
-    /// ones, whose sides all become edges of the removed area.
+    /// Whether there are too many squares, and larger squares are allowed. Exact squares cost less than coarse ones,
+    /// whose sides all become edges of the removed area.
     bool has_very_many_squares() const {
         constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
         return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;
@@ -661,7 +659,7 @@ private:
     const double coarsest_;
     std::vector<Square> squares_;
     std::vector<std::uint32_t> members_;  ///< pieces of all squares of kind Border, concatenated
-    std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near some point of the piece
+    std::vector<bool> counts_whole_;      ///< [pieces] whether a square wider than 4 times its distance lists the piece
     std::stop_token stop_;
 };
 
@@ -726,7 +724,7 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
 /// @returns          none if the border is too fine, and a coarse border is allowed
 Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                                             double indifference, bool is_coarse, const std::stop_token& stop) {
-    constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // of the indifference
+    constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // relative to the indifference
     if (is_coarse) indifference *= kCoarser;
     const double tolerance = is_coarse ? kSimplified * indifference : 0;
     const DiscAround enlarged = [&](Point p) {

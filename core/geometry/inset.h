@@ -19,8 +19,8 @@ struct Disc {
 ///
 /// @param domain        not a torus
 /// @param distance      > 0, in the domain's coordinates
-/// @param indifference  about how much farther from the old border the new one may be, in the domain's coordinates (see
-///                      below for exceptions); 0 requires the exact border, however much time that takes
+/// @param indifference  approximate limit on the additional distance of the new border, in the domain's coordinates
+///                      (exceptions below); 0 requires the exact border, at any cost
 ///
 /// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one. If
 /// `indifference` is 0, it is at most 1 % farther: arcs around corners become circumscribed polygons, and borders with

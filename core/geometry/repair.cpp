@@ -32,7 +32,7 @@ tl::unexpected<Error> stopped() {
     return failure(ErrorCode::Stopped, "stopped before the polygon was validated");
 }
 
-/// Collects chains in groups, for the area that they define together.
+/// Collects groups of chains and traces the border of the area that they cover.
 class Groups {
 public:
     void append(const Area& rings, Cover::Kind kind) {
