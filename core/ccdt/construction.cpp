@@ -69,7 +69,7 @@ Result<void> Construction::start() {
     return {};
 }
 
-/// Returns the share of the capacity for each site.
+/// Returns the share of the domain's capacity that each site should have.
 double Construction::site_share() const {
     return 1 / (fixed_.sites > 0 ? fixed_.sites : static_cast<double>(options_.sites));
 }
@@ -89,14 +89,14 @@ Result<void> Construction::choose_fixed() {
     return {};
 }
 
-/// Returns the mesh of the border, with capacity for the sites and `fixed` further vertices.
+/// Returns the mesh of the border, to which the sites and `fixed` further vertices can be added.
 Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
     if (fixed == 0 || domain_.is_torus()) return empty_mesh(domain_, capacity_, options_.sites + fixed, stop_);
     const auto all = static_cast<std::size_t>(std::ceil(1 / site_share()));
     return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
 }
 
-/// @param first  [sites] positions to try first; or empty
+/// @param first  [sites] preferred positions; empty if all positions are drawn
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
@@ -128,7 +128,7 @@ MeshPolish& Construction::polish() {
                    : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
 }
 
-/// Returns initial sites without long waves of density error; an empty list if the sites need not be evened out.
+/// Returns initial sites without long waves of density error; an empty list if the draw needs no such correction.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
@@ -143,7 +143,8 @@ std::vector<Point> Construction::even_start() {
     return first;
 }
 
-/// @returns  the capacity variation; after a stop it must not be used
+/// Measures the capacities, sets the goals, and returns the capacity variation. After a stop, the result must not be
+/// used.
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
@@ -154,8 +155,8 @@ double Construction::measure(const Triangulation& mesh) {
     return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
-/// Whether an iteration uses exact passes. Exact passes cost more and matter once the sites are near their final
-/// places: Distribute.DoesNotStallNextToWhite shows the variation before and after.
+/// Whether an iteration uses exact passes. Exact passes cost more, and help only once the sites are near their final
+/// places: test Distribute.DoesNotStallNextToWhite.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);

@@ -18,8 +18,7 @@
 
 namespace ccdt {
 
-/// Checks the options.
-/// Errors: Malformed for an option out of range.
+/// Checks that every option is in its documented range. Errors: Malformed for an option out of range.
 Result<void> check(const Options& options);
 
 /// Whether a polish follows the iterations.
@@ -41,7 +40,7 @@ public:
 
     /// Whether there is another iteration to run.
     bool has_next_iteration() const;
-    /// Runs the geometry passes of one iteration and its triangulation phase.
+    /// Runs the passes of one iteration, then makes the triangulation Delaunay again.
     /// @returns  false after a stop
     bool iterate();
 
@@ -49,10 +48,11 @@ public:
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// Makes the triangulation Delaunay and its capacities more equal, between rounds of the polish.
+    /// Makes the triangulation Delaunay, then its capacities more equal by `passes` passes. Called in rounds of the
+    /// polish.
     void equalise(int passes);
 
-    /// Relocates one site of each near pair in a polygon to a place with more space.
+    /// Relocates one site of each pair that is too close to a place with more space. Only for polygons.
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
     /// Restores the Delaunay property after the polish. Errors: as for start().

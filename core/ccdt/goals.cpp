@@ -34,7 +34,8 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Standard deviation over mean of reached / target, in which each triangle is weighted by its target.
+    /// Returns the standard deviation of reached / target, divided by its mean. Each triangle is weighted by its
+    /// target.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
@@ -44,7 +45,7 @@ struct Reached {
 
 constexpr double kLeastTarget = 1e-9;  ///< smaller targets consist of rounding errors
 
-/// Returns the factor from capacities to units of half a site's capacity.
+/// Returns the factor that converts capacities to units of half a site's capacity.
 double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
@@ -77,20 +78,21 @@ std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     return kNone;
 }
 
-/// Returns the edge opposite to a triangle's site if the target depends on the length of that edge, that is, for a
-/// border edge or an edge between fixed sites.
+/// Returns the edge opposite to a triangle's site if it is a border edge or joins two fixed sites; else kNone. The
+/// target of the triangle depends on the length of this edge.
 std::uint32_t faced_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const std::uint32_t edge = border_edge(mesh, triangle);
     return edge == kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
 }
 
-/// Length of an edge in units of the spacing of sites.
+/// Returns the length of an edge relative to the hexagonal distance of sites.
+/// @param weight  sites per area near the edge
 double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     const Point along = mesh.along(edge);
     return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
 }
 
-/// Returns the total length of the edges that a site faces.
+/// Returns the total length of the edges that a site faces (see faced_edge), relative to the hexagonal distance.
 /// @param weight_of  returns the weight of a triangle
 template <class WeightOf>
 double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& weight_of) {
@@ -127,8 +129,9 @@ private:
 template <class WeightOf>
 TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
                  FacedLengths<WeightOf>& faced_lengths) {
-    constexpr double kEdgeShare = 0.5;  // share of the strip; the other half goes to the triangles at corners
-    // Benchmark BorderPattern: a smaller value crowds sites at the border, a larger one empties it.
+    constexpr double kEdgeShare = 0.5;  // part of the strip; triangles with one border vertex get the rest
+    // Target of a triangle with one border vertex. A smaller value crowds sites at the border, a larger one empties it:
+    // benchmark BorderPattern.
     constexpr double kCornerShare = 0.61;
     // Least share, reached in a fan of a thousand triangles. This limit keeps the terms of one vertex comparable.
     constexpr double kLeastShare = 1e-3;
@@ -148,14 +151,14 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
-/// The goals found by a search over all triangles.
+/// Sums over all triangles, and the goals of all triangles that do not have the common target.
 struct Aims {
     Reached reached;
     std::vector<std::uint32_t> triangles;  ///< triangles with a corner that is not a free site, in ascending order
     std::vector<TriangleGoal> goals;       ///< goals of these triangles; all other triangles have target and share 1
 };
 
-/// @param reached_by, weight_of  return the capacity and the weight of a triangle
+/// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
 template <class ReachedBy, class WeightOf>
 Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
     const std::size_t count = mesh.triangle_count();
@@ -218,7 +221,7 @@ private:
     double largest_;
 };
 
-/// Sets a goal for each triangle. A triangle without a goal of its own gets the given weight.
+/// Sets a goal for each triangle. A triangle that is not listed in `aims` gets its weight, and the target and share 1.
 template <class WeightOf>
 void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());

@@ -47,8 +47,8 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) for each triangle around a site, with the triangle's next vertex after the site,
-/// counter-clockwise.
+/// Calls function(triangle, neighbour) for each triangle around a site, counter-clockwise. `neighbour` is the
+/// triangle's vertex that follows the site.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -109,7 +109,8 @@ void Resettlement::sum_around() {
     }
 }
 
-/// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing amount.
+/// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing surplus or
+/// deficit.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
     constexpr double kMin = 0.5;  // in sites; smaller amounts are due to waves or noise
@@ -163,7 +164,7 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
 }
 
 /// Returns the squared distance that `site` would have from the nearest other site if relocate() moved it beside `to`;
-/// negative if there is no place for it there.
+/// negative if there is no place beside `to`.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
@@ -259,7 +260,7 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     return best;
 }
 
-/// Returns the squared distance that two sites should have at the density near `site`.
+/// Returns the square of the least distance that two sites should have at the density near `site`.
 double Resettlement::enough_squared(std::uint32_t site) const {
     constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);

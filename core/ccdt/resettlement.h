@@ -51,7 +51,7 @@ public:
     /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
     ///           other
     ///
-    /// O(sites), and O(triangles) for the first call; in a small part O(its triangles) times the sites nearby.
+    /// O(sites), and O(triangles) for the first call; in a small part, O(triangles of the part * sites nearby).
     bool separate(std::array<std::uint32_t, 2> pair);
 
 private:
@@ -65,7 +65,7 @@ private:
         std::uint32_t triangle = 0;
         Point point;
     };
-    /// Triangles and sites of the parts with few sites.
+    /// Triangles of the parts that have at most 16 sites, and the numbers of sites.
     struct SmallParts {
         std::vector<std::size_t> sites;                     ///< [parts] number of sites, also for large parts
         std::vector<std::vector<std::uint32_t>> triangles;  ///< [parts] empty for large parts
