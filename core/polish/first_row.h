@@ -29,8 +29,8 @@ public:
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// Limits the moves of sites in the same way with respect to the border vertices to which edges of the mesh join
-    /// them. This also holds back sites that face no edge of the border, as in narrow tongues and needles.
+    /// Removes the part of a site's move that would bring it nearer than `depth` to a border vertex which an edge joins
+    /// to the site. Also limits sites that face no edge of the border, as in narrow tongues and needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 

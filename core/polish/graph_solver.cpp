@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges connect two aggregates not only
-/// in parallel, but also in chains. Along such a chain, the potential falls evenly over two or three fine edges, which
-/// is the width of an aggregate. In the coarse graph, the same difference of potential lies across a single edge.
+/// Conductance of a coarse edge relative to the sum of the fine edges that it replaces. The potential falls evenly over
+/// the width of an aggregate, which is two or three fine edges. In the coarse graph, all of this difference lies across
+/// one edge, so the edge must conduct less.
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block
@@ -93,8 +93,8 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
 }
 
 /// Divides the vertices into aggregates. If neither a vertex nor any of its neighbours is in an aggregate yet, the
-/// vertex forms one with all its neighbours. Each remaining vertex joins the aggregate of a neighbour: the one with the
-/// largest conductance.
+/// vertex forms an aggregate with all its neighbours. Each remaining vertex joins the aggregate of a neighbour: the one
+/// with the largest conductance.
 /// @returns  number of aggregates
 std::size_t GraphSolver::aggregate(Level& level) {
     std::vector<std::uint32_t> seeds(level.size(), kNone);
@@ -144,7 +144,7 @@ void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     });
 }
 
-/// Calls function(begin, end) for the same ranges of the vertices of the finest level.
+/// Calls function(begin, end) for ranges of the vertices of the finest level, in parallel.
 /// @returns  the sum of the results
 template <class Function>
 double GraphSolver::sum_over_blocks(Function&& function) {

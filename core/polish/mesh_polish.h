@@ -50,28 +50,26 @@ public:
     /// Releases most of the memory until the next step.
     void release_memory();
 
-    /// Lists the edges between sites. Must be called before the steps below, and again after the edges of the mesh
-    /// change.
+    /// Prepares the steps that move sites: lists the edges between sites. Must be called again after the edges of the
+    /// mesh change.
     void begin(const Triangulation& mesh);
 
-    /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like the steps below,
-    /// this step keeps all triangles counter-clockwise, but loses the Delaunay property.
-    /// @param reach   distance below which neighbours are pushed, relative to the neighbour distance in a hexagonal
-    ///                grid
+    /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like all steps, keeps
+    /// the triangles counter-clockwise, but loses the Delaunay property.
+    /// @param reach   distance below which neighbours are pushed, relative to the hexagonal distance
     /// @param push    share of the missing distance by which each of the two sites moves
     /// @param pushed  [sites] moves caused by other inks; may be empty
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Whether any two sites are nearer to each other than `least`, relative to the neighbour distance in a hexagonal
-    /// grid. In polygons, two near sites are not always joined by an edge: they can face each other across water or
-    /// around a vertex of the border. This function also finds such pairs, and the next calls of push_apart() move them
-    /// apart.
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. In polygons,
+    /// two near sites are not always joined by an edge: they can face each other across water or around a vertex of the
+    /// border. This function also finds such pairs, and the next calls of push_apart() move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits some pairs, so that
-    /// each site is the first one of at most one pair. Drops cached data of the mesh, since the caller may relocate
-    /// either site of a pair.
+    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits a pair if one of its
+    /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate either
+    /// site of a pair.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
     /// Removes long waves of density error. In polygons, does nothing if the density is not smooth or if there are
@@ -86,7 +84,7 @@ public:
     /// Moves the sites. @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);
 
-    /// Moves sites from places without density to the nearest place with some.
+    /// Moves sites from places where the density is zero to the nearest place with a positive density.
     /// @returns  whether any site moved
     bool clear_gaps(std::span<Point> sites) const;
 

@@ -19,8 +19,8 @@ constexpr int kDegree = 5;
 constexpr std::size_t kTaps = kDegree + 1;
 constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
 
-/// Values at the six grid points around a position, along both axes at once. Each value is a vector with a pair (x, y)
-/// for each of the points that are processed together.
+/// Values of the B-spline at the six grid points around a position, along both axes. Each value is a vector with a pair
+/// (x, y) for each of the points that are processed together.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
 
@@ -121,7 +121,7 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Determines the grid points from which points are spread. On a torus, grid points are at the corners of cells, as in
+/// Determines the grid points on which points are spread. On a torus, grid points are at the corners of cells, as in
 /// the Fourier transform. In a box, they are at the centres.
 template <class Lanes>
 CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {

@@ -51,7 +51,7 @@ public:
     /// Computes the coefficients of the spread values.
     void transform();
 
-    /// Computes from coefficients the values that gradient() reads.
+    /// Transforms coefficients to the values that gradient() reads.
     void transform_back();
     /// Returns the gradient, per unit of length, of the function whose coefficients transform_back() has transformed.
     /// The coefficients must have been divided by window() before.

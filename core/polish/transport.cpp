@@ -37,7 +37,7 @@ constexpr double kMaxContrast = 4;
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
 /// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
 constexpr double kLevelSmoothing = 2;
-constexpr double kCaution = 0.7;  ///< octaves by which the limit of a site is coarser than its spacing
+constexpr double kCaution = 0.7;  ///< octaves by which the octave of a site is coarser than its spacing
 
 /// Returns the share of a wave's error that a round removes. If the density varies, the octaves overlap and need a
 /// softer end. Lower or higher ends leave more error: benchmarks TorusPattern and PictureTone.
@@ -261,8 +261,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// Computes the same potential for a density with more detail than the finest grid resolves. Spreads the density like
-/// sites, in pieces no larger than the grid's cells.
+/// Computes the potential of the wanted density if it has more detail than the finest grid resolves. Spreads the
+/// density like sites, in pieces no larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -293,7 +293,7 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     });
 }
 
-/// Returns the nearest position in the grids' box, relative to its corner.
+/// Returns the nearest position in the grids' box, relative to the box's lower left corner.
 inline Point Transport::in_box(Point p) const {
     if (torus_) return p;
     return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
