@@ -269,7 +269,7 @@ void add_spacing(const std::vector<Point>& set, const Frame& frame, double densi
     analysis.mean_distance += spacing.mean / densest / sets;
 }
 
-/// Powers of a ring. Their mean is computed first, then their variance.
+/// Statistics of the powers in a ring of frequencies. The mean is computed first, then the variance.
 struct Ring {
     double count = 0;  ///< number of pairs of opposite frequencies
     double mean = 0;

@@ -13,7 +13,8 @@
 
 namespace ccdt {
 
-/// Returns points in the unit frame that represent equal shares of the density over a domain.
+/// Returns points in the unit frame, each of which represents an equal share of the domain's mass (integral of the
+/// density).
 ///
 /// Triangles are bisected across their longest edges until each contains at most one share. The shares are ordered
 /// along these triangles. Each sample lies at random in the triangle that contains the middle of its share. So in any

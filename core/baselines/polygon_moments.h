@@ -30,7 +30,7 @@ class SquaredDensity {
 public:
     SquaredDensity(const Domain& domain, const Density& density);
 
-    /// @param corners  counter-clockwise, in the unit frame, within the domain's bounding box
+    /// @param corners  corners of the polygon, counter-clockwise, in the unit frame, within the domain's bounding box
     /// @param from     reference point of the first moment
     ///
     /// O(corners + cells crossed).

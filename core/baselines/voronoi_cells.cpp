@@ -103,8 +103,8 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
 }
 
 /// Selects, among the sites of near_ from `begin` on, those that can be nearest to a point of the part, and appends
-/// them to near_. The first appended site is nearest to the centre of the part. Each further one is nearer to some
-/// corner of the part than the first one.
+/// them to near_. The first appended site is nearest to the centre of the part. Each further site is nearer to some
+/// corner of the part than the first site.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

@@ -32,7 +32,7 @@ struct CrossedCells {
 /// O(rows + listed cells).
 CrossedCells crossed_coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
-/// Computes the same for all cells [rows * columns]. O(cells).
+/// Computes the share of every cell that areas cover, times the weights of the areas [rows * columns]. O(cells).
 std::vector<double> coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
 }  // namespace ccdt

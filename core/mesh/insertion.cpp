@@ -26,8 +26,8 @@ struct Batch {
     const std::stop_token& stop;
 };
 
-/// A triangle on the way to a point, and the point. On a torus, this is the periodic copy that fits
-/// Triangulation::places().
+/// The current triangle of a walk to a point, and the point. On a torus, the point is the periodic copy in the
+/// coordinates of Triangulation::places().
 struct Location {
     std::uint32_t triangle;
     Point point;
@@ -125,7 +125,7 @@ Outcome insert_in(Triangulation& mesh, Region& region, std::uint32_t site, Point
     return Outcome::Done;
 }
 
-/// Inserts the sites of a batch whose positions lie within a region. Leaves the others for a larger region.
+/// Inserts the sites of a batch whose positions lie within a region. Leaves the other sites for a larger region.
 void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
     constexpr std::size_t kStopStride = 4096;
     legalise(mesh, region);

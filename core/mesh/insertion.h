@@ -28,7 +28,7 @@ using Draw = std::function<Point(std::uint32_t site, int attempt)>;
 /// @param sites     numbers of the sites to insert, ascending and evenly spread over all sites; other calls insert the
 ///                  sites in between
 /// @param attempts  number of positions to try for each site
-/// @param margin    as in insert_site()
+/// @param margin    least distance from the edges of the border
 /// @param stop      polled regularly; after a stop the triangulation must not be used
 /// @returns         the sites for which no position was accepted; they must be inserted before trim()
 std::vector<std::uint32_t> insert_sites(Triangulation& mesh, std::span<const std::uint32_t> sites, const Draw& draw,

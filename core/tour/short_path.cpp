@@ -125,7 +125,7 @@ public:
     /// Number of steps forward from one stop to another.
     std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
 
-    /// Reverses the path from one stop forward to another.
+    /// Reverses the order of the stops from `first` forward to `last`.
     /// @returns  false if that would move too many stops; the tour is then unchanged
     bool reverse(Stop first, Stop last) {
         std::uint32_t inner = steps(first, last) + 1;
