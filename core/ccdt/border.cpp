@@ -28,7 +28,7 @@ long parts_of(double length_in_sites) {
     return std::max(1L, std::lround(length_in_sites));
 }
 
-/// Returns the number of vertices to add on edges so that they are as far apart as sites.
+/// Returns the number of vertices to add on the domain's edges, at the distance of neighbouring sites.
 double wanted_vertices(const Domain& domain, const LengthInSites& length) {
     double sum = 0;
     for (const Ring& ring : domain.rings()) {

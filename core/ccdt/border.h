@@ -30,7 +30,7 @@ using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 
-/// Returns the domain's corners only.
+/// Returns a border whose only vertices are the domain's corners.
 Border bare_border(const Domain& domain);
 
 /// Computes the constrained Delaunay triangulation of a border, without sites.

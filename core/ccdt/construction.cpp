@@ -96,6 +96,7 @@ Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
     return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
 }
 
+/// Triangulates the border, the fixed points and the sites.
 /// @param first  [sites] preferred positions; empty if all positions are drawn
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
@@ -128,7 +129,7 @@ MeshPolish& Construction::polish() {
                    : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
 }
 
-/// Returns initial sites without long waves of density error; an empty list if the draw needs no such correction.
+/// Returns initial sites without long waves of density error; empty in polygons, at uniform density or without polish.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
@@ -220,9 +221,9 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Whether single sites are relocated after the current iteration: the third one, or the last one if there are fewer.
-/// The third iteration is late enough to distinguish surpluses from sites that are still moving, and early enough for
-/// further iterations to follow.
+/// Whether single sites are relocated after the current iteration. In polygons, this is done after the third iteration,
+/// or the last one if there are fewer. The third iteration is late enough to distinguish surpluses from sites that are
+/// still moving, and early enough for further iterations to follow.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&

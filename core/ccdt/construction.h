@@ -18,7 +18,7 @@
 
 namespace ccdt {
 
-/// Checks that every option is in its documented range. Errors: Malformed for an option out of range.
+/// Checks that every option is in its documented range. Errors: Malformed.
 Result<void> check(const Options& options);
 
 /// Whether a polish follows the iterations.
@@ -44,7 +44,7 @@ public:
     /// @returns  false after a stop
     bool iterate();
 
-    /// Returns the steps of the polish. Must not be used after finish().
+    /// Returns the object that performs the steps of the polish. Must not be used after finish().
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 

@@ -129,11 +129,12 @@ private:
 template <class WeightOf>
 TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
                  FacedLengths<WeightOf>& faced_lengths) {
-    constexpr double kEdgeShare = 0.5;  // part of the strip; triangles with one border vertex get the rest
+    constexpr double kEdgeShare = 0.5;  // share of the strip; triangles with one border vertex get the rest
     // Target of a triangle with one border vertex. A smaller value crowds sites at the border, a larger one empties it:
     // benchmark BorderPattern.
     constexpr double kCornerShare = 0.61;
-    // Least share, reached in a fan of a thousand triangles. This limit keeps the terms of one vertex comparable.
+    // Least share, reached in a fan of a thousand triangles. This limit keeps the terms in the equations of one vertex
+    // comparable.
     constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
@@ -151,7 +152,7 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
-/// Sums over all triangles, and the goals of all triangles that do not have the common target.
+/// Sums over all triangles, and the goals of the triangles that need goals of their own.
 struct Aims {
     Reached reached;
     std::vector<std::uint32_t> triangles;  ///< triangles with a corner that is not a free site, in ascending order

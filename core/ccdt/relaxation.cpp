@@ -463,8 +463,8 @@ void Relaxation::move_group(const Group& group) {
     for (const Fan& fan : group.fans.all) move_site(group.fans, fan);
 }
 
-/// Moves the sites of a batch, in alternation from several positions of the batch. Sites with successive numbers are
-/// neighbours in the plane, so their moves depend on each other. In this order, most successive sites are independent
+/// Moves the sites of a batch, alternately from four parts of the batch. Sites with successive numbers are neighbours
+/// in the plane, so their moves depend on each other. In the alternating order, most successive sites are independent
 /// and can be moved at once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
@@ -664,8 +664,8 @@ void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
     }
 }
 
-/// Moves a site according to the true capacities. A triangle (v, from, to) gains the integral that its edge v-from
-/// sweeps on the right of the edge, and loses the integral that v-to sweeps.
+/// Moves a site according to the true capacities. A triangle (site, from, to) gains the capacity that its edge
+/// site-from sweeps to the right of the edge, and loses the capacity that site-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     ring.triangles.clear();
     NormalEquations equations;

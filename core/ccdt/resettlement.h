@@ -89,7 +89,7 @@ private:
     const TriangleGoals& goals_;
     double least_height_;
     std::optional<SmallParts> small_parts_;  ///< created when first needed
-    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, in sites
+    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, where 1 is the mean capacity
     std::vector<double> around_;             ///< [sites] sum of the site's own surplus and its neighbours' surpluses
     std::vector<std::uint32_t> largest_triangle_;  ///< [sites] largest triangle of each site
     std::vector<bool> outdated_;                   ///< [sites] whether a relocation has outdated the site's data

@@ -121,7 +121,7 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
 }
 
 /// Returns the capacities of the cells minus the capacities that fixed points take there.
-/// @param share  share of each cell that the domain covers; empty: all of every cell
+/// @param share  share of each cell that the domain covers; empty: 1 for every cell
 std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
     std::vector<double> masses(width * height, 1);

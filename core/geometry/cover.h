@@ -39,8 +39,8 @@ public:
     /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.
     bool has_contacts() const { return !map_.meetings.empty() || !shared_.empty(); }
 
-    /// Returns the borders of the covered area, which lies on their left. At a vertex where several separate sectors of
-    /// the area meet, each border passes through one sector.
+    /// Returns the borders of the covered area, which lies on their left. Where several separate sectors of the area
+    /// meet at a vertex, each sector has its own corner there.
     std::vector<Ring> trace() const;
 
 private:
@@ -99,12 +99,12 @@ private:
 
     // State of the walk through the triangles.
     std::vector<Part> parts_;
-    std::vector<bool> is_open_;          ///< [groups] whether the ring contains the current triangle
-    std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
-    std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
-    std::size_t passed_ = 0;             ///< number of triangles of thick faces entered so far
-    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles of thick faces entered while the ring was
-                                         ///< open
+    std::vector<bool> is_open_;        ///< [groups] whether the ring contains the current triangle
+    std::vector<std::uint32_t> open_;  ///< open groups, the most recently entered last
+    std::size_t covering_ = 0;         ///< number of parts that cover the current triangle
+    std::size_t passed_ = 0;           ///< number of triangles entered so far, except in thin faces
+    std::vector<std::size_t>
+        thick_in_;  ///< [groups] number of triangles entered while the ring was open, except in thin faces
 };
 
 }  // namespace ccdt

@@ -219,7 +219,7 @@ private:
     const bool is_delaunay_;
 };
 
-/// Inserts the segments of chains. Cuts each segment, and the edges that it crosses.
+/// Inserts the segments of chains. Cuts segments and edges where they cross.
 class Arranger {
 public:
     Arranger(const Chains& chains, double tolerance, std::size_t most)

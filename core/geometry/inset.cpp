@@ -40,7 +40,7 @@ double distance_to(Point a, Point b, Point p) {
 /// Largest angle between corners of the polygon around an arc. The polygon's radius exceeds the arc's by at most 0.5 %.
 constexpr double kSlice = std::numbers::pi / 16;
 
-/// The neighbourhood of a piece of the border: on the left of an edge, or on both sides of a segment.
+/// A piece of the border and its neighbourhood: the area on the left of an edge, or on both sides of a segment.
 struct Reach {
     Point a, b;
     double distance = 0;  ///< width of the neighbourhood
@@ -136,7 +136,8 @@ private:
         return longest;
     }
 
-    /// Returns the run of the given number of edges; none if too few follow or if they deviate too far from a segment.
+    /// Returns the run of the given number of edges; none if too few edges follow, or if the edges deviate too far from
+    /// a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
         constexpr double kMaxOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
@@ -485,7 +486,8 @@ public:
         return std::nullopt;
     }
 
-    /// Whether a point is too near to the border of the domain. The point is a corner of what remains without border().
+    /// Whether a point is too near to the border of the domain. The point is a corner of the area that remains after
+    /// border() is subtracted.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
                          kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
@@ -663,8 +665,8 @@ private:
     std::stop_token stop_;
 };
 
-/// Returns the border of the eroded domain, together with leftover rings inside the removed area, by the first method
-/// that works.
+/// Tries the three methods of ReachTree. Returns the border of the eroded domain, and leftover rings inside the removed
+/// area.
 Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     for (const auto way : {&ReachTree::lines, &ReachTree::without_strips}) {
         auto left = (tree.*way)();
@@ -676,9 +678,9 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
     return difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
 }
 
-/// Returns the area outside the neighbourhood of the border, inside and outside the domain, together with leftover
-/// rings inside that neighbourhood. Requires discs with a radius above 0 around all points of the border. No edge of
-/// the domain takes part in the boolean operation, since very many edges would be cut very often.
+/// Subtracts the neighbourhood of the border from the bounding box. Returns the remaining area, inside and outside the
+/// domain, and leftover rings inside the neighbourhood. Requires discs with a radius above 0 around all points of the
+/// border. The domain itself takes no part, since very many edges would be cut very often.
 Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     const Point most = domain.unit_bounds().max;
     const auto strip = tree.border();
@@ -750,7 +752,7 @@ Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscArou
     return domain.within(*std::move(left)).map([](Domain&& whole) { return std::optional(std::move(whole)); });
 }
 
-/// Erodes a domain, coarsely if the border is very fine and an indifference is given.
+/// Erodes a domain. If `indifference` > 0 and the border is very fine, the new border is coarse; see inset().
 Result<Domain> eroded(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                       const std::stop_token& stop) {
     constexpr std::size_t kVeryMany = 50'000;

@@ -44,10 +44,10 @@ Result<Domain> inset(const Domain& domain, double distance, double indifference 
 /// The disc must vary smoothly along the border.
 using DiscAround = std::function<Disc(Point)>;
 
-/// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
-/// @param indifference  as above. In addition, if there are many corners and their discs differ by less than the
-///                      indifference, all discs count as equally large, which is much faster. Squares are removed as a
-///                      whole only if all discs have a radius above 0.
+/// Erodes a domain by discs around the points of its border, like the overload with a constant distance.
+/// @param indifference  as for a constant distance. In addition, if there are many corners and their discs differ by
+///                      less than the indifference, all discs count as equally large, which is much faster. Squares of
+///                      the quadtree are removed as a whole only if all discs have a radius above 0.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 
