@@ -16,7 +16,7 @@ namespace ccdt {
 /// A counter-clockwise triangle of a domain. By Green's theorem, each of its edges contributes to its mass.
 struct Part {
     std::array<Point, 3> corners;
-    std::array<double, 3> flows;  ///< contribution to the mass, of the edge that begins at each corner
+    std::array<double, 3> flows;  ///< contribution to the mass by the edge that begins at each corner
 
     double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
 };

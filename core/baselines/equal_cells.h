@@ -45,7 +45,7 @@ public:
     double energy() const;
 
 private:
-    /// A sample, and the energy gained if the sample moves to the other site.
+    /// A sample, and the decrease of the energy if the sample moves to the other site.
     struct Offer {
         double gain;
         std::uint32_t sample;

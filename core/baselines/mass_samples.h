@@ -17,8 +17,8 @@ namespace ccdt {
 /// density).
 ///
 /// Triangles are bisected across their longest edges until each contains at most one share. The shares are ordered
-/// along these triangles. Each sample lies at random in the triangle that contains the middle of its share. So in any
-/// domain, the number of samples in every intermediate triangle differs from the number of shares in it by at most one.
+/// along these triangles. Each sample lies at random in the triangle that contains the middle of its share. So the
+/// number of samples in any triangle of the bisection differs from the triangle's number of shares by at most one.
 ///
 /// @param mesh   mesh of the domain: the initial triangles, unless the domain is a box
 /// @param count  >= 1

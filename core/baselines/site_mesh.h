@@ -14,7 +14,7 @@
 
 namespace ccdt {
 
-/// Sites that a method moves, with the same triangulation as in distribute(), on which capacities are measured.
+/// The sites that a method moves, and their triangulation, on which capacities are measured as in distribute().
 /// Contains what the methods of this folder share: the initial sites, the measurement, and the stopping rules. All
 /// positions are in the unit frame.
 class SiteMesh {

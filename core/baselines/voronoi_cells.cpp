@@ -85,6 +85,7 @@ void VoronoiCells::Integration::find_near(const Part& part) {
     tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
 }
 
+/// Adds the integrals over a part to the cells. Halves the part if many sites can be nearest to its points.
 /// @param begin  index in near_ of the first site near the part
 void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;

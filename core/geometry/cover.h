@@ -99,12 +99,11 @@ private:
 
     // State of the walk through the triangles.
     std::vector<Part> parts_;
-    std::vector<bool> is_open_;        ///< [groups] whether the ring contains the current triangle
-    std::vector<std::uint32_t> open_;  ///< open groups, the most recently entered last
-    std::size_t covering_ = 0;         ///< number of parts that cover the current triangle
-    std::size_t passed_ = 0;           ///< number of triangles entered so far, except in thin faces
-    std::vector<std::size_t>
-        thick_in_;  ///< [groups] number of triangles entered while the ring was open, except in thin faces
+    std::vector<bool> is_open_;          ///< [groups] whether the ring contains the current triangle
+    std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
+    std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
+    std::size_t passed_ = 0;             ///< number of triangles entered so far, except in thin faces
+    std::vector<std::size_t> thick_in_;  ///< [groups] as passed_, counted only while the ring was open
 };
 
 }  // namespace ccdt

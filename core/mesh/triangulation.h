@@ -119,7 +119,8 @@ public:
     }
 
     /// A half-edge that leaves the vertex. For a vertex of the border, it is the half-edge along the border with the
-    /// domain on its left, so that turning counter-clockwise visits all others. Valid after trim().
+    /// domain on its left, so that turning counter-clockwise visits all other half-edges of the vertex. Valid after
+    /// trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {
@@ -135,8 +136,7 @@ public:
 
     /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part in which a vertex lies; kNone for a vertex outside the domain. Until trim(), the four corners of the box
-    /// are such vertices.
+    /// Part in which a vertex lies; kNone outside the domain, where the four corners of the box lie until trim().
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
 
     /// Moves sites of a torus back into the box if they have left it by a quarter of a period or more.

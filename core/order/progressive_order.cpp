@@ -40,7 +40,7 @@ constexpr double kMinDistance = 0.58;
 /// long waves, and more power in waves of two or three spacings.
 constexpr float kSurplusWeight = 0.5F;
 
-/// Distance of the nodes that smooth the surplus, relative to the hexagonal distance.
+/// Distance of the grid nodes on which the surplus is smoothed (see Surplus), relative to the hexagonal distance.
 constexpr double kNodeDistance = 3;
 
 /// Largest ratio of reference points (see Surplus) to remaining points. Above it, the remaining points become the
@@ -397,8 +397,7 @@ private:
         crowding = square * square * left * factor;
     }
 
-    /// Sums the crowding of point k.
-    /// @param runs  the points near point k
+    /// Computes the crowding of point k by the points in `runs`.
     /// @returns     the squared ratio of distance to reach for the nearest point
     CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
         Floats sum{}, nearest = Floats{} + 1;

@@ -353,7 +353,7 @@ double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle
 }
 
 /// Whether a triangle has kept enough of its area and has not become a needle.
-/// @param area  its current doubled area
+/// @param area  current doubled area of the triangle
 bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
     constexpr double kSmall = 0.05;     // relative to the mean area; larger triangles are no needles
     constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared

@@ -23,8 +23,9 @@
 
 namespace ccdt {
 
-/// The steps of a polish of the sites of one triangulation. Pushes move near neighbours apart. Transport removes the
-/// long waves of density error that the iterations leave, mostly along the border and where the density is steep.
+/// Performs the steps of a polish on the sites of one triangulation. Pushes move near neighbours apart. Transport
+/// removes the long waves of density error that the iterations leave, mostly along the border and where the density is
+/// steep.
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
@@ -43,8 +44,8 @@ public:
     /// Returns 1 / sqrt(wanted density of sites) around a point.
     double spacing(Point p) const;
 
-    /// Evens out the initial sites. Must be called before the sites are triangulated, so that they can cross gaps in
-    /// the density. Does nothing for a uniform density.
+    /// Evens out the initial sites before they are triangulated, so that sites can cross gaps in the density. Does
+    /// nothing for a uniform density, or in polygons.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
     /// Releases most of the memory until the next step.

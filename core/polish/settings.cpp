@@ -19,11 +19,11 @@ constexpr Row kSmooth{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
-// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, improve both the distances and
-// the equality of capacities; more rounds improve them further. Removing waves before the relaxation costs no equality;
-// if it is done half as often, waves among fjords are a decibel stronger. Removing waves at the end costs some equality
-// where borders are ragged: with one more such round, standard would be less equal than draft. A longer reach of near
-// pushes increases distances and reduces equality.
+// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, increase distances and make
+// capacities more equal; more rounds improve both further. Removing waves half as often before the relaxation leaves
+// waves among fjords a decibel stronger. Removing waves at the end makes capacities less equal where borders are
+// ragged: with one more such round, they would be less equal than in a draft. A longer reach of near pushes increases
+// distances, but makes capacities less equal.
 constexpr Row kPolygon{
     {.reach = 1.1,
      .push = 1,

@@ -30,7 +30,7 @@ struct PolishSettings {
     double ink_reach = 0;                ///< distance below which sites of different inks are pushed
     int relax_rounds = 0;                ///< next step: rounds that also equalise the triangles' capacities
     int relax_passes = 0;                ///< passes of relaxation in each relax round
-    int relax_evens = 1;                 ///< number of removals of waves in a relax round that removes waves
+    int relax_evens = 1;                 ///< removals of waves in each relax round that even_every selects
     int even_rounds = 0;                 ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
     int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves

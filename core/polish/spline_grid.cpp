@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kDegree = 5;
 constexpr std::size_t kTaps = kDegree + 1;
-constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
+constexpr std::size_t kMargin = 3;  ///< number of cells beyond the grid that taps can reach
 
 /// Values of the B-spline at the six grid points around a position, along both axes. Each value is a vector with a pair
 /// (x, y) for each of the points that are processed together.
@@ -138,7 +138,7 @@ CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array
     const Pairs none{}, all = none + 1.0;
     const Pairs clamped = share < none ? none : all < share ? all : share;
     const Pairs at = (torus_ ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
-    // Rounding can put a position on a torus at its far end.
+    // Rounding can put a position at the far end of a torus.
     const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
     Places<Lanes> places;
     places.fractions = at - before;

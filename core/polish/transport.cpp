@@ -35,7 +35,8 @@ constexpr double kMaxContrast = 4;
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
 // is kLevelSmoothing: a larger value would reduce the error.
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
-/// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
+/// Smoothing of the density from which octaves follow, in finest spacings. So sparse places near dense ones count as
+/// fine.
 constexpr double kLevelSmoothing = 2;
 constexpr double kCaution = 0.7;  ///< octaves by which the octave of a site is coarser than its spacing
 
@@ -311,7 +312,7 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Returns the share with which sites of a level belong to an octave.
+/// Returns the weight of an octave for sites of a level. The weights of all octaves add up to 1.
 /// @param level  an element of levels_
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));

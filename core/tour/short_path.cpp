@@ -289,6 +289,7 @@ private:
         return false;
     }
 
+    /// Tries to insert a run of stops next to a stop near `a`.
     /// @param a            the run's first or last stop, which becomes adjacent to the nearby stop
     /// @param first, last  ends of the run
     /// @param length       number of stops in the run
