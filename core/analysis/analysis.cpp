@@ -180,8 +180,7 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in several parts if a single grid would
-/// be too large.
+/// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in parts if the grid would be too large.
 class Periodogram {
 public:
     /// All arguments must outlive this object.

@@ -66,8 +66,7 @@ struct Analysis {
 /// mean of w^2 is 1), and P = |F - d W|^2 / (sum of w^2). W is the window's own transform. d is the density in the
 /// middle of the window, four fifths of each side; d times the area also replaces n above. Frequencies (i, j) with |i|
 /// <= 1 and |j| <= 1 lie under the window's lobe and are left out of curves and means. Distances are not weighted. The
-/// window correlates neighbouring frequencies. So the anisotropy of a window can only be compared with the anisotropy
-/// of other windows.
+/// window correlates neighbouring frequencies, so its anisotropy is comparable only to the anisotropy of other windows.
 ///
 /// @param sets    [s][n], at least 1 set of at least 2 points, in the domain's coordinates, inside or on its border
 /// @param domain  a rectangle or a torus

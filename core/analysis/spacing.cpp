@@ -11,8 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree in one array. The middle element of each range splits the range along the axis in which the range is
-/// longer.
+/// A k-d tree in one array. The middle element of each range splits the range along its longer axis.
 class Tree {
 public:
     Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {

@@ -25,8 +25,7 @@ struct Border {
 /// returns the lengths from `begin` to the end of each step [steps + 1]; the first entry is 0.
 using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
 
-/// Returns the domain's corners and, between them, vertices about as far apart as the sites nearby. At most about
-/// `sites` vertices are added.
+/// Returns the domain's corners, and up to about `sites` vertices between them, as far apart as the sites nearby.
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 

@@ -88,8 +88,7 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-/// Integrates along all segments, two in each lane at once. In the last group, the last segment is repeated to fill the
-/// lanes.
+/// Integrates along all segments, two in each lane at once. The last segment is repeated to fill the lanes.
 template <bool kRepeated, class Lanes>
 CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     using Pairs = typename Lanes::Pairs;

@@ -16,9 +16,8 @@ namespace ccdt {
 /// Data of a triangle for exact passes.
 struct TriangleFlows {
     double capacity = 0;
-    /// For each half-edge: integral of (1 - t) * density, where t runs from 0 at the origin to 1 at the target.
-    /// Multiplied by the edge's length, it is the capacity that the edge sweeps per unit of its origin's move to the
-    /// right.
+    /// For each half-edge: integral of (1 - t) * density, where t runs from 0 at the origin to 1 at the target. Times
+    /// the edge's length, it is the capacity that the edge sweeps per unit of its origin's move to the right.
     std::array<double, 3> swept{};
 };
 
@@ -30,15 +29,13 @@ struct TriangleFlows {
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this
-    /// @param by_four          whether to process four edges at once if the processor can; the results are the same
-    ///                         either way
+    /// @param by_four          whether to process four edges at once if possible; the results are the same either way
     CapacityIntegral(const Domain& domain, const Density& density, bool by_four = true);
 
     bool is_uniform() const { return density_.is_uniform(); }
 
     /// Capacity of the whole domain. For a uniform density, this is the area in the unit frame; else the unit is one
-    /// cell of density 1. A capacity below 1e-12 of the density's total cannot be distinguished from 0 and is returned
-    /// as 0.
+    /// cell of density 1. A capacity below 1e-12 of the density's total may be a rounding error, and is returned as 0.
     double total() const { return total_; }
 
     /// Computes the capacity of each triangle [triangles]. O(half-edges + cells crossed).
@@ -51,8 +48,7 @@ public:
     /// @param stop  polled regularly; after a stop the flows must not be used
     void of_edges(const Triangulation& mesh, std::vector<TriangleFlows>& flows, const std::stop_token& stop = {}) const;
 
-    /// Returns the density at a point, in capacity per area of the unit frame. Outside the domain's box, returns the
-    /// density of the nearest cell.
+    /// Returns the density at a point or, outside the box, at the nearest cell; in capacity per area of the unit frame.
     double at(Point p) const;
 
     /// Largest capacity per area of the unit frame.

@@ -17,8 +17,7 @@ namespace ccdt {
 
 namespace {
 
-/// Builds the triangulations of all inks that have sites. All inks run the same iteration at the same time, and are
-/// polished together.
+/// Builds the triangulations of all inks that have sites, in common iterations, and polishes the inks together.
 class InkConstructions {
 public:
     InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,

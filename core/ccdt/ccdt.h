@@ -17,8 +17,7 @@ namespace ccdt {
 /// Distributes sites so that all triangles of their Delaunay triangulation have nearly the same capacity. Then polishes
 /// the pattern, unless the quality is Draft or the number of iterations is 0.
 ///
-/// @param density  stretched over the domain's bounding box; its values outside the domain are ignored; periodic on a
-///                 torus
+/// @param density  stretched over the domain's bounding box; values outside the domain are ignored; periodic on a torus
 /// @param control  a stop returns the current sites, which is not an error; a stop during the start gives the error
 ///                 Stopped
 ///

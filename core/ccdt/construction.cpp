@@ -144,8 +144,7 @@ std::vector<Point> Construction::even_start() {
     return first;
 }
 
-/// Measures the capacities, sets the goals, and returns the capacity variation. After a stop, the result must not be
-/// used.
+/// Measures capacities, sets goals, and returns the capacity variation. After a stop, the result must not be used.
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
@@ -262,8 +261,7 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites that lie where the density is zero to the nearest place with a positive density. If any site moves, all
-/// sites are triangulated anew.
+/// Moves sites from places of density zero to the nearest positive density. If any moves, all are triangulated anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -24,9 +24,9 @@ Result<void> check(const Options& options);
 /// Whether a polish follows the iterations.
 bool has_polish(const Options& options);
 
-/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() while
-/// has_next_iteration(); the rounds of a polish, which the caller runs; finish(). After the start, collect() returns
-/// the current state.
+/// Builds the capacity-constrained triangulation of one density in steps: start(); iterate() while
+/// has_next_iteration(); the rounds of a polish, run by the caller; finish(). After the start, collect() returns the
+/// current state.
 class Construction {
 public:
     /// @param domain, density  must outlive this
@@ -48,8 +48,7 @@ public:
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// Makes the triangulation Delaunay, then its capacities more equal by `passes` passes. Called in rounds of the
-    /// polish.
+    /// Makes the triangulation Delaunay, then its capacities more equal by `passes` passes. For rounds of the polish.
     void equalise(int passes);
 
     /// Relocates one site of each pair that is too close to a place with more space. Only for polygons.

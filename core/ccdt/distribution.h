@@ -32,8 +32,7 @@ struct Options {
     bool keep_mesh = false;  ///< whether to fill Distribution::mesh
     /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
     /// distance from fixed points as from each other. Each fixed point takes as much area as a site. A cluster of fixed
-    /// points takes only the area that it covers and a rim around this area. Points outside the domain can also take
-    /// area inside it.
+    /// points takes only the area that it covers and a rim. Points outside the domain can take area inside.
     std::vector<Point> fixed = {};
 };
 
@@ -73,8 +72,8 @@ struct Distribution {
     /// Capacity variation after each iteration [iterations + 1]; entry 0 is the variation of the start.
     std::vector<double> trace;
     std::optional<double> polished;  ///< capacity variation after the polish; none without polish
-    /// Whether the stop token ended the computation early. Then iterations or polish may be incomplete, and the mesh
-    /// may not be Delaunay.
+    /// Whether a stop ended the computation early. Iterations and polish may then be incomplete, and the mesh not
+    /// Delaunay.
     bool stopped = false;
     std::optional<TriangleMesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty

@@ -15,8 +15,8 @@ namespace {
 constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 
-/// Sums over triangles, from which the capacity variation is computed. Capacities (`reached`) and targets are in units
-/// of half a site's capacity.
+/// Sums over triangles, which give the capacity variation. The unit of capacities and targets is half a site's
+/// capacity.
 struct Reached {
     double targets = 0;
     double sum = 0;
@@ -34,8 +34,7 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Returns the standard deviation of reached / target, divided by its mean. Each triangle is weighted by its
-    /// target.
+    /// Returns the standard deviation of reached / target over its mean, with each triangle weighted by its target.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
@@ -50,8 +49,7 @@ double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// Returns the border edge of a triangle with a site; kNone if there is none. There is at most one, since the other two
-/// edges end at the site.
+/// Returns the border edge of a triangle with a site, which is opposite to the site; kNone if there is none.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);
@@ -133,8 +131,7 @@ TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const Weight
     // Target of a triangle with one border vertex. A smaller value crowds sites at the border, a larger one empties it:
     // benchmark BorderPattern.
     constexpr double kCornerShare = 0.61;
-    // Least share, reached in a fan of a thousand triangles. This limit keeps the terms in the equations of one vertex
-    // comparable.
+    // Least share, reached in a fan of 1,000 triangles. It keeps the terms in the equations of one vertex comparable.
     constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =

@@ -36,8 +36,7 @@ public:
     }
 
 private:
-    /// Number of attempts to place a site. If the domain covers half of a site's cell, all attempts fail with a
-    /// probability of 1 in 65,536.
+    /// Number of attempts to place a site. If the domain covers half of a cell, all fail with a probability of 2^-16.
     static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {

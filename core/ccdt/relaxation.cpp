@@ -55,8 +55,7 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
 }
 
 /// The one-rings of sites that are moved at once, one site per lane. Each vector holds the values of two triangles of
-/// each site. The first neighbour is repeated to fill the last pair. The flat triangle between equal neighbours
-/// contributes nothing.
+/// each site. The first neighbour is repeated to fill the last pair; flat triangles contribute nothing.
 template <std::size_t kPairs, class Lanes>
 struct Relaxation::Rings {
     using Pairs = typename Lanes::Pairs;
@@ -271,8 +270,7 @@ std::size_t Relaxation::record_memory_of(std::size_t sites) const {
 }
 
 /// Lists the sites of a block whose free neighbours are all in the block, and collects the other sites in
-/// Group::others. Most sites have the same neighbours as before; their records are copied from the old batches, in the
-/// same order.
+/// Group::others. Records of sites with unchanged neighbours, which are most, are copied from the old batches.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -320,8 +318,7 @@ void Relaxation::find_levels(std::size_t number, bool first_time) {
     }
 }
 
-/// Lists the sites of a block above level 0: those which lie with all free neighbours in this block, but in no smaller
-/// one.
+/// Lists the sites for which a block above level 0 is the smallest one that contains them and their free neighbours.
 /// @param exact  whether to list the sites alone, without records
 void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) {
     Group& group = groups_[level][number];
@@ -464,8 +461,8 @@ void Relaxation::move_group(const Group& group) {
 }
 
 /// Moves the sites of a batch, alternately from four parts of the batch. Sites with successive numbers are neighbours
-/// in the plane, so their moves depend on each other. In the alternating order, most successive sites are independent
-/// and can be moved at once.
+/// in the plane, so their moves depend on each other. In the alternating order, most successive sites can be moved at
+/// once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -552,8 +549,7 @@ CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::weighted_equations(c
     return equations;
 }
 
-/// Moves one site as move_site() does, or several sites that are not neighbours. The fence is applied only with one
-/// lane.
+/// Moves one site like move_site(), or several sites that are not neighbours. Applies the fence only with one lane.
 template <bool kPlain, std::size_t kPairs, class Lanes>
 CCDT_INLINE inline void Relaxation::move_few(const Records<Lanes>& records) {
     Point* const points = mesh_.points().data();
@@ -698,8 +694,7 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
 }
 
-/// Whether move() would certainly neither shorten nor refuse a move. A fast test, which returns false in uncertain
-/// cases.
+/// Tests quickly whether move() would neither shorten nor refuse a move. Returns false in uncertain cases.
 inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
     const std::size_t count = ring.triangles.size();
     const double flattest = options_.least_height * options_.least_height;

@@ -70,15 +70,13 @@ public:
     /// @param stop  polled regularly; a stop leaves vertices where they are
     void pass(int times = 1, const std::stop_token& stop = {});
 
-    /// Measures the data for exact passes: the true capacities, and the integrals along edges. O(half-edges + cells
-    /// crossed).
+    /// Measures the capacities and the integrals along edges for exact passes. O(half-edges + cells crossed).
     /// @param stop  polled regularly; no exact pass may follow a stop
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
     /// assumes that a triangle keeps its mean density as its corners move. An exact pass uses the density along the
-    /// moving edges instead. Capacities are measured every few passes; between measurements they are updated to first
-    /// order.
+    /// moving edges instead. Between calls of measure(), capacities are updated to first order.
     ///
     /// Unlike pass(), an exact pass does not stall next to areas of density zero or at other steep changes.
     /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
@@ -103,8 +101,7 @@ private:
     /// is plain, the record also holds the 2 * pairs triangles between these neighbours.
     using Batch = std::vector<std::uint32_t>;
 
-    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
-    // goal (plain).
+    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles have the common goal (plain).
     static constexpr std::size_t kMinPairs = 2, kMaxPairs = 4;
     static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kMinPairs + 1);
     static constexpr std::uint8_t kFanKind = kKinds;  ///< general path: many neighbours, or at the seam of a torus

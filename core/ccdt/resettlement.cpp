@@ -109,8 +109,7 @@ void Resettlement::sum_around() {
     }
 }
 
-/// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing surplus or
-/// deficit.
+/// Lists the sites with too many or too few sites around them, by part, then by decreasing surplus or deficit.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
     constexpr double kMin = 0.5;  // in sites; smaller amounts are due to waves or noise
@@ -178,8 +177,7 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
     return squared;
 }
 
-/// Returns the largest triangle that is assigned to a site and does not have `other` as a corner; kNone if there is
-/// none.
+/// Returns a site's largest triangle that does not have `other` as a corner; kNone if there is none.
 std::uint32_t Resettlement::triangle_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
@@ -267,8 +265,7 @@ double Resettlement::enough_squared(std::uint32_t site) const {
     return least * least;
 }
 
-/// Returns the positions of the sites, except `but`, in the bounding box of some triangles and of `but`, and up to
-/// `reach` around this box.
+/// Returns the positions of all sites except `but` within `reach` of the bounding box of some triangles and of `but`.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};

@@ -15,8 +15,7 @@
 namespace ccdt {
 
 /// Relocates single sites from places with too many sites to places with too few, within the same part of the domain.
-/// Small moves cannot correct a narrow tongue that has one site too many or none: sites would have to pass through its
-/// neck one after another.
+/// Small moves cannot correct the number of sites in a narrow tongue: sites would have to pass its neck one by one.
 ///
 /// After a relocation, lists of the mesh's edges and one-rings must be rebuilt.
 class Resettlement {
@@ -48,8 +47,7 @@ public:
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
     /// the relocated site moves to the place farthest from all other sites, including the sites of other parts. In a
     /// larger part, the site moves as in move_away().
-    /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
-    ///           other
+    /// @returns  false, without moving a site, if no place is farther from other sites than the two sites are apart
     ///
     /// O(sites), and O(triangles) for the first call; in a small part, O(triangles of the part * sites nearby).
     bool separate(std::array<std::uint32_t, 2> pair);

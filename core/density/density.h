@@ -38,13 +38,11 @@ public:
 
     /// @param values  [width * height], row by row, the first row at the smallest y; finite, >= 0, at least one > 0
     ///
-    /// Errors: Malformed for a wrong number of values or a value out of range (field `values/i`); Unusable if all are
-    /// zero.
+    /// Errors: Malformed for a wrong number of values or a value out of range (`values/i`); Unusable if all are zero.
     static Result<Density> grid(int width, int height, std::span<const double> values);
     static Result<Density> grid(int width, int height, std::span<const float> values);
 
-    /// Declares that the density varies so little between neighbouring sites that the pattern can be treated as that of
-    /// a uniform density.
+    /// Declares that the density hardly varies between neighbouring sites. The pattern is then treated as uniform.
     Density smooth() && {
         is_smooth_ = true;
         return std::move(*this);

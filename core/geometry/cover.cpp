@@ -184,8 +184,8 @@ void Cover::examine(std::uint32_t set, Point place) {
     add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
 }
 
-/// Decides for each thin face whether it is covered. If all its neighbours are in the opposite state (covered or not),
-/// the face takes their state.
+/// Decides which thin faces are covered. If all neighbours of a thin face are in the opposite state, it takes their
+/// state.
 void Cover::settle_thin_faces() {
     std::vector<bool> has_like(faces_.size(), false);
     for (std::uint32_t t = 0; t < map_.triangles.size(); ++t) {
@@ -265,8 +265,7 @@ std::vector<Ring> Cover::trace() const {
             while (!is_done[3 * t + i]) {
                 is_done[3 * t + i] = true;
                 ring.push_back(corner(t, i));
-                // Advances to the next edge of the border: turns through the triangles around the end point of this
-                // edge.
+                // Finds the next edge of the border by turning around the end point of this edge.
                 i = (i + 1) % 3;
                 while (!is_border(t, i)) {
                     const std::uint32_t around = map_.triangles[t].corners[i];

@@ -13,9 +13,8 @@
 
 namespace ccdt {
 
-/// Finds the triangles of an arrangement that a set of rings covers. Each group of chains is one ring. By the even-odd
-/// rule, a ring encloses its inside. A part is its outer ring minus its holes. The covered area is the union of all
-/// parts.
+/// Finds the triangles of an arrangement that a set of rings covers. Each group of chains is one ring. Rings enclose by
+/// the even-odd rule. A part is its outer ring minus its holes. The covered area is the union of all parts.
 class Cover {
 public:
     /// The role of a group: the number of its part, and whether the group is a hole of the part.
@@ -26,8 +25,8 @@ public:
 
     /// @param kinds       [groups]
     /// @param resolution  faces of about this thickness or less count as empty; in the unit frame
-    /// @param stop        polled between steps, each of which visits every triangle once; after a stop the object must
-    ///                    not be used
+    /// @param stop        polled between steps, each of which visits all triangles; after a stop the object must not be
+    ///                    used
     ///
     /// All arguments except `stop` must outlive this object.
     Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,

@@ -55,8 +55,8 @@ Kernel::Point_2 to_cgal(Point p) {
 }
 
 /// Inserts points in spatial order.
-/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex, which has the
-///           number of one of them
+/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex with one of their
+///           numbers
 std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
                                   const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;
@@ -93,8 +93,7 @@ std::vector<std::uint32_t> numbers_of(std::span<const Vertex> vertices, std::siz
 
 /// Copies all finite faces, in CGAL's order.
 ///
-/// @param set_edge  sets the data of an edge; called with (face, corner opposite the edge, triangle, number of the
-///                  edge)
+/// @param set_edge  sets the data of an edge; arguments: (face, corner opposite the edge, triangle, edge number)
 template <class Triangle, class SetEdge>
 std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set_edge) {
     std::uint32_t count = 0;
@@ -280,8 +279,7 @@ private:
     }
     Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
 
-    /// Returns the segment between two vertices, in either direction, identified by the point at which it begins; kNone
-    /// if there is none.
+    /// Returns the segment between two vertices in either direction, given by its first point; kNone if there is none.
     std::uint32_t segment_along(const Ends& ends) const {
         const auto runs = [&](Vertex from, Vertex to) {
             const std::uint32_t point = from->info();

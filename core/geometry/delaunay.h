@@ -65,8 +65,7 @@ struct Chains {
     std::uint32_t groups = 0;
 };
 
-/// A triangulation of a box around chains, which may cross, touch and overlap. Edges are numbered as in
-/// ConstrainedDelaunay.
+/// A triangulation of a box around chains, which may cross, touch and overlap. Edge numbers: see ConstrainedDelaunay.
 struct Arrangement {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
@@ -79,8 +78,7 @@ struct Arrangement {
         Kind kind;
         std::uint32_t segment;  ///< identified by the point at which it begins
         std::uint32_t vertex;   ///< the vertex that the segment touches; kNone if it meets an edge
-        /// A group along the edge that the segment meets, preferably the segment's own group; kNone if it meets a
-        /// vertex.
+        /// A group along the edge that the segment meets, preferably the segment's own; kNone if it meets a vertex.
         std::uint32_t group;
         Point place;
     };
@@ -110,8 +108,7 @@ struct TooManyCrossings {
 /// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The
 /// triangulation is Delaunay unless there are very many segments.
 ///
-/// @param tolerance  a segment that crosses another segment but ends within this distance of it only counts as touching
-///                   it
+/// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
 /// @param most       limit on the number of pieces that crossings create
 /// @param stop       polled regularly; after a stop the result must not be used
 ///

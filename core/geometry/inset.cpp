@@ -136,8 +136,7 @@ private:
         return longest;
     }
 
-    /// Returns the run of the given number of edges; none if too few edges follow, or if the edges deviate too far from
-    /// a segment.
+    /// Returns the run of the given number of edges; none if too few follow, or if they deviate too far from a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
         constexpr double kMaxOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
@@ -230,10 +229,9 @@ public:
         add_corner_after(reach);
     }
 
-    /// Returns the number of leading pieces whose neighbourhood one polygon can represent, at least 1. The
-    /// neighbourhood of their last corner is left out. The edges of such a run have similar directions, and are long
-    /// enough that no offset line degenerates. So the offset curve is a graph over the direction of the first edge, and
-    /// does not cross itself.
+    /// Returns the number of leading pieces whose neighbourhood, except at their last corner, one polygon can
+    /// represent; at least 1. The edges of such a run have similar directions, and their offset lines do not
+    /// degenerate. So the offset curve is a graph over the direction of the first edge, and does not cross itself.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine
@@ -263,8 +261,7 @@ public:
         add(std::move(strip));
     }
 
-    /// Whether the offset line of an edge keeps enough length (kKept) between the offset lines of the neighbouring
-    /// edges.
+    /// Whether the offset line of an edge keeps enough length (kKept) between the neighbouring offset lines.
     static bool keeps_line(const Reach& edge) {
         const Point along = edge.b - edge.a;
         return shortened(edge.a - edge.before, along, edge.distance) +
@@ -364,8 +361,7 @@ private:
         add(std::move(fan));
     }
 
-    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to the normal of
-    /// the preceding edge.
+    /// Appends the polygon around the arc at a reflex corner, from the second edge's normal to the first edge's normal.
     static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
@@ -409,7 +405,7 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
 class ReachTree {
 public:
     /// @param coarse    radius in the unit frame of squares that are removed as a whole if the new border may cross
-    ///                  them; 0: no such squares
+    ///                  them; 0: none
     /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares; if `coarse` is 0, the
     ///                  division then ends early instead (see is_too_fine)
     ReachTree(const Domain& domain, std::vector<Reach> reaches, double coarse, double coarsest,
@@ -471,8 +467,7 @@ public:
         return lines;
     }
 
-    /// Returns the domain minus strips along its border; none if there are few pieces, or if the strips cross too
-    /// often.
+    /// Returns the domain minus strips along its border; none if there are few pieces or the strips cross too often.
     Result<std::optional<Area>> without_strips() const {
         constexpr double kMaxLost = 0.02;  // beyond this share of degenerate lines, strips overlap repeatedly
         const auto is_lost = [](const Reach& piece) { return !piece.is_edge || !Shapes::keeps_line(piece); };
@@ -486,8 +481,7 @@ public:
         return std::nullopt;
     }
 
-    /// Whether a point is too near to the border of the domain. The point is a corner of the area that remains after
-    /// border() is subtracted.
+    /// Whether a corner of the area that remains after subtracting border() is too near to the border of the domain.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
                          kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
@@ -665,8 +659,7 @@ private:
     std::stop_token stop_;
 };
 
-/// Tries the three methods of ReachTree. Returns the border of the eroded domain, and leftover rings inside the removed
-/// area.
+/// Tries the three methods of ReachTree. Returns the new border, and leftover rings inside the removed area.
 Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     for (const auto way : {&ReachTree::lines, &ReachTree::without_strips}) {
         auto left = (tree.*way)();

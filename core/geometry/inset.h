@@ -26,8 +26,7 @@ struct Disc {
 /// `indifference` is 0, it is at most 1 % farther: arcs around corners become circumscribed polygons, and borders with
 /// detail much finer than the distance are simplified.
 ///
-/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, even if
-/// the border is ragged.
+/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) in practice, even for ragged borders.
 ///
 /// If `indifference` is not 0, the new border can be much farther from the old one in two cases:
 /// - by up to 40 times the indifference, if the domain has more than 50,000 corners;

@@ -96,8 +96,7 @@ CCDT_INLINE inline auto with_lanes(Function&& function, bool wide = has_two_lane
     return wide ? by_two_lanes(function) : function(OneLane{});
 }
 
-/// Eight 32-bit numbers, which the compiler keeps in one or several vector registers. The source code is the same in
-/// either case.
+/// Eight 32-bit numbers, which the compiler keeps in one or several vector registers.
 struct EightLanes {
     static constexpr std::uint32_t kCount = 8;
     using Floats = float __attribute__((vector_size(kCount * sizeof(float))));

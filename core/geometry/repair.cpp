@@ -96,8 +96,7 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution, const std::stop_token& stop,
                         std::size_t more) {
-    // The area is the outer group of a single part, and each subtracted area is a hole of this part. Every group may
-    // consist of several rings.
+    // The area is the outer group of one part, and each subtracted area is a hole of it. Groups may have several rings.
     Groups groups;
     groups.append(area, {0, false});
     for (const Area& other : others) groups.append(other, {0, true});

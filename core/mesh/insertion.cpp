@@ -64,8 +64,7 @@ bool locate(const Triangulation& mesh, const Region& region, Location& at) {
     }
 }
 
-/// Returns the start of a walk to a place: the given triangle, and the periodic copy of the place that is nearest to
-/// the triangle.
+/// Returns the start of a walk to a place: a triangle, and the periodic copy of the place nearest to the triangle.
 Location way_from(const Triangulation& mesh, std::uint32_t triangle, Point p) {
     if (!mesh.is_torus()) return {triangle, p, {}};
     const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };

@@ -43,10 +43,8 @@ class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// Copies the triangulation of a border. To build the mesh of a domain, use mesh_of_border(), which also marks the
-    /// inside.
-    /// @param sites  number of sites to be inserted; the sites come first in the numbering, then the points of the
-    /// border
+    /// Copies the triangulation of a border. For the mesh of a domain, use mesh_of_border(), which marks the inside.
+    /// @param sites  number of sites to be inserted, which are numbered before the points of the border
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Creates the triangulation of a torus, without any site so far.
@@ -54,8 +52,7 @@ public:
     /// @param period  sides of the torus, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
-    /// Sets the executor that lengthy operations on this triangulation use, in this class and in others. The executor
-    /// must outlive this.
+    /// Sets the executor for lengthy operations on this triangulation, also in other classes. It must outlive this.
     void set_executor(Executor& executor) { executor_ = &executor; }
     Executor& executor() const { return *executor_; }
 
@@ -119,8 +116,7 @@ public:
     }
 
     /// A half-edge that leaves the vertex. For a vertex of the border, it is the half-edge along the border with the
-    /// domain on its left, so that turning counter-clockwise visits all other half-edges of the vertex. Valid after
-    /// trim().
+    /// domain on its left, so a counter-clockwise turn visits all its half-edges. Valid after trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {

@@ -43,12 +43,10 @@ constexpr float kSurplusWeight = 0.5F;
 /// Distance of the grid nodes on which the surplus is smoothed (see Surplus), relative to the hexagonal distance.
 constexpr double kNodeDistance = 3;
 
-/// Largest ratio of reference points (see Surplus) to remaining points. Above it, the remaining points become the
-/// reference.
+/// Ratio of reference points (see Surplus) to remaining points above which the remaining points become the reference.
 constexpr std::size_t kMaxReferenceRatio = 8;
 
-/// Least number of remaining points in a region. A smaller region leaves too little choice and more noise; a larger one
-/// takes longer.
+/// Least number of remaining points in a region. Fewer points mean less choice and more noise; more take longer.
 constexpr std::size_t kMinRegionPoints = 256;
 
 /// Number of neighbours whose distance measures the local density. It is large enough for a stable measure, and small
@@ -134,8 +132,8 @@ public:
         return std::span(left_).subspan(count, count);
     }
 
-    /// Returns the region of a depth that loses the next point. At each level, chooses the half with the larger share
-    /// of remaining points.
+    /// Returns the region of a depth that loses the next point: at each level, the half with the larger share of
+    /// remaining points.
     std::size_t next_region(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
@@ -153,8 +151,7 @@ public:
     }
 
 private:
-    /// Chooses pseudo-randomly between two halves with equal shares. So the first halves do not lose points
-    /// systematically.
+    /// Chooses pseudo-randomly between two halves with equal shares, so that neither loses points systematically.
     bool is_first(std::size_t region) const {
         std::uint64_t bits = (region << 32 | left_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
@@ -219,7 +216,7 @@ public:
     }
 
 private:
-    /// Nodes along one side, at the centres of the cells and of one further cell beyond either end. On a torus, nodes a
+    /// Nodes along one side, at the centres of the cells and of one further cell beyond each end. On a torus, nodes a
     /// period apart are identical.
     struct Axis {
         Axis(double length, double distance, bool torus)
@@ -301,8 +298,8 @@ using Ints = EightLanes::Ints;
 constexpr std::uint32_t kLanes = EightLanes::kCount;
 constexpr float kNone = -std::numeric_limits<float>::infinity();
 
-/// Crowding of points. Points are listed by cell, so neighbours are close in memory. Vector instructions process eight
-/// points at a time.
+/// Crowding of points, computed for eight points at a time. Points are listed by cell, so neighbours are close in
+/// memory.
 class Crowd {
 public:
     /// Two points that are near each other.

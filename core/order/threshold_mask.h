@@ -8,8 +8,7 @@
 namespace ccdt {
 
 /// Ranks the pixels of a tile. For any rank, the pixels with lower ranks are spread evenly, and so are the other
-/// pixels. The ranks are thresholds for dithering, or a progressive order of points on a grid. The tile repeats without
-/// seams.
+/// pixels. The ranks are thresholds for dithering, or a progressive order of grid points. The tile repeats seamlessly.
 ///
 /// First, half of the pixels are chosen: one at random from each horizontal pair. The chosen pixels move to
 /// neighbouring pixels as long as that lowers the sum of Gaussians between all chosen pixels. They get the lower half

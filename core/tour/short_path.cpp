@@ -274,8 +274,7 @@ private:
         return false;
     }
 
-    /// Tries the Or-opt step: takes a run of stops that begins or ends at `a`, and inserts it next to a stop near `a`,
-    /// before or after that stop.
+    /// Tries the Or-opt step: inserts a run of stops that begins or ends at `a` next to a stop near `a`.
     /// @returns  whether a step shortened the path
     bool relocate(Stop a) {
         Stop forward = a;
