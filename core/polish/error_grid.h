@@ -29,9 +29,8 @@ public:
     /// Measures the error of sites, all of which lie in the areas. O(cells + sites).
     void measure(std::span<const Point> sites);
 
-    /// Returns the share of the error that is assigned to `site`, as a number of sites. `site` must be one of the
-    /// measured sites. The share is > 0 where there are too many sites. All shares add up to 0, unless an area has no
-    /// site nearby.
+    /// Returns the share of the error that is assigned to `site`, as a number of sites. `site` must be a measured site.
+    /// The share is > 0 where there are too many sites. All shares add up to 0, unless an area has no site nearby.
     double at(Point site) const;
 
 private:

@@ -10,8 +10,7 @@
 
 namespace ccdt {
 
-/// Distance that the first row should keep from the border, in spacings. Half a row of the hexagonal grid is 0.47
-/// spacings.
+/// Distance of the first row from the border, in spacings. Half a row of the hexagonal grid is 0.47 spacings.
 inline constexpr double kFirstRow = 0.45;
 
 /// The first row: the sites that share an edge with a vertex of the border.
@@ -22,8 +21,7 @@ public:
     void find(const Triangulation& mesh);
 
     /// Limits the moves of sites that face an edge of the border across a triangle. Removes the part of a move that
-    /// would bring the site nearer than `depth` to that edge. A site that is already nearer may slide along the edge,
-    /// but comes no nearer.
+    /// would bring the site nearer than `depth` to that edge. A site that is already nearer comes no nearer.
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param depth     least distance from the border, in spacings
     /// @param moves     in and out [sites]

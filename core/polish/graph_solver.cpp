@@ -16,8 +16,7 @@ constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block
-/// Vertices per task. A task processes its blocks interleaved, because each step within a block waits for the result of
-/// the previous step.
+/// Vertices per task. A task interleaves its blocks, because each step within a block waits for the previous step.
 constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
@@ -73,8 +72,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
                 level.all[last[link.to]].conductance += link.conductance;
             }
         }
-        // Groups the links: first links to lower numbers in the block of v, then to higher numbers in the block, then
-        // to other blocks.
+        // Sorts the links: to lower numbers in the block of v, to higher numbers in the block, to other blocks.
         const auto from = level.all.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto beyond =
             std::partition(from, level.all.end(), [v](const Link& link) { return link.to / kBlock == v / kBlock; });

@@ -13,8 +13,8 @@ namespace ccdt {
 /// Solves Laplace's equation on a graph whose edges have conductances: finds the potentials that drive given inflows
 /// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph replaces
 /// an aggregate, that is, a vertex and its neighbours. The graph need not be connected. The relaxation (Gauss-Seidel)
-/// processes blocks of successive vertices in parallel. For vertices of other blocks, a block uses the potentials from
-/// before the current sweep.
+/// processes blocks of successive vertices in parallel. A block uses the potentials of other blocks from before the
+/// sweep.
 ///
 /// Source: Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 56 (1996), for the choice of
 /// aggregates. Departure: prolongation is not smoothed; instead, corrections are scaled up.

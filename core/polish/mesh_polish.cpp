@@ -46,8 +46,7 @@ double MeshPolish::spacing(Point p) const {
     return std::sqrt(domain_.unit_area() / fixed_.sites);
 }
 
-/// Returns the point of the domain's bounding box that is nearest to p. On a torus, returns p, snapped to multiples of
-/// 2^-50.
+/// Returns the nearest point of the domain's bounding box; on a torus, returns p, snapped to multiples of 2^-50.
 Point MeshPolish::inside(Point p) const {
     constexpr double kInside = 1e-9;
     const Point sides = domain_.unit_bounds().max;
@@ -146,8 +145,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of range number `block` of the triangles. Lists edges within the block in edges_, other edges in
-/// `others`.
+/// Lists the edges of range number `block` of the triangles: edges within the block in edges_, the rest in `others`.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -368,8 +366,7 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
-/// Shortens or reverts the moves of sites whose triangles would be inverted or lose most of their area, until no such
-/// triangle remains.
+/// Shortens or reverts moves of sites until no triangle is inverted or loses most of its area.
 void MeshPolish::revert_moves(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space to move
     const std::size_t triangles = mesh.triangle_count();

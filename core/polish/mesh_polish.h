@@ -24,8 +24,7 @@
 namespace ccdt {
 
 /// Performs the steps of a polish on the sites of one triangulation. Pushes move near neighbours apart. Transport
-/// removes the long waves of density error that the iterations leave, mostly along the border and where the density is
-/// steep.
+/// removes the long waves of density error that the iterations leave.
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
@@ -51,8 +50,7 @@ public:
     /// Releases most of the memory until the next step.
     void release_memory();
 
-    /// Prepares the steps that move sites: lists the edges between sites. Must be called again after the edges of the
-    /// mesh change.
+    /// Prepares the steps that move sites: lists the edges between sites. Must be called again after edges change.
     void begin(const Triangulation& mesh);
 
     /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like all steps, keeps
@@ -69,16 +67,14 @@ public:
     bool find_nearer(const Triangulation& mesh, double least);
 
     /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits a pair if one of its
-    /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate either
-    /// site of a pair.
+    /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate sites.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
-    /// Removes long waves of density error. In polygons, does nothing if the density is not smooth or if there are
-    /// fixed points.
+    /// Removes long waves of density error. In polygons, only if the density is smooth and there are no fixed points.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// Removes the power of low frequencies. The domain must be a torus of uniform density that is wide enough
-    /// (Stealth::fits()) and has no fixed sites. Does nothing once the power of all low frequencies is negligible
+    /// (Stealth::fits()) and has no fixed sites. Does nothing once all this power is negligible
     /// (Stealth::kNegligiblePower).
     void remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop);
 
@@ -116,8 +112,7 @@ private:
     std::optional<LocalSpacing> local_;            ///< present if the density varies and there is no transport_
     Support support_;
     FirstRow row_;  ///< for polygons
-    /// [levels][blocks] Half-edges between sites. Each half-edge is listed for the smallest block that contains both of
-    /// its sites.
+    /// [levels][blocks] Half-edges between sites, each listed for the smallest block that contains both of its sites.
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
     /// [sites] moves; once they are applied, the positions before the moves.

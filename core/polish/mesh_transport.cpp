@@ -57,8 +57,8 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Lists the edges of the mesh accepted by `passes`, with the conductances of linear finite elements. Border vertices
-/// are merged with their sites.
+/// Lists the edges that `passes` accepts, with the conductances of linear finite elements. Border vertices are merged
+/// with sites.
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Bounds on conductances, which needles can exceed. At an edge of the border, two triangles can give a negative
     // value, which counts as no conductance.

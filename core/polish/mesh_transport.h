@@ -46,8 +46,8 @@ public:
 
     /// Computes the moves of one round. Sites keep at least half a row of distance from the border. Sites that are
     /// already nearer come no nearer.
-    /// @param mesh      the mesh given at construction, possibly with flipped edges and sites moved by less than a
-    ///                  spacing or two
+    /// @param mesh      the mesh given at construction; edges may have been flipped, and sites moved by up to two
+    ///                  spacings
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param moves     out [sites], each at most 0.35 of the local spacing
     /// @param stop      polled regularly

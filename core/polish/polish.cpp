@@ -82,8 +82,8 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
            [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
 }
 
-/// Calls function(layer, moves) for each ink until stopped. `moves` is the part of moves_ for this ink; it is empty if
-/// there is only one ink.
+/// Calls function(layer, moves) for each ink until stopped. `moves` is this ink's part of moves_, empty if there is one
+/// ink.
 template <class Function>
 void Polish::for_each(const std::stop_token& stop, Function&& function) {
     std::span<Point> moves = moves_;

@@ -19,8 +19,7 @@ enum class Quality {
 /// distance: for pushes within an ink, that of the ink's own sites; for pushes between inks, that of the sites of all
 /// inks. "Waves" are long waves.
 struct PolishSettings {
-    /// For dot maps: number of iterations, the last ones before the polish, that begin with a push and a removal of
-    /// waves.
+    /// For dot maps: number of the last iterations that begin with a push and a removal of waves.
     int early = 0;
     int rounds = 0;                      ///< rounds that push near sites apart and remove long waves
     int even_every = 1;                  ///< rounds from one removal of waves to the next; also applies to relax rounds

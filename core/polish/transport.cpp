@@ -35,8 +35,7 @@ constexpr double kMaxContrast = 4;
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
 // is kLevelSmoothing: a larger value would reduce the error.
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
-/// Smoothing of the density from which octaves follow, in finest spacings. So sparse places near dense ones count as
-/// fine.
+/// Smoothing of the density from which octaves follow, in finest spacings. Sparse places near dense ones count as fine.
 constexpr double kLevelSmoothing = 2;
 constexpr double kCaution = 0.7;  ///< octaves by which the octave of a site is coarser than its spacing
 
@@ -148,8 +147,7 @@ void Transport::add_octave() {
 }
 
 /// Returns the coefficient of the potential that belongs to a wave with coefficient 1, divided by octave 0's window.
-/// Must not be called for the constant wave. The unit of length is octave 0's spacing, which keeps values in the range
-/// of a float.
+/// Must not be called for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
@@ -390,8 +388,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 
 /// Solves Laplace phi = error. Sums the long waves of all octaves, each octave up to its own limit. Once the potential
 /// of the wanted density is known, subtracts it.
-/// @param total  coefficients of octave 0: on entry the coefficients of the sites, on return the coefficients of the
-///               potential
+/// @param total  coefficients of octave 0: of the sites on entry, of the potential on return
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;

@@ -28,8 +28,7 @@ namespace ccdt {
 /// Waves shorter than about two spacings are the pattern itself and are not changed. If the density varies, sites and
 /// density are both split among octaves of spacing, and each octave has its own limit on the wavelength. One round
 /// cancels E to first order. The remaining error is of second order, or due to ridges of the density that are too thin
-/// for the gradient to follow. In a box, the grid covers only the bounding box of nonzero density, so empty margins do
-/// not matter.
+/// for the gradient to follow. In a box, the grid covers only the bounding box of nonzero density.
 ///
 /// Departure from a plain blur: the filter ends sharply, so that all waves longer than the limit are removed and
 /// shorter waves are not affected.
