@@ -38,7 +38,7 @@ private:
     struct Query {
         Point from;
         std::size_t self;
-        double best;  ///< squared distance
+        double best;  ///< squared distance of the nearest point found so far
     };
 
     static double along(Point p, bool by_y) { return by_y ? p.y : p.x; }

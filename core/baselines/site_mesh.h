@@ -32,7 +32,6 @@ public:
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
-    /// Positions of all sites.
     std::span<const Point> sites() const { return {mesh_.points().data(), mesh_.site_count()}; }
 
     /// Moves all sites and restores the Delaunay property. If a site would leave the domain or come too close to its
@@ -64,7 +63,7 @@ private:
     CapacityIntegral capacity_;
     DomainMesh empty_;  ///< mesh without sites
     Triangulation mesh_;
-    std::vector<double> capacities_;   ///< [triangles] capacities
+    std::vector<double> capacities_;   ///< [triangles]
     std::vector<TriangleGoal> goals_;  ///< [triangles] targets and weights
 };
 

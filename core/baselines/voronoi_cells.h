@@ -37,7 +37,7 @@ private:
     Bisection bisection_;
     SquaredDensity weight_;
     std::vector<Part> parts_;
-    double total_ = 0;  ///< total mass
+    double total_ = 0;  ///< mass of the domain
 };
 
 }  // namespace ccdt

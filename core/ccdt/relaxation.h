@@ -136,7 +136,7 @@ private:
     /// Sites that one task moves in sequence. While it does, no other task moves these sites or their neighbours.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
-        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
+        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch in `records`
         std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
         Fans fans;
         /// All sites of the group. Empty at level 0, where the group consists of the block's sites whose level is 0.

@@ -34,7 +34,7 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
     struct Axis {
         Pairs step;  ///< 1 or -1, from a cell to the next one
         Pairs cell;
-        Pairs distance;  ///< from a to the next line
+        Pairs distance;  ///< from a to the next grid line, along the axis, in cells
         Pairs inverse;   ///< 1 / length of the segment along this axis; 0 if the segment does not move along the axis
         Pairs after;     ///< 0, or 2 (never reached) if the segment does not move along the axis
 

@@ -46,7 +46,7 @@ private:
     /// A connected set of triangles that no segment separates.
     struct Face {
         double area = 0;
-        double border = 0;  ///< length
+        double border = 0;  ///< length of the border
         bool is_thin = false;
         bool is_covered = false;
         bool is_known = false;
@@ -91,7 +91,7 @@ private:
     std::span<const Kind> kinds_;
     double resolution_;
     Faults faults_;
-    std::vector<Shared> shared_;           ///< sorted
+    std::vector<Shared> shared_;           ///< sorted by vertex, group and point
     std::vector<std::uint32_t> first_of_;  ///< [groups] first point; kNone for a ring without corners
     std::vector<std::uint32_t> face_of_;   ///< [triangles] number of the face
     std::vector<Face> faces_;

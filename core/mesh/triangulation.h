@@ -107,7 +107,8 @@ public:
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
-    /// Positions of the corners. The first corner has its stored position; the others are shifted so as to fit.
+    /// Positions of the corners. The first corner has its stored position; the others are shifted by periods to be next
+    /// to it.
     std::array<Point, 3> places(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
@@ -151,8 +152,8 @@ public:
         std::uint8_t flags = 0;
 
         // Bit 1 << i is set if edge i of the triangle is constrained.
-        static constexpr std::uint8_t kConstrained = 7;  ///< during construction
-        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; during construction
+        static constexpr std::uint8_t kConstrained = 7;  ///< these three bits; cleared by trim()
+        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; never set after trim()
         static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
 
         bool is_inside() const { return (flags & kOutside) == 0; }

@@ -453,7 +453,7 @@ private:
     std::vector<std::uint32_t> slots_;  ///< list position of each point
     std::vector<Pair> pairs_;
     std::vector<CellList::Run> runs_;  ///< neighbours of the point being removed
-    float x_unit_, y_unit_;            ///< units of coordinates, relative to the first point's reach
+    float x_unit_, y_unit_;            ///< length of a unit of x_ and y_, relative to the first point's reach
 
     // The following vectors are in list order, with eight additional entries at the end.
     std::vector<std::uint32_t> x_, y_;
@@ -528,7 +528,7 @@ private:
         });
     }
 
-    /// Returns the distance of the surplus' nodes. It is so large that there are at most about as many nodes as points.
+    /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
     double node_distance() const {
         const Box box = domain_.unit_bounds();
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
@@ -577,7 +577,7 @@ private:
         return most;
     }
 
-    /// Finds the largest bound in each lane, that is, among every eighth point.
+    /// Finds, for each lane, the point with the largest bound of its excess among every eighth point in [begin, end).
     CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);

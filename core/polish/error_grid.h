@@ -55,7 +55,7 @@ private:
     /// [rows] index in wanted_ and values_ that the point in column 0 would have if it were stored; may wrap around.
     std::vector<std::size_t> numbers_;
     std::vector<double> wanted_;  ///< [points] number of wanted sites
-    /// [points] number of actual sites; after measure(), the excess of sites divided by this number.
+    /// [points] first the number n of actual sites, then, after measure(), the error (n - number of wanted sites) / n.
     std::vector<double> values_;
 };
 

@@ -56,7 +56,7 @@ Point MeshPolish::inside(Point p) const {
 }
 
 /// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0.
-/// If there is no such place within two spacings, the density may be 0.
+/// If there is no such place within two spacings, the density is ignored.
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point p, Spacing&& spacing) const {

@@ -79,7 +79,7 @@ private:
     std::vector<WeightedPoint> positions_;  ///< [sites] positions relative to the torus' sides
     SplineGrid grid_;
     double largest_power_ = 0;
-    Coefficients sums_;  ///< F
+    Coefficients sums_;  ///< F(k) of each wave
 };
 
 }  // namespace ccdt

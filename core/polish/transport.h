@@ -73,7 +73,7 @@ private:
         /// Factors that convert the coefficients of the sites to this octave's share of the potential; see factor().
         std::vector<float> factors;
 
-        /// Returns the factor of the coefficients (column, row) and (column, -row), for which it is the same.
+        /// Returns the common factor of the coefficients (column, row) and (column, -row).
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 
