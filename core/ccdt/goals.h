@@ -32,7 +32,7 @@ namespace ccdt {
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Sets the target and the weight of every triangle, and returns the capacity variation; see the first overload.
+/// Sets the target and the weight of every triangle, as the first overload does, and returns the capacity variation.
 /// @param total    capacity that the sites share
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,

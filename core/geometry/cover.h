@@ -54,8 +54,7 @@ private:
     struct Part {
         std::uint32_t outer = 0;  ///< group of the outer ring
         std::size_t holes = 0;    ///< holes that contain the current triangle
-        std::size_t faces = 0;    ///< faces that no other part covers and that the walk entered across this part's
-                                  ///< border
+        std::size_t faces = 0;    ///< faces that walk() entered across this part's border and no other part covers
     };
     /// An input point that coincides with other input points.
     struct Shared {

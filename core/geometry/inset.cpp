@@ -55,7 +55,7 @@ struct Reach {
     bool is_after(const Reach& other) const { return other.b == a && other.distance >= distance; }
 };
 
-/// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
+/// Divides the area to remove, which the discs around all border points cover, into pieces (Reach), in the unit frame.
 ///
 /// First case: the discs are centred at the border points. If a point of the domain is too near to the border, the
 /// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of

@@ -577,7 +577,7 @@ private:
         return most;
     }
 
-    /// Finds, for each lane, the point with the largest bound of its excess among every eighth point in [begin, end).
+    /// Finds, for each lane, the point with the largest upper bound of its excess. A lane has every eighth point.
     CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);

@@ -78,7 +78,7 @@ private:
     std::optional<Transport> transport_;
     std::vector<Point> places_;   ///< [sites] positions in the unit frame
     std::vector<InkSite> sites_;  ///< [sites] sites with their inks
-    std::vector<Point> moves_;    ///< [sites] moves
+    std::vector<Point> moves_;    ///< [sites]
 };
 
 }  // namespace ccdt

@@ -76,7 +76,7 @@ struct Row {
     }
 };
 
-/// Returns the x components of taps. Each vector holds the x components of two successive taps for each point.
+/// Returns the weights of the six taps along x. Each vector holds the weights of two successive taps for each point.
 template <class Lanes>
 CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
     return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};

@@ -28,7 +28,7 @@ constexpr double kMaxMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
 /// light, pictures of 8 bits give densities of 1 to 113. These are 3.4 octaves of spacing, or 4.1 with kCaution.
 constexpr std::size_t kMaxOctaves = 6;
-/// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
+/// Limit on the density that octave 0 resolves, relative to the mean density. Octave 0 has 4 cells per square of its
 /// spacing, hence at most 16 cells per site.
 constexpr double kMaxContrast = 4;
 
@@ -146,8 +146,8 @@ void Transport::add_octave() {
     });
 }
 
-/// Returns the coefficient of the potential that belongs to a wave with coefficient 1, divided by octave 0's window.
-/// Must not be called for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
+/// Returns the factor from a wave's coefficient in the error to its coefficient in the potential, divided by octave 0's
+/// window. Not for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
