@@ -180,8 +180,7 @@ void for_each_pair(const Plan& plan, Visit visit) {
     }
 }
 
-/// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in several parts if a single grid would
-/// be too large.
+/// Adds the powers of sets to a spectrum. Computes all frequencies at once, or in parts if the grid would be too large.
 class Periodogram {
 public:
     /// All arguments must outlive this object.
@@ -269,7 +268,7 @@ void add_spacing(const std::vector<Point>& set, const Frame& frame, double densi
     analysis.mean_distance += spacing.mean / densest / sets;
 }
 
-/// Powers of a ring. Their mean is computed first, then their variance.
+/// Statistics of the powers in a ring of frequencies. The mean is computed first, then the variance.
 struct Ring {
     double count = 0;  ///< number of pairs of opposite frequencies
     double mean = 0;

@@ -50,7 +50,7 @@ struct Analysis {
     Spectrum spectrum;
 
     /// Least and mean distance of a set's points to their nearest neighbours, averaged over the sets. The unit is the
-    /// neighbour distance of the densest packing, sqrt(2 / (sqrt(3) n)) for unit area.
+    /// hexagonal distance, sqrt(2 / (sqrt(3) n)) for unit area.
     double min_distance = 0;
     double mean_distance = 0;
 };
@@ -58,16 +58,15 @@ struct Analysis {
 /// Measures the spectrum and the spacing of sets of points, with the conventions of Lagae and Dutre 2008.
 ///
 /// All frequencies (i / width, j / height) with whole numbers i and j are measured, because waves of these frequencies
-/// fit the domain. P = |F|^2 / n, averaged over the sets, where F(f) = sum over points of e^(-2 pi i f.x). Rings are 1
-/// / sqrt(area) wide. Ring r >= 1 contains the frequencies whose magnitude, in units of the width of a ring, is nearest
-/// to r. Rings with fewer than two pairs of opposite frequencies +-f are left out.
+/// fit the domain. P = |F|^2 / n, averaged over the sets, where F(f) = sum over points of e^(-2 pi i f.x). Frequencies
+/// are grouped by magnitude into rings of width 1 / sqrt(area). Ring r >= 1 contains the frequencies whose magnitude,
+/// in units of this width, is nearest to r. Rings with fewer than two pairs of opposite frequencies +-f are left out.
 ///
 /// A rectangle is treated as a window on a larger pattern. Points are weighted by w, Hann's window along both axes (the
 /// mean of w^2 is 1), and P = |F - d W|^2 / (sum of w^2). W is the window's own transform. d is the density in the
 /// middle of the window, four fifths of each side; d times the area also replaces n above. Frequencies (i, j) with |i|
 /// <= 1 and |j| <= 1 lie under the window's lobe and are left out of curves and means. Distances are not weighted. The
-/// window correlates neighbouring frequencies. So the anisotropy of a window can only be compared with the anisotropy
-/// of other windows.
+/// window correlates neighbouring frequencies, so its anisotropy is comparable only to the anisotropy of other windows.
 ///
 /// @param sets    [s][n], at least 1 set of at least 2 points, in the domain's coordinates, inside or on its border
 /// @param domain  a rectangle or a torus

@@ -27,8 +27,8 @@ double grid_side(double highest) {
 
 /// Returns the reciprocal of the kernel's Fourier transform, at frequencies of 0 to `highest` per `cells` cells.
 std::vector<double> unspreading(int highest, int cells) {
-    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell. That
-    // content is negligible.
+    // The error of the trapezoidal rule is the kernel's content at frequencies above 1 / kStep - 1/4 per cell, which is
+    // negligible.
     constexpr int kSteps = 4 * kWidth / 2;
     constexpr double kStep = 0.25;
     std::array<double, kSteps> heights;

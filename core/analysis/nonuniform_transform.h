@@ -44,7 +44,7 @@ private:
 
     /// Returns the factor that undoes the effect of the spreading on F(i, j).
     double factor(int i, int j) const;
-    /// Returns F(i, j) without this factor, for i of either sign.
+    /// Returns F(i, j) as transformed, before factor() is applied, for i of either sign.
     std::complex<double> coefficient(int i, int j) const;
 
     int columns_;
@@ -68,7 +68,7 @@ public:
     ShiftedTransform(int reach_x, int reach_y) : real_(reach_x, reach_y), imaginary_(reach_x, reach_y) {}
 
     /// Computes F around (middle_x, middle_y). A stop ends the computation early; the values must not be used then.
-    /// @param points  the points; if successive points are near each other, run() is several times faster
+    /// @param points  run() is several times faster if successive points are near each other
     void run(std::span<const WeightedPoint> points, int middle_x, int middle_y, const std::stop_token& stop);
 
     /// Returns F(middle_x + i, middle_y + j) of the last run, |i| <= reach_x, |j| <= reach_y.

@@ -11,8 +11,7 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree in one array. The middle element of each range splits the range along the axis in which the range is
-/// longer.
+/// A k-d tree in one array. The middle element of each range splits the range along its longer axis.
 class Tree {
 public:
     Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {
@@ -39,7 +38,7 @@ private:
     struct Query {
         Point from;
         std::size_t self;
-        double best;  ///< squared distance
+        double best;  ///< squared distance of the nearest point found so far
     };
 
     static double along(Point p, bool by_y) { return by_y ? p.y : p.x; }

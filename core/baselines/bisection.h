@@ -16,7 +16,7 @@ namespace ccdt {
 /// A counter-clockwise triangle of a domain. By Green's theorem, each of its edges contributes to its mass.
 struct Part {
     std::array<Point, 3> corners;
-    std::array<double, 3> flows;  ///< contribution to the mass, of the edge that begins at each corner
+    std::array<double, 3> flows;  ///< contribution to the mass by the edge that begins at each corner
 
     double mass() const { return std::max(0.0, flows[0] + flows[1] + flows[2]); }
 };
@@ -33,7 +33,7 @@ public:
     /// Divides a triangle in two across its longest edge. O(cells of the density crossed).
     std::array<Part, 2> halves(const Part& part) const;
 
-    /// Density per unit of area.
+    /// Density at a point, in mass per area of the unit frame.
     double at(Point p) const { return capacity_.at(p); }
 
 private:

@@ -73,7 +73,7 @@ bool EqualCells::swap(std::uint32_t first, std::uint32_t second) {
     const Point way = images_.shortest(sites_[second] - sites_[first]);
     const double squared = dot(way, way), length = std::sqrt(squared);
     const double least = kMinGain * squared;
-    // A sample gains no more than a sample would at the rim of the cell's circle, on the side of the other site.
+    // No sample gains more than a sample at the point of the cell's circle that is nearest to the other site.
     if (radii_[first] + radii_[second] < length) return false;
     const double most_first = find_gains(first, second, first_gains_);
     if (most_first + length * (2 * radii_[second] - length) < 0) return false;

@@ -30,8 +30,7 @@ public:
     EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
                const std::stop_token& stop);
 
-    /// Considers every pair of cells once. The energy never increases. After finitely many sweeps, no swap lowers the
-    /// energy.
+    /// Considers every pair of cells once. The energy never increases; after finitely many sweeps, no swap lowers it.
     /// @param stop  polled every few sites; ends the sweep
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
@@ -45,7 +44,7 @@ public:
     double energy() const;
 
 private:
-    /// A sample, and the energy gained if the sample moves to the other site.
+    /// A sample, and the decrease of the energy if the sample moves to the other site.
     struct Offer {
         double gain;
         std::uint32_t sample;

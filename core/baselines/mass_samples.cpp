@@ -16,7 +16,7 @@ public:
     std::vector<Point> draw(const std::vector<Part>& parts);
 
 private:
-    static constexpr std::uint64_t kStream = 0x73616d706c6573;  // keeps these random numbers independent of the start's
+    static constexpr std::uint64_t kStream = 0x73616d706c6573;  // differs from the streams of StartSites
 
     Point draw_in(const Part& part);
     void divide(const Part& part, double begin, double end, int depth);

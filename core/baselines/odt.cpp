@@ -40,7 +40,7 @@ private:
     Triangulation& mesh_;
     const std::stop_token& stop_;
     double least_height_;
-    std::vector<double> capacities_;  ///< [triangles] capacities
+    std::vector<double> capacities_;  ///< [triangles]
     std::vector<double> weights_;     ///< [triangles] weight of each triangle's area
     std::vector<Corner> around_;
     bool is_alone_ = false;  ///< whether the site is its own neighbour, as on a torus with few sites

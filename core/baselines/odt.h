@@ -13,8 +13,8 @@ inline constexpr int kOdtIterations = 100;
 ///
 /// Each site in turn moves to the mean of the circumcentres of the triangles around it, weighted by the areas of the
 /// triangles. As long as the triangles stay the same, this position minimises the error. Then the triangulation is made
-/// Delaunay again. A move that would make a triangle too small or too thin is halved until it does not. Vertices on the
-/// border do not move.
+/// Delaunay again. A move that would make a triangle too small or too thin is halved until it fits. Border vertices do
+/// not move.
 ///
 /// @param options  passes are ignored
 /// @returns        as distribute(): the trace holds the capacity variation of the triangulation, which the method does

@@ -30,7 +30,7 @@ class SquaredDensity {
 public:
     SquaredDensity(const Domain& domain, const Density& density);
 
-    /// @param corners  counter-clockwise, in the unit frame, within the domain's bounding box
+    /// @param corners  corners of the polygon, counter-clockwise, in the unit frame, within the domain's bounding box
     /// @param from     reference point of the first moment
     ///
     /// O(corners + cells crossed).
@@ -43,8 +43,7 @@ private:
     int rows_ = 0;
     Point to_grid_{1, 1};            ///< cells per unit
     std::vector<double> sums_;       ///< [rows][columns + 1] sums of squares left of each column
-    std::vector<double> x_moments_;  ///< [rows][columns + 1] the same sums, with each square multiplied by the x of the
-                                     ///< cell's centre
+    std::vector<double> x_moments_;  ///< [rows][columns + 1] sums of square * x of the cell's centre
 };
 
 }  // namespace ccdt

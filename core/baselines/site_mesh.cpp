@@ -67,7 +67,7 @@ bool SiteMesh::move(std::span<const Point> wanted) {
     return false;
 }
 
-/// Returns the end of the shortest vector from one position to another; on a torus, to the nearest copy.
+/// Returns `to`; on a torus, the periodic copy of `to` that is nearest to `from`.
 Point SiteMesh::end_of_way(Point from, Point to) const {
     if (!mesh_.is_torus()) return to;
     const PeriodicImages images(*domain_);

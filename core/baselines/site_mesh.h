@@ -14,7 +14,7 @@
 
 namespace ccdt {
 
-/// Sites that a method moves, with the same triangulation as in distribute(), on which capacities are measured.
+/// The sites that a method moves, and their triangulation, on which capacities are measured as in distribute().
 /// Contains what the methods of this folder share: the initial sites, the measurement, and the stopping rules. All
 /// positions are in the unit frame.
 class SiteMesh {
@@ -32,7 +32,6 @@ public:
     const Triangulation& mesh() const { return mesh_; }
     Triangulation& mesh() { return mesh_; }
 
-    /// Positions of all sites.
     std::span<const Point> sites() const { return {mesh_.points().data(), mesh_.site_count()}; }
 
     /// Moves all sites and restores the Delaunay property. If a site would leave the domain or come too close to its
@@ -64,7 +63,7 @@ private:
     CapacityIntegral capacity_;
     DomainMesh empty_;  ///< mesh without sites
     Triangulation mesh_;
-    std::vector<double> capacities_;   ///< [triangles] capacities
+    std::vector<double> capacities_;   ///< [triangles]
     std::vector<TriangleGoal> goals_;  ///< [triangles] targets and weights
 };
 

@@ -56,7 +56,7 @@ private:
     std::vector<Node> nodes_;   ///< children of node k are 2 k + 1 and 2 k + 2
     std::vector<Found> sites_;  ///< in the order of the leaves; on a torus, within its box
     std::vector<std::uint32_t> slot_of_;
-    std::vector<bool> hidden_;  ///< [slots] whether the site is hidden
+    std::vector<bool> hidden_;  ///< [sites_] whether the site is hidden
 };
 
 }  // namespace ccdt

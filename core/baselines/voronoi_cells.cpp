@@ -85,6 +85,7 @@ void VoronoiCells::Integration::find_near(const Part& part) {
     tree_.within(centre, (1 + kRounding) * (nearest + 2 * std::sqrt(radius)), near_);
 }
 
+/// Adds the integrals over a part to the cells. Halves the part if many sites can be nearest to its points.
 /// @param begin  index in near_ of the first site near the part
 void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int depth) {
     constexpr std::size_t kFew = 6;
@@ -103,8 +104,8 @@ void VoronoiCells::Integration::divide(const Part& part, std::size_t begin, int 
 }
 
 /// Selects, among the sites of near_ from `begin` on, those that can be nearest to a point of the part, and appends
-/// them to near_. The first appended site is nearest to the centre of the part. Each further one is nearer to some
-/// corner of the part than the first one.
+/// them to near_. The first appended site is nearest to the centre of the part. Each further site is nearer to some
+/// corner of the part than the first site.
 void VoronoiCells::Integration::narrow_down(const Part& part, std::size_t begin) {
     const std::size_t end = near_.size();
     const Point centre = centre_of(part);

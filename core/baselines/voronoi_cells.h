@@ -27,8 +27,7 @@ public:
     /// @param stop   polled regularly
     /// @returns      [n] with first moments relative to the site; incomplete after a stop
     ///
-    /// Exact except for rounding and the triangles of negligible mass. O(n log n + cells of the density that edges
-    /// cross).
+    /// Exact except for rounding and triangles of negligible mass. O(n log n + cells of the density crossed by edges).
     std::vector<Moments> integrate(std::span<const Point> sites, const std::stop_token& stop) const;
 
 private:
@@ -38,7 +37,7 @@ private:
     Bisection bisection_;
     SquaredDensity weight_;
     std::vector<Part> parts_;
-    double total_ = 0;  ///< total mass
+    double total_ = 0;  ///< mass of the domain
 };
 
 }  // namespace ccdt

@@ -25,12 +25,11 @@ struct Border {
 /// returns the lengths from `begin` to the end of each step [steps + 1]; the first entry is 0.
 using LengthInSites = std::function<std::vector<double>(Point begin, Point end)>;
 
-/// Returns the domain's corners and, between them, vertices about as far apart as the sites nearby. At most about
-/// `sites` vertices are added.
+/// Returns the domain's corners, and up to about `sites` vertices between them, as far apart as the sites nearby.
 Border make_border(const Domain& domain, const LengthInSites& length, std::size_t sites);
 Border make_border(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites);
 
-/// Returns the domain's corners only.
+/// Returns a border whose only vertices are the domain's corners.
 Border bare_border(const Domain& domain);
 
 /// Computes the constrained Delaunay triangulation of a border, without sites.

@@ -77,7 +77,7 @@ CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
 
 }  // namespace
 
-/// Returns the integral of the rows' totals from 0 to y.
+/// Returns the capacity of a torus between the ordinates 0 and y.
 double CapacityIntegral::rows_below(double y) const {
     const double place = y * to_grid_.y;
     const int rows = density_.height();
@@ -88,8 +88,7 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-/// Integrates along several segments at once, as many as the lanes have numbers. In the last group, the last segment is
-/// repeated to fill the lanes.
+/// Integrates along all segments, two in each lane at once. The last segment is repeated to fill the lanes.
 template <bool kRepeated, class Lanes>
 CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     using Pairs = typename Lanes::Pairs;
@@ -143,15 +142,15 @@ CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segm
     }
 }
 
-/// @param kRepeated  whether the segments may extend beyond a torus' box
+/// Integrates along all segments. `kRepeated` tells whether they may extend beyond a torus' box.
 template <bool kRepeated>
 void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     with_lanes([&](auto lanes) CCDT_INLINE { sweep_by<kRepeated, decltype(lanes)>(segments, sweeps); },
                by_four_ && has_two_lanes());
 }
 
-/// Adds an edge's flow to the capacities of its two triangles. On a torus, the position of the edge can differ between
-/// the two triangles.
+/// Adds an edge's flow (Sweep::flow) to the capacity of its triangle, and subtracts it from that of its twin's
+/// triangle. On a torus, the position of the edge can differ between the two triangles.
 /// @param repeated  whether the edge or a triangle may extend beyond a torus' box
 template <class Add>
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,

@@ -16,9 +16,8 @@ namespace ccdt {
 /// Data of a triangle for exact passes.
 struct TriangleFlows {
     double capacity = 0;
-    /// Integral of the density over the area that each half-edge sweeps when its origin moves to the right of the edge,
-    /// divided by the length of the move and the length of the edge. The density is weighted by 1 at the origin,
-    /// falling linearly to 0 at the target.
+    /// For each half-edge: integral of (1 - t) * density, where t runs from 0 at the origin to 1 at the target. Times
+    /// the edge's length, it is the capacity that the edge sweeps per unit of its origin's move to the right.
     std::array<double, 3> swept{};
 };
 
@@ -30,28 +29,26 @@ struct TriangleFlows {
 class CapacityIntegral {
 public:
     /// @param domain, density  must outlive this
-    /// @param by_four          whether to process four edges at once if the processor can; the results are the same
-    ///                         either way
+    /// @param by_four          whether to process four edges at once if possible; the results are the same either way
     CapacityIntegral(const Domain& domain, const Density& density, bool by_four = true);
 
     bool is_uniform() const { return density_.is_uniform(); }
 
-    /// Capacity of the whole domain. The unit is the area of the unit frame if the density is uniform, else one cell of
-    /// density 1. A capacity below 1e-12 of the density's total cannot be distinguished from 0 and is returned as 0.
+    /// Capacity of the whole domain. For a uniform density, this is the area in the unit frame; else the unit is one
+    /// cell of density 1. A capacity below 1e-12 of the density's total may be a rounding error, and is returned as 0.
     double total() const { return total_; }
 
-    /// Computes the capacity of each triangle [triangles]. O(half-edges + their length in cells).
+    /// Computes the capacity of each triangle [triangles]. O(half-edges + cells crossed).
     /// @param stop  polled regularly; after a stop the capacities must not be used
     void of_triangles(const Triangulation& mesh, std::vector<double>& capacities,
                       const std::stop_token& stop = {}) const;
 
-    /// Computes the capacity of each triangle and the integrals that its edges sweep [triangles]. Not for uniform
-    /// densities. O(half-edges + their length in cells).
+    /// Computes the capacity of each triangle and the integrals along its edges [triangles]. Not for uniform densities.
+    /// O(half-edges + cells crossed).
     /// @param stop  polled regularly; after a stop the flows must not be used
     void of_edges(const Triangulation& mesh, std::vector<TriangleFlows>& flows, const std::stop_token& stop = {}) const;
 
-    /// Returns the density at a point, in capacity per area of the unit frame. Outside the domain's box, returns the
-    /// density of the nearest cell.
+    /// Returns the density at a point or, outside the box, at the nearest cell; in capacity per area of the unit frame.
     double at(Point p) const;
 
     /// Largest capacity per area of the unit frame.
@@ -72,9 +69,9 @@ private:
     /// Integrals along a segment.
     struct Sweep {
         double flow = 0;  ///< integral of F dy
-        /// Integral along the segment of the density per area of the unit frame, weighted by 1 at a and 0 at b.
+        /// Integral of (1 - t) * density, where t runs from 0 at a to 1 at b; in capacity per area of the unit frame.
         double near = 0;
-        double far = 0;  ///< the same, weighted by 0 at a and 1 at b
+        double far = 0;  ///< integral of t * density
     };
     template <bool kRepeated, class Lanes>
     void sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const;

@@ -17,7 +17,7 @@ namespace ccdt {
 
 namespace {
 
-/// Builds the triangulations of all inks that have sites, iteration by iteration in step, and polishes them together.
+/// Builds the triangulations of all inks that have sites, in common iterations, and polishes the inks together.
 class InkConstructions {
 public:
     InkConstructions(const Domain& domain, std::span<const Density> densities, std::span<const std::size_t> sites,
@@ -45,7 +45,7 @@ private:
     int round_ = 0;                                    ///< current round of the polish
 };
 
-/// Returns the seed of an ink with sites. The first such ink uses the seed of the options.
+/// Returns the seed of an ink, given its number among the inks with sites. Number 0 keeps the seed of the options.
 std::uint64_t seed_of(std::uint64_t seed, std::size_t number) {
     constexpr int kSeedBits = 53;
     return number == 0 ? seed : Random(seed, number).bits() >> (64 - kSeedBits);
@@ -126,7 +126,7 @@ Result<void> InkConstructions::polish() {
     return {};
 }
 
-/// Calls retouch_ in the domain's coordinates.
+/// Calls retouch_ with sites in the domain's coordinates. Returns its moves in the unit frame.
 /// @param sites  [inks with sites] in the unit frame
 std::vector<std::vector<Point>> InkConstructions::retouch(std::span<const std::vector<Point>> sites) const {
     const Point sides = domain_.bounds().max - domain_.bounds().min;

@@ -17,8 +17,7 @@ namespace ccdt {
 /// Distributes sites so that all triangles of their Delaunay triangulation have nearly the same capacity. Then polishes
 /// the pattern, unless the quality is Draft or the number of iterations is 0.
 ///
-/// @param density  stretched over the domain's bounding box; its values outside the domain are ignored; periodic on a
-///                 torus
+/// @param density  stretched over the domain's bounding box; values outside the domain are ignored; periodic on a torus
 /// @param control  a stop returns the current sites, which is not an error; a stop during the start gives the error
 ///                 Stopped
 ///
@@ -34,8 +33,8 @@ Result<Distribution> distribute(const Domain& domain, const Density& density, co
 using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const std::vector<Point>> sites)>;
 
 /// Distributes the dots of several inks. Each ink follows its own density as in distribute(), and dots of different
-/// inks keep apart where there is space. All inks iterate in step and are polished together. With the quality Draft
-/// there is no polish, so the inks are independent.
+/// inks keep apart where there is space. All inks run the same iteration at the same time, and are polished together.
+/// With the quality Draft there is no polish, so the inks are independent.
 ///
 /// @param densities  [inks] each stretched over the domain's bounding box; unused for an ink without sites
 /// @param sites      [inks] >= 0, at least one > 0

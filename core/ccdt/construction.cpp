@@ -69,7 +69,7 @@ Result<void> Construction::start() {
     return {};
 }
 
-/// Returns the share of the capacity for each site.
+/// Returns the share of the domain's capacity that each site should have.
 double Construction::site_share() const {
     return 1 / (fixed_.sites > 0 ? fixed_.sites : static_cast<double>(options_.sites));
 }
@@ -89,14 +89,15 @@ Result<void> Construction::choose_fixed() {
     return {};
 }
 
-/// Returns the mesh of the border, with capacity for the sites and `fixed` further vertices.
+/// Returns the mesh of the border, to which the sites and `fixed` further vertices can be added.
 Result<DomainMesh> Construction::mesh_for(std::size_t fixed) const {
     if (fixed == 0 || domain_.is_torus()) return empty_mesh(domain_, capacity_, options_.sites + fixed, stop_);
     const auto all = static_cast<std::size_t>(std::ceil(1 / site_share()));
     return empty_mesh(domain_, make_border(domain_, capacity_, all), options_.sites + fixed, stop_);
 }
 
-/// @param first  [sites] positions to try first; or empty
+/// Triangulates the border, the fixed points and the sites.
+/// @param first  [sites] preferred positions; empty if all positions are drawn
 Result<DomainMesh> Construction::triangulate_sites(std::vector<Point> first) {
     auto placed = mesh_for(fixed_.places.size());
     if (!placed) return placed;
@@ -128,7 +129,7 @@ MeshPolish& Construction::polish() {
                    : polish_.emplace(domain_, density_, capacity_.total(), options_.sites, fixed_, stop_, executor_);
 }
 
-/// Returns initial sites without long waves of density error; an empty list if the sites need not be evened out.
+/// Returns initial sites without long waves of density error; empty in polygons, at uniform density or without polish.
 std::vector<Point> Construction::even_start() {
     std::vector<Point> first;
     if (!has_polish(options_) || capacity_.is_uniform() || !domain_.is_box()) return first;
@@ -143,7 +144,7 @@ std::vector<Point> Construction::even_start() {
     return first;
 }
 
-/// @returns  the capacity variation; after a stop it must not be used
+/// Measures capacities, sets goals, and returns the capacity variation. After a stop, the result must not be used.
 double Construction::measure(const Triangulation& mesh) {
     const double total = fixed_.sites > 0 ? site_share() * static_cast<double>(mesh.site_count()) * capacity_.total()
                                           : capacity_.total();
@@ -154,8 +155,8 @@ double Construction::measure(const Triangulation& mesh) {
     return set_goals(mesh, total, capacity_.densest(), std::move(capacities), goals_);
 }
 
-/// Whether an iteration uses exact passes. Exact passes cost more and matter once the sites are near their final
-/// places: Distribute.DoesNotStallNextToWhite shows the variation before and after.
+/// Whether an iteration uses exact passes. Exact passes cost more, and help only once the sites are near their final
+/// places: test Distribute.DoesNotStallNextToWhite.
 bool Construction::is_exact(int iteration) const {
     constexpr int kFirst = 4;
     return !density_.is_smooth() && (iteration >= kFirst || iteration + 1 == options_.iterations);
@@ -219,9 +220,9 @@ void Construction::pass_exactly(Relaxation& relaxation) {
     }
 }
 
-/// Whether single sites are relocated after the current iteration: the third one, or the last one if there are fewer.
-/// The third iteration is late enough to distinguish surpluses from sites that are still moving, and early enough for
-/// further iterations to follow.
+/// Whether single sites are relocated after the current iteration. In polygons, this is done after the third iteration,
+/// or the last one if there are fewer. The third iteration is late enough to distinguish surpluses from sites that are
+/// still moving, and early enough for further iterations to follow.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -260,8 +261,7 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites that lie where the density is zero to the nearest place with a positive density. If any site moves, all
-/// sites are triangulated anew.
+/// Moves sites from places of density zero to the nearest positive density. If any moves, all are triangulated anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -18,16 +18,15 @@
 
 namespace ccdt {
 
-/// Checks the options.
-/// Errors: Malformed for an option out of range.
+/// Checks that every option is in its documented range. Errors: Malformed.
 Result<void> check(const Options& options);
 
 /// Whether a polish follows the iterations.
 bool has_polish(const Options& options);
 
-/// Builds the capacity-constrained triangulation of one density, step by step: start(); iterate() while
-/// has_next_iteration(); the rounds of a polish, which the caller runs; finish(). After the start, collect() returns
-/// the current state.
+/// Builds the capacity-constrained triangulation of one density in steps: start(); iterate() while
+/// has_next_iteration(); the rounds of a polish, run by the caller; finish(). After the start, collect() returns the
+/// current state.
 class Construction {
 public:
     /// @param domain, density  must outlive this
@@ -41,18 +40,18 @@ public:
 
     /// Whether there is another iteration to run.
     bool has_next_iteration() const;
-    /// Runs the geometry passes of one iteration and its triangulation phase.
+    /// Runs the passes of one iteration, then makes the triangulation Delaunay again.
     /// @returns  false after a stop
     bool iterate();
 
-    /// Returns the steps of the polish. Must not be used after finish().
+    /// Returns the object that performs the steps of the polish. Must not be used after finish().
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// Makes the triangulation Delaunay and its capacities more equal, between rounds of the polish.
+    /// Makes the triangulation Delaunay, then its capacities more equal by `passes` passes. For rounds of the polish.
     void equalise(int passes);
 
-    /// Relocates one site of each near pair in a polygon to a place with more space.
+    /// Relocates one site of each pair that is too close to a place with more space. Only for polygons.
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
     /// Restores the Delaunay property after the polish. Errors: as for start().

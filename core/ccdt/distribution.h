@@ -24,15 +24,15 @@ enum class Start {
 struct Options {
     std::size_t sites = 0;            ///< >= 1
     std::uint64_t seed = 0;           ///< [0, 2^53)
-    int iterations = 5;               ///< triangulation phases, 0 to 1000; with 0, the result is the start
-    int passes = 5;                   ///< geometry passes per iteration, 1 to 100
+    int iterations = 5;               ///< 0 to 1000; with 0, the initial sites are the result
+    int passes = 5;                   ///< passes per iteration, 1 to 100
     std::optional<double> tolerance;  ///< > 0; ends the run once the capacity variation is below this
     Start start = Start::Stratified;
     Quality quality = Quality::Standard;
     bool keep_mesh = false;  ///< whether to fill Distribution::mesh
     /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
     /// distance from fixed points as from each other. Each fixed point takes as much area as a site. A cluster of fixed
-    /// points takes only the area that it covers and a rim. Points outside the domain can also take area inside it.
+    /// points takes only the area that it covers and a rim. Points outside the domain can take area inside.
     std::vector<Point> fixed = {};
 };
 
@@ -72,8 +72,8 @@ struct Distribution {
     /// Capacity variation after each iteration [iterations + 1]; entry 0 is the variation of the start.
     std::vector<double> trace;
     std::optional<double> polished;  ///< capacity variation after the polish; none without polish
-    /// Whether the stop token ended the computation early. Then iterations or polish may be incomplete, and the mesh
-    /// may not be Delaunay.
+    /// Whether a stop ended the computation early. Iterations and polish may then be incomplete, and the mesh not
+    /// Delaunay.
     bool stopped = false;
     std::optional<TriangleMesh> mesh;
     std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty

@@ -28,8 +28,8 @@ struct DomainMesh {
 /// @param stop    polled regularly; a stop gives the error Stopped
 Result<DomainMesh> empty_mesh(const Domain& domain, Border border, std::size_t sites, const std::stop_token& stop = {});
 
-/// Does the same with vertices along the border that are as far apart as `capacity` demands of the sites there. On a
-/// torus, the mesh has no border.
+/// Triangulates the border alone, for sites to be inserted later. Adds vertices along the border, as far apart as the
+/// sites nearby will be. On a torus, the mesh has no border.
 Result<DomainMesh> empty_mesh(const Domain& domain, const CapacityIntegral& capacity, std::size_t sites,
                               const std::stop_token& stop = {});
 

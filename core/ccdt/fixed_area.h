@@ -13,8 +13,7 @@ namespace ccdt {
 /// The area that fixed points take from the new sites.
 struct FixedArea {
     double sites = 0;  ///< capacity of the domain, divided by the capacity of each new site
-    /// [fixed] capacity that each fixed point takes, divided by the capacity of a new site: at most 1; 0 if far outside
-    /// the domain.
+    /// [fixed] capacity that each fixed point takes, in units of a new site's capacity: at most 1; 0 if far outside.
     std::vector<double> weights;
 };
 
@@ -32,8 +31,7 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
 /// @param sites   number of new sites, >= 1
 /// @param masses  [rows * columns] capacities of cells over the domain's box; reduced in place
 ///
-/// O(cells). The nearest points are found by sweeps: Danielsson, Euclidean distance mapping, Computer Graphics and
-/// Image Processing 14 (1980).
+/// O(cells). Nearest points: Danielsson, Euclidean distance mapping, Computer Graphics and Image Processing 14 (1980).
 FixedArea subtract_fixed_area(const Domain& domain, std::span<const Point> fixed, std::size_t sites, int columns,
                               int rows, std::span<double> masses);
 

@@ -17,7 +17,7 @@ namespace ccdt {
 /// @param weights  [points] area that each point takes (FixedArea::weights); the weight of a point too close to a
 ///                 vertex is added to this vertex
 /// @param spacing  least spacing of sites
-/// @param trial    triangulation of the border alone, with capacity for all points; modified by trial insertions
+/// @param trial    triangulation of the border alone, to which all points can be added; modified by trial insertions
 /// @returns        the choice, without the member `sites`
 FixedSites choose_fixed(const Domain& domain, std::span<const Point> points, std::span<const double> weights,
                         double spacing, Triangulation& trial);

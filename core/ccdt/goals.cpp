@@ -15,8 +15,8 @@ namespace {
 constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 
-/// Sums over triangles, from which the capacity variation is computed. Capacities (`reached`) and targets are in units
-/// of half a site's capacity.
+/// Sums over triangles, which give the capacity variation. The unit of capacities and targets is half a site's
+/// capacity.
 struct Reached {
     double targets = 0;
     double sum = 0;
@@ -34,7 +34,7 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Standard deviation over mean of reached / target, in which each triangle is weighted by its target.
+    /// Returns the standard deviation of reached / target over its mean, with each triangle weighted by its target.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;
@@ -44,13 +44,12 @@ struct Reached {
 
 constexpr double kLeastTarget = 1e-9;  ///< smaller targets consist of rounding errors
 
-/// Returns the factor from capacities to units of half a site's capacity.
+/// Returns the factor that converts capacities to units of half a site's capacity.
 double unit_of(const Triangulation& mesh, double total) {
     return 2 * static_cast<double>(mesh.site_count()) / total;
 }
 
-/// Returns the border edge of a triangle with a site; kNone if there is none. There is at most one, since the other two
-/// edges end at the site.
+/// Returns the border edge of a triangle with a site, which is opposite to the site; kNone if there is none.
 std::uint32_t border_edge(const Triangulation& mesh, std::uint32_t triangle) {
     for (std::uint32_t i = 0; i < 3; ++i) {
         const std::uint32_t h = Triangulation::edge(triangle, i);
@@ -77,20 +76,21 @@ std::uint32_t fixed_edge(const Triangulation& mesh, std::uint32_t triangle) {
     return kNone;
 }
 
-/// Returns the edge opposite to a triangle's site if the target depends on the length of that edge, that is, for a
-/// border edge or an edge between fixed sites.
+/// Returns the edge opposite to a triangle's site if it is a border edge or joins two fixed sites; else kNone. The
+/// target of the triangle depends on the length of this edge.
 std::uint32_t faced_edge(const Triangulation& mesh, std::uint32_t triangle) {
     const std::uint32_t edge = border_edge(mesh, triangle);
     return edge == kNone && mesh.free_count() < mesh.site_count() ? fixed_edge(mesh, triangle) : edge;
 }
 
-/// Length of an edge in units of the spacing of sites.
+/// Returns the length of an edge relative to the hexagonal distance of sites.
+/// @param weight  sites per area near the edge
 double length(const Triangulation& mesh, std::uint32_t edge, double weight) {
     const Point along = mesh.along(edge);
     return weight > 0 ? std::sqrt(dot(along, along)) / hexagonal_spacing(weight) : 0;
 }
 
-/// Returns the total length of the edges that a site faces.
+/// Returns the total length of the edges that a site faces (see faced_edge), relative to the hexagonal distance.
 /// @param weight_of  returns the weight of a triangle
 template <class WeightOf>
 double faced_length(const Triangulation& mesh, std::uint32_t site, WeightOf&& weight_of) {
@@ -127,10 +127,11 @@ private:
 template <class WeightOf>
 TriangleGoal aim(const Triangulation& mesh, std::uint32_t triangle, const WeightOf& weight_of,
                  FacedLengths<WeightOf>& faced_lengths) {
-    constexpr double kEdgeShare = 0.5;  // share of the strip; the other half goes to the triangles at corners
-    // Benchmark BorderPattern: a smaller value crowds sites at the border, a larger one empties it.
+    constexpr double kEdgeShare = 0.5;  // share of the strip; triangles with one border vertex get the rest
+    // Target of a triangle with one border vertex. A smaller value crowds sites at the border, a larger one empties it:
+    // benchmark BorderPattern.
     constexpr double kCornerShare = 0.61;
-    // Least share, reached in a fan of a thousand triangles. This limit keeps the terms of one vertex comparable.
+    // Least share, reached in a fan of 1,000 triangles. It keeps the terms in the equations of one vertex comparable.
     constexpr double kLeastShare = 1e-3;
     const double weight = weight_of(triangle);
     const bool touches_border =
@@ -148,14 +149,14 @@ bool is_any_free(const Triangulation& mesh, std::uint32_t triangle) {
     return std::ranges::any_of(mesh.corners(triangle), [&](std::uint32_t v) { return mesh.is_free(v); });
 }
 
-/// The goals found by a search over all triangles.
+/// Sums over all triangles, and the goals of the triangles that need goals of their own.
 struct Aims {
     Reached reached;
     std::vector<std::uint32_t> triangles;  ///< triangles with a corner that is not a free site, in ascending order
     std::vector<TriangleGoal> goals;       ///< goals of these triangles; all other triangles have target and share 1
 };
 
-/// @param reached_by, weight_of  return the capacity and the weight of a triangle
+/// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
 template <class ReachedBy, class WeightOf>
 Aims find_aims(const Triangulation& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {
     const std::size_t count = mesh.triangle_count();
@@ -218,7 +219,7 @@ private:
     double largest_;
 };
 
-/// Sets a goal for each triangle. A triangle without a goal of its own gets the given weight.
+/// Sets a goal for each triangle. A triangle that is not listed in `aims` gets its weight, and the target and share 1.
 template <class WeightOf>
 void set_each(const Triangulation& mesh, const Aims& aims, WeightOf&& weight_of, std::vector<TriangleGoal>& goals) {
     goals.resize(mesh.triangle_count());

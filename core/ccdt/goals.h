@@ -16,8 +16,8 @@ namespace ccdt {
 /// target of the triangle on the edge. The other half goes to the triangles that touch the border at one corner.
 /// Targets are proportional to the length of the border edge, so that short edges of a coastline take no more than
 /// their share. All border edges that one site faces count together as one triangle; otherwise each of them would pull
-/// as strongly as a whole triangle. Triangles that touch the border at one corner get a fifth more than the other half,
-/// because then the number of sites near the border is closest to its expected value: benchmark BorderPattern.
+/// as strongly as a whole triangle. Triangles that touch the border at one corner get a fifth more than half of the
+/// strip, because then the number of sites near the border is closest to its expected value: benchmark BorderPattern.
 ///
 /// Edges between fixed sites that are closer together than the spacing count as border edges. However, the first row of
 /// free sites is a whole row away from such edges.
@@ -32,18 +32,19 @@ namespace ccdt {
 double set_goals(const Triangulation& mesh, const CapacityIntegral& capacity, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same without a CapacityIntegral.
+/// Sets the target and the weight of every triangle, as the first overload does, and returns the capacity variation.
 /// @param total    capacity that the sites share
 /// @param densest  largest capacity per area of the unit frame
 double set_goals(const Triangulation& mesh, double total, double densest, const std::vector<double>& capacities,
                  std::vector<TriangleGoal>& goals);
 
-/// Does the same with compact storage. If few triangles have goals of their own, the memory of `capacities` is reused
-/// for the weights of the other triangles.
+/// Sets the goals in compact form, and returns the capacity variation; see the first overload. If few triangles have
+/// goals of their own, the memory of `capacities` is reused for the weights of the other triangles.
 double set_goals(const Triangulation& mesh, double total, double densest, std::vector<double> capacities,
                  TriangleGoals& goals);
 
-/// Does the same with areas as capacities. All triangles between free sites then have the same goal.
+/// Sets the goals for a uniform density, and returns the capacity variation; see set_goals(). Capacities are areas, so
+/// all triangles between free sites have the same goal.
 /// @param total  area of the unit frame that the sites share
 double set_even_goals(const Triangulation& mesh, double total, TriangleGoals& goals);
 

@@ -17,7 +17,7 @@ namespace ccdt {
 
 namespace {
 
-/// Inserts sites where the start draws them, or else anywhere with space.
+/// Inserts sites at positions drawn by StartSites, or else anywhere with space.
 class Placement {
 public:
     Placement(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
@@ -36,8 +36,7 @@ public:
     }
 
 private:
-    /// Number of attempts to place a site. If the domain covers half of a site's cell, all attempts fail with a
-    /// probability of 1 in 65,536.
+    /// Number of attempts to place a site. If the domain covers half of a cell, all fail with a probability of 2^-16.
     static constexpr int kAttempts = 16;
 
     Point draw(std::uint32_t site, int attempt) const {
@@ -78,7 +77,7 @@ private:
     /// Places a site anywhere in a part; for kNone, anywhere in the domain.
     bool place_in(std::uint32_t part, std::uint32_t site) {
         constexpr int kTries = 1000;
-        constexpr std::uint64_t kStream = 0x616e797768657265;  // makes these random numbers differ from the start's
+        constexpr std::uint64_t kStream = 0x616e797768657265;  // differs from the streams of StartSites
         if (!interior_ || part_ != part) interior_.emplace(inside_triangles(mesh_, part_ = part));
         Random random(seed_ ^ kStream, site);
         for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -93,7 +92,7 @@ private:
     std::vector<std::size_t> vacancies_;
     std::uint64_t seed_;
     double margin_;
-    std::optional<InteriorSampler> interior_;  ///< for part_
+    std::optional<InteriorSampler> interior_;  ///< draws points in the part part_
     std::uint32_t part_ = Triangulation::kNone;
 };
 

@@ -20,8 +20,8 @@ namespace ccdt {
 ///                   hold any number. Sites that do not fit into a thin part go to other parts.
 /// @param margin     least distance of a site from the border
 /// @param stop       polled regularly
-/// @returns          none if all sites are placed; else the error Stopped, or Unusable if the domain is too thin for
-///                   points strictly inside
+/// @returns          none on success; else the error Stopped, or Unusable if the domain is too thin for points strictly
+///                   inside
 std::optional<Error> place_sites(Triangulation& mesh, std::span<const Point> first, const StartSites& start,
                                  std::vector<std::size_t> vacancies, std::uint64_t seed, double margin,
                                  const std::stop_token& stop);

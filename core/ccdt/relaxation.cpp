@@ -18,7 +18,7 @@ namespace {
 // an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
 constexpr double kKeptArea = 0.1;   ///< least share of its area that a triangle keeps in a move
 constexpr double kMinShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
-/// Doubled area relative to the mean, below which a triangle takes the general path.
+/// Doubled area, relative to the mean, below which move() checks a triangle instead of the faster Rings::fit().
 constexpr double kSmall = 1e-2;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 constexpr double kSingular =
@@ -55,7 +55,7 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
 }
 
 /// The one-rings of sites that are moved at once, one site per lane. Each vector holds the values of two triangles of
-/// each site. A triangle between a neighbour and the repetition of this neighbour is flat and contributes nothing.
+/// each site. The first neighbour is repeated to fill the last pair; flat triangles contribute nothing.
 template <std::size_t kPairs, class Lanes>
 struct Relaxation::Rings {
     using Pairs = typename Lanes::Pairs;
@@ -81,7 +81,7 @@ struct Relaxation::Rings {
         }
     }
 
-    /// Positions of the neighbours after those in x[i] and y[i].
+    /// Coordinates of the neighbours that follow the ones in x[i] and y[i], counter-clockwise.
     CCDT_INLINE Pairs next_x(std::size_t i) const { return Lanes::shifted(x[i], x[i + 1]); }
     CCDT_INLINE Pairs next_y(std::size_t i) const { return Lanes::shifted(y[i], y[i + 1]); }
 
@@ -102,7 +102,7 @@ struct Relaxation::Rings {
     std::array<Pairs, kPairs> area, a, b;  ///< doubled areas, and their derivatives along x and y
 };
 
-/// Normal equations of sites that are moved at once, as in NormalEquations.
+/// Normal equations (see NormalEquations) of sites that are moved at once, one site per lane.
 template <class Lanes>
 struct Relaxation::Equations {
     using Pairs = typename Lanes::Pairs;
@@ -182,7 +182,7 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     list_border();
 }
 
-/// One-rings are not stored. The groups follow from the levels of the sites.
+/// Stores the level of each site, from which the groups follow, but no one-rings.
 void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop) {
     goals_ = std::move(goals);
     const bool first_time = levels_.empty();
@@ -261,16 +261,16 @@ void Relaxation::Group::store(const Batches& batches, std::span<std::uint32_t> m
     records = to;
 }
 
-/// Returns the memory reserved for the records of a number of sites. The mean number of neighbours is 6, and the last
-/// pair of a record may be half empty. A block that needs more stores its records itself.
+/// Returns the number of 32-bit words reserved for the records of `sites` sites. The mean number of neighbours is 6,
+/// and the last pair of a record may be half empty. A block that needs more stores its records itself.
 std::size_t Relaxation::record_memory_of(std::size_t sites) const {
     constexpr double kSpare = 1.06;
     const double neighbours = 6.5, plain = 2 + neighbours, general = plain + neighbours;
     return static_cast<std::size_t>(kSpare * (uniform_ ? plain : general) * static_cast<double>(sites));
 }
 
-/// Lists the sites of a block whose free neighbours are all in the block, and collects the other sites. Most sites have
-/// the same neighbours as before; their records are copied from the old batches, in the same order.
+/// Lists the sites of a block whose free neighbours are all in the block, and collects the other sites in
+/// Group::others. Records of sites with unchanged neighbours, which are most, are copied from the old batches.
 void Relaxation::list_block(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t begin = blocks.begin(number), end = blocks.begin(number + 1);
@@ -318,7 +318,7 @@ void Relaxation::find_levels(std::size_t number, bool first_time) {
     }
 }
 
-/// Lists the sites whose group belongs to a block of a higher level.
+/// Lists the sites for which a block above level 0 is the smallest one that contains them and their free neighbours.
 /// @param exact  whether to list the sites alone, without records
 void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) {
     Group& group = groups_[level][number];
@@ -340,7 +340,7 @@ void Relaxation::list_larger(std::size_t level, std::size_t number, bool exact) 
     group.store(batches, {});
 }
 
-/// Returns the level of the block that contains a site and all its free neighbours.
+/// Returns the level of the smallest block that contains a site and all its free neighbours.
 std::uint8_t Relaxation::level_of(std::uint32_t site) const {
     const SiteBlocks& blocks = mesh_.blocks();
     const std::uint32_t own = blocks.of(site), first = mesh_.edge_of(site);
@@ -428,8 +428,8 @@ void Relaxation::pass(int times, const std::stop_token& stop) {
     for_groups(times, stop, [&](std::size_t level, std::size_t number) { move_group(groups_[level][number]); });
 }
 
-/// Calls move(level, number) for each group, and then slides the vertices of the border, all `times` times. Each group
-/// moves a few times in a row, level by level.
+/// Calls move(level, number) `times` times for each group, and slides the vertices of the border as often. Each group
+/// moves up to three times in a row, level by level.
 template <class Move>
 void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move) {
     // A larger value leaves longer waves in drafts: benchmark CountryPattern.
@@ -449,7 +449,7 @@ void Relaxation::for_groups(int times, const std::stop_token& stop, Move&& move)
     }
 }
 
-/// Moves a group's sites kind by kind. So the data of a kind stays in the cache.
+/// Moves a group's sites, one kind after the other (see kind_of), and then the sites on the general path.
 void Relaxation::move_group(const Group& group) {
     move_batch<true, 2>(group);
     move_batch<true, 3>(group);
@@ -460,9 +460,9 @@ void Relaxation::move_group(const Group& group) {
     for (const Fan& fan : group.fans.all) move_site(group.fans, fan);
 }
 
-/// Moves the sites of a batch, in alternation from several positions of the batch. Sites with successive numbers are
-/// neighbours in the plane, so their moves depend on each other. In this order, most successive sites are independent
-/// and can be moved at once.
+/// Moves the sites of a batch, alternately from four parts of the batch. Sites with successive numbers are neighbours
+/// in the plane, so their moves depend on each other. In the alternating order, most successive sites can be moved at
+/// once.
 template <bool kPlain, std::size_t kPairs>
 void Relaxation::move_batch(const Group& group) {
     constexpr std::uint8_t kKind = kind_of(kPlain, kPairs);
@@ -497,8 +497,9 @@ bool Relaxation::has_neighbour(const std::uint32_t* record, std::uint32_t site) 
     return found;
 }
 
-/// Returns the normal equations of plain sites. The sums of a and b (derivatives of the doubled areas) over a closed
-/// ring vanish, and so does the contribution of the common target. All terms are divided by the squared weight.
+/// Returns the normal equations of plain sites, around which all triangles have the common goal. The sums of a and b
+/// (derivatives of the doubled areas) over a closed ring vanish, and so does the contribution of the common target. All
+/// terms are divided by the squared weight.
 template <std::size_t kPairs, class Lanes>
 CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::plain_equations(const Rings<kPairs, Lanes>& rings,
                                                                             const Records<Lanes>& records) const {
@@ -548,8 +549,7 @@ CCDT_INLINE inline Relaxation::Equations<Lanes> Relaxation::weighted_equations(c
     return equations;
 }
 
-/// Moves one site as move_site() does, or several sites that are not neighbours. The fence is applied only with one
-/// lane.
+/// Moves one site like move_site(), or several sites that are not neighbours. Applies the fence only with one lane.
 template <bool kPlain, std::size_t kPairs, class Lanes>
 CCDT_INLINE inline void Relaxation::move_few(const Records<Lanes>& records) {
     Point* const points = mesh_.points().data();
@@ -660,8 +660,8 @@ void Relaxation::move_group_exactly(std::size_t level, std::size_t number) {
     }
 }
 
-/// Moves a site according to the true capacities. A triangle (v, from, to) gains the integral that its edge v-from
-/// sweeps on the right of the edge, and loses the integral that v-to sweeps.
+/// Moves a site according to the true capacities. A triangle (site, from, to) gains the capacity that its edge
+/// site-from sweeps to the right of the edge, and loses the capacity that site-to sweeps.
 void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     ring.triangles.clear();
     NormalEquations equations;
@@ -694,8 +694,7 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
 }
 
-/// Whether move() would certainly neither shorten nor refuse a move. A fast test, which returns false in uncertain
-/// cases.
+/// Tests quickly whether move() would neither shorten nor refuse a move. Returns false in uncertain cases.
 inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
     const std::size_t count = ring.triangles.size();
     const double flattest = options_.least_height * options_.least_height;

@@ -17,7 +17,7 @@
 
 namespace ccdt {
 
-/// Restricts the moves of sites. Returns `to` if the site may lie there, else a position between the site and `to`.
+/// Restricts the moves of sites. Returns `to` if the site may lie at `to`, else a position between the site and `to`.
 using Fence = std::function<Point(std::uint32_t site, Point to)>;
 
 struct RelaxationOptions {
@@ -31,7 +31,7 @@ struct RelaxationOptions {
     /// triangles, which suits meshes with triangles of similar size.
     std::optional<double> small_area;
     std::optional<double> site_share;  ///< share of the capacity for each site; none: all shares are equal
-    Fence fence;                       ///< for all sites; may be empty
+    Fence fence;                       ///< applied to the moves of all sites; may be empty
     /// Whether to move two sites at once if the processor can; the results are the same either way.
     bool by_two = true;
 };
@@ -58,27 +58,25 @@ public:
     /// @param stop  polled regularly; no pass may follow a stop
     void prepare(TriangleGoals goals, const std::stop_token& stop = {});
 
-    /// Does the same for exact passes only, which need less data.
+    /// Stores new goals, and lists the data that exact passes need, which is less than for pass(). Must be called
+    /// before the first exact pass and after every restore_delaunay(). O(vertices).
     void prepare_exact(TriangleGoals goals, const std::stop_token& stop = {});
 
     /// Returns the goals and releases the memory of measurements. New goals must be given before the next pass.
     TriangleGoals take_goals();
 
     /// Moves every vertex `times` times. The sites of a block move a few times in a row while their data is in the
-    /// cache; then the sites between blocks move as often, and then the vertices of the border. O(vertices) for each
-    /// time.
+    /// cache; then the sites between blocks move as often, and then the vertices of the border. O(vertices * times).
     /// @param stop  polled regularly; a stop leaves vertices where they are
     void pass(int times = 1, const std::stop_token& stop = {});
 
-    /// Measures the data for exact passes: the true capacities, and the integrals that edges sweep. O(half-edges +
-    /// their length in cells).
+    /// Measures the capacities and the integrals along edges for exact passes. O(half-edges + cells crossed).
     /// @param stop  polled regularly; no exact pass may follow a stop
     void measure(const CapacityIntegral& capacity, const std::stop_token& stop = {});
 
     /// Moves every vertex, in the order of pass(), to where the true capacities come closest to their targets. pass()
     /// assumes that a triangle keeps its mean density as its corners move. An exact pass uses the density along the
-    /// moving edges instead. Capacities are measured every few passes; between measurements they are updated to first
-    /// order.
+    /// moving edges instead. Between calls of measure(), capacities are updated to first order.
     ///
     /// Unlike pass(), an exact pass does not stall next to areas of density zero or at other steep changes.
     /// O(vertices). Source: Gauss and Newton's method; Reynolds' transport theorem.
@@ -94,20 +92,19 @@ private:
     struct Rings;
     template <class Lanes>
     struct Equations;
-    /// Records of sites that are moved at once, one for each lane.
+    /// Records (see Batch) of sites that are moved at once, one for each lane.
     template <class Lanes>
     using Records = std::array<const std::uint32_t*, Lanes::kCount>;
 
-    /// Records of sites of one kind, for the fast path. A record holds the site and its neighbours counter-clockwise,
-    /// with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind is plain, the record also holds
-    /// the 2 * pairs triangles between these neighbours.
+    /// Records of sites of one kind, for the fast path, which uses vector instructions. A record holds the site and its
+    /// neighbours counter-clockwise, with the first neighbour repeated to fill 2 * pairs + 1 entries. Unless the kind
+    /// is plain, the record also holds the 2 * pairs triangles between these neighbours.
     using Batch = std::vector<std::uint32_t>;
 
-    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles around the site have the common
-    // goal (plain).
+    // Kinds of sites, by the number of pairs of neighbours and by whether all triangles have the common goal (plain).
     static constexpr std::size_t kMinPairs = 2, kMaxPairs = 4;
     static constexpr std::uint8_t kKinds = 2 * (kMaxPairs - kMinPairs + 1);
-    static constexpr std::uint8_t kFanKind = kKinds;  ///< too many neighbours for the fast path
+    static constexpr std::uint8_t kFanKind = kKinds;  ///< general path: many neighbours, or at the seam of a torus
     static constexpr std::uint8_t kind_of(bool plain, std::size_t pairs) {
         return static_cast<std::uint8_t>(2 * (pairs - kMinPairs) + (plain ? 1 : 0));
     }
@@ -139,7 +136,7 @@ private:
     /// Sites that one task moves in sequence. While it does, no other task moves these sites or their neighbours.
     struct Group {
         const std::uint32_t* records = nullptr;          ///< records of all batches, concatenated
-        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch
+        std::array<std::uint32_t, kKinds + 1> begins{};  ///< start of each batch in `records`
         std::vector<std::uint32_t> own;                  ///< the records, if the group stores them itself
         Fans fans;
         /// All sites of the group. Empty at level 0, where the group consists of the block's sites whose level is 0.
@@ -231,7 +228,7 @@ private:
     std::vector<std::uint32_t> record_memory_;
     Fans border_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured
-    double unit_ = 0;                   ///< factor from capacities to the units of the terms
+    double unit_ = 0;                   ///< factor that converts capacities to units of half a site's capacity
 };
 
 }  // namespace ccdt

@@ -47,8 +47,8 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Calls function(triangle, neighbour) for each triangle around a site, with the triangle's next vertex after the site,
-/// counter-clockwise.
+/// Calls function(triangle, neighbour) for each triangle around a site, counter-clockwise. `neighbour` is the
+/// triangle's vertex that follows the site.
 template <class Function>
 void for_fan(const Triangulation& mesh, std::uint32_t site, Function&& function) {
     const std::uint32_t first = mesh.edge_of(site);
@@ -109,7 +109,7 @@ void Resettlement::sum_around() {
     }
 }
 
-/// Lists the sites with too many or too few sites around them, sorted by part and then by decreasing amount.
+/// Lists the sites with too many or too few sites around them, by part, then by decreasing surplus or deficit.
 /// @param sign  1: too many; -1: too few
 std::vector<Resettlement::Candidate> Resettlement::candidates(double sign) const {
     constexpr double kMin = 0.5;  // in sites; smaller amounts are due to waves or noise
@@ -163,7 +163,7 @@ bool Resettlement::move_away(std::uint32_t site, double least, double enough) {
 }
 
 /// Returns the squared distance that `site` would have from the nearest other site if relocate() moved it beside `to`;
-/// negative if there is no place for it there.
+/// negative if there is no place beside `to`.
 double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) const {
     const std::uint32_t triangle = triangle_beside(to, site);
     if (triangle == kNone) return -1;
@@ -177,8 +177,7 @@ double Resettlement::clearance_beside(std::uint32_t to, std::uint32_t site) cons
     return squared;
 }
 
-/// Returns the largest triangle that is assigned to a site and does not have `other` as a corner; kNone if there is
-/// none.
+/// Returns a site's largest triangle that does not have `other` as a corner; kNone if there is none.
 std::uint32_t Resettlement::triangle_beside(std::uint32_t site, std::uint32_t other) const {
     const auto is_without = [&](std::uint32_t t) {
         return std::ranges::none_of(mesh_.corners(t), [&](std::uint32_t v) { return v == other; });
@@ -259,15 +258,14 @@ Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     return best;
 }
 
-/// Returns the squared distance that two sites should have at the density near `site`.
+/// Returns the square of the least distance that two sites should have at the density near `site`.
 double Resettlement::enough_squared(std::uint32_t site) const {
     constexpr double kEnough = 0.84;  // of the hexagonal distance, as in the last near pushes: polish/settings.cpp
     const double least = kEnough * hexagonal_spacing(goals_.of(Triangulation::triangle_of(mesh_.edge_of(site))).weight);
     return least * least;
 }
 
-/// Returns the positions of the sites, except `but`, in the bounding box of some triangles and of `but`, and up to
-/// `reach` around this box.
+/// Returns the positions of all sites except `but` within `reach` of the bounding box of some triangles and of `but`.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};

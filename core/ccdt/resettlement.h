@@ -15,8 +15,7 @@
 namespace ccdt {
 
 /// Relocates single sites from places with too many sites to places with too few, within the same part of the domain.
-/// Small moves cannot correct a narrow tongue that has one site too many or none: sites would have to pass through its
-/// neck one after another.
+/// Small moves cannot correct the number of sites in a narrow tongue: sites would have to pass its neck one by one.
 ///
 /// After a relocation, lists of the mesh's edges and one-rings must be rebuilt.
 class Resettlement {
@@ -48,10 +47,9 @@ public:
     /// Relocates one of two sites that are too close. The second site may be in another part. In a part with few sites,
     /// the relocated site moves to the place farthest from all other sites, including the sites of other parts. In a
     /// larger part, the site moves as in move_away().
-    /// @returns  false, without moving a site, if every place is closer to other sites than the two sites are to each
-    ///           other
+    /// @returns  false, without moving a site, if no place is farther from other sites than the two sites are apart
     ///
-    /// O(sites), and O(triangles) for the first call; in a small part O(its triangles) times the sites nearby.
+    /// O(sites), and O(triangles) for the first call; in a small part, O(triangles of the part * sites nearby).
     bool separate(std::array<std::uint32_t, 2> pair);
 
 private:
@@ -65,7 +63,7 @@ private:
         std::uint32_t triangle = 0;
         Point point;
     };
-    /// Triangles and sites of the parts with few sites.
+    /// Triangles of the parts that have at most 16 sites, and the numbers of sites.
     struct SmallParts {
         std::vector<std::size_t> sites;                     ///< [parts] number of sites, also for large parts
         std::vector<std::vector<std::uint32_t>> triangles;  ///< [parts] empty for large parts
@@ -89,7 +87,7 @@ private:
     const TriangleGoals& goals_;
     double least_height_;
     std::optional<SmallParts> small_parts_;  ///< created when first needed
-    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, in sites
+    std::vector<double> surplus_;            ///< [sites] 1 - the site's own capacity, where 1 is the mean capacity
     std::vector<double> around_;             ///< [sites] sum of the site's own surplus and its neighbours' surpluses
     std::vector<std::uint32_t> largest_triangle_;  ///< [sites] largest triangle of each site
     std::vector<bool> outdated_;                   ///< [sites] whether a relocation has outdated the site's data

@@ -12,9 +12,8 @@ namespace ccdt {
 
 namespace {
 
-/// Number of sites drawn in each cell. With one site per cell, the cells are visible: in benchmark TorusPattern, the
-/// peak of a draft's spectrum is nearly twice as high. With 64 sites per cell, long waves arise:
-/// StartSites.FollowTheDensity.
+/// Number of sites drawn in each cell. With one site per cell, the cells are visible: the peak of a draft's spectrum is
+/// nearly twice as high (TorusPattern). With 64 sites, long waves arise (StartSites.FollowTheDensity).
 constexpr std::size_t kSitesPerCell = 4;
 
 /// Number of sites in a cell that the border cuts. With more sites, too many would lie on the wrong side of fjords and
@@ -121,7 +120,7 @@ void StartSites::make_grid(const Domain& domain, std::size_t sites) {
 }
 
 /// Returns the capacities of the cells minus the capacities that fixed points take there.
-/// @param share  share of each cell that the domain covers; empty: all of every cell
+/// @param share  share of each cell that the domain covers; empty: 1 for every cell
 std::vector<double> StartSites::masses_left(const Domain& domain, const std::vector<double>& share, std::size_t sites) {
     const auto width = static_cast<std::size_t>(columns_), height = static_cast<std::size_t>(rows_);
     std::vector<double> masses(width * height, 1);
@@ -182,8 +181,8 @@ bool StartSites::is_cut(const Rectangle& box) const {
     return inside < kCut * (box.x1 - box.x0) * (box.y1 - box.y0);
 }
 
-/// Returns the density at a place relative to the largest density in its grid cell: 1 unless the density is finer than
-/// the grid.
+/// Returns the density at a place relative to the largest in its grid cell; 1 unless the density is finer than the
+/// grid.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
     const auto place = [](double v, int cells, int pixels) {

@@ -54,7 +54,7 @@ private:
     const Density& density_;
     std::uint64_t seed_;
     Point unit_size_;
-    bool knows_cuts_ = false;  ///< whether the sums are areas, which show where the border cuts cells
+    bool knows_cuts_ = false;  ///< whether sums_ holds areas, so that is_cut() can find cells that the border cuts
     int columns_ = 1;
     int rows_ = 1;
     std::vector<Point> fixed_;

@@ -15,8 +15,7 @@
 
 namespace ccdt {
 
-/// A set of points with a least distance between them. So the number of points in any area is bounded, however many
-/// points are offered.
+/// A set of points with a least distance between them, which bounds the number of points in any area.
 class ThinnedPoints {
 public:
     /// @param apart  least distance, > 0, in the unit frame
@@ -25,8 +24,7 @@ public:
         if (torus_) columns_ = cells(sides_.x), rows_ = cells(sides_.y);
     }
 
-    /// Returns the index of a point of the set that is closer to p than the least distance; none if no point is so
-    /// close.
+    /// Returns the index of a point of the set that is closer to p than the least distance, if there is one.
     std::optional<std::size_t> near(Point p) const {
         const auto [column, row] = cell_of(p);
         for (std::int64_t j = row - 1; j <= row + 1; ++j) {
@@ -51,7 +49,7 @@ public:
     std::vector<Point> take() && { return std::move(points_); }
 
 private:
-    /// Number of cells around a torus; no cell is smaller than the least distance.
+    /// Number of cells along a side of a torus; no cell is smaller than the least distance.
     std::int64_t cells(double side) const {
         return std::max(std::int64_t{1}, static_cast<std::int64_t>(side / apart_));
     }

@@ -12,12 +12,12 @@
 
 namespace ccdt {
 
-/// Weight of a triangle's doubled area, and target of the product weight * doubled area. The product and the target are
-/// in units of half a site's capacity, so a triangle between three sites has the target 1.
+/// The capacity of a triangle is weight * doubled area, and should be near the target. Its unit is half a site's
+/// capacity, so a triangle between three sites has the target 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;
-    double share = 1;  ///< size relative to a regular triangle, > 0; less than 1 for the many triangles of a narrow fan
+    double share = 1;  ///< fraction of a whole triangle, in (0, 1]; below 1 where one site faces several border edges
 };
 
 /// The goals of all triangles, in one of three forms. The first form has a goal for each triangle. If most targets are
@@ -38,7 +38,7 @@ public:
     }
 
     /// @param weights           [all triangles] >= 0; targets and shares are 1
-    /// @param triangles, goals  as in the constructor above
+    /// @param triangles, goals  the triangles that have goals of their own, and these goals
     TriangleGoals(std::vector<double> weights, std::vector<std::uint32_t> triangles, std::vector<TriangleGoal> goals)
         : weights_(std::move(weights)), triangles_(std::move(triangles)), own_(std::move(goals)) {
         for (const std::uint32_t triangle : triangles_) weights_[triangle] = -weights_[triangle];

@@ -18,7 +18,7 @@ struct BorderEdge {
 /// Some cells of a grid: in each row, all cells from the first to the last cell that a border crosses.
 struct CrossedCells {
     struct Row {
-        std::size_t first = 0, end = 0;  ///< columns [first, end); first == end if the row has no such cells
+        std::size_t first = 0, end = 0;  ///< columns [first, end); first == end if no border crosses the row
         std::size_t number = 0;          ///< index of the row's first cell in `values`
     };
     std::vector<Row> rows;
@@ -26,13 +26,13 @@ struct CrossedCells {
 };
 
 /// Computes the share of each cell that areas cover, times the weights of the areas. Exact except for rounding. Cells
-/// that are not listed are not covered.
+/// outside the listed ranges are not covered.
 /// @param sides  size of the box over which the grid is stretched; the box's lower left corner is the origin
 ///
 /// O(rows + listed cells).
 CrossedCells crossed_coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
-/// Computes the same for all cells [rows * columns]. O(cells).
+/// Computes the share of every cell that areas cover, times the weights of the areas [rows * columns]. O(cells).
 std::vector<double> coverage(std::span<const BorderEdge> border, Point sides, int columns, int rows);
 
 }  // namespace ccdt

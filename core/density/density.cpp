@@ -30,8 +30,7 @@ private:
     double second_;
 };
 
-/// Returns the largest value. Errors: Malformed for a value that is negative or not finite; Unusable if all values are
-/// zero.
+/// Returns the largest value. Errors: Malformed if any value is negative or not finite; Unusable if all are zero.
 template <class T>
 Result<double> largest_of(std::span<const T> values) {
     double largest = 0;

@@ -25,10 +25,10 @@ struct CellBlock {
 /// The wanted density of sites, relative to other places: constant, or constant on each cell of a grid that is
 /// stretched over the bounding box of the domain.
 ///
-/// Only ratios matter. On entry, all values are scaled by one power of two, which loses no precision: the largest value
-/// then lies in [1, 2), and values below kLeast count as 0. So all of the following are finite and do not underflow:
-/// sums of values, products of two values, products of a value and an area, and quotients of these. Densities that
-/// differ by a power of two give identical bytes.
+/// Only ratios matter. At creation, all values are scaled by one power of two, which loses no precision: the largest
+/// value then lies in [1, 2), and values below kLeast count as 0. So all of the following are finite and do not
+/// underflow: sums of values, products of two values, products of a value and an area, and quotients of these.
+/// Densities that differ by a power of two give identical bytes.
 class Density {
 public:
     /// The least positive value. This value is so small that it affects no number of sites.
@@ -38,13 +38,11 @@ public:
 
     /// @param values  [width * height], row by row, the first row at the smallest y; finite, >= 0, at least one > 0
     ///
-    /// Errors: Malformed for a wrong number of values or a value out of range (field `values/i`); Unusable if all are
-    /// zero.
+    /// Errors: Malformed for a wrong number of values or a value out of range (`values/i`); Unusable if all are zero.
     static Result<Density> grid(int width, int height, std::span<const double> values);
     static Result<Density> grid(int width, int height, std::span<const float> values);
 
-    /// Declares that the density varies so little between neighbouring sites that the pattern can be treated as that of
-    /// a uniform density.
+    /// Declares that the density hardly varies between neighbouring sites. The pattern is then treated as uniform.
     Density smooth() && {
         is_smooth_ = true;
         return std::move(*this);

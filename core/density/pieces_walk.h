@@ -7,18 +7,18 @@
 
 namespace ccdt {
 
-/// Several segments ab, as many as the lanes have numbers.
+/// Several segments ab, two for each lane.
 template <class Lanes>
 struct Segments {
     static constexpr std::size_t kCount = 2 * Lanes::kCount;
     typename Lanes::Pairs ax, ay, bx, by;
 };
 
-/// Cuts several segments at once, like walk_cells(), but also reports horizontal segments. Calls `visit(column, row,
+/// Cuts several segments at once at the lines of a grid of unit cells, like walk_cells(). Calls `visit(column, row,
 /// from, to)` for one piece of each segment: the piece's cell, as whole numbers, and the parameters of its ends along
-/// the segment, 0 at a and 1 at b. The number of calls is the largest number of pieces of any segment; the other
-/// segments get additional pieces of length 0. The pieces of a segment depend neither on the other segments nor on the
-/// lane, bit for bit.
+/// the segment, 0 at a and 1 at b. Horizontal segments are visited, too. The number of calls is the largest number of
+/// pieces of any segment; the other segments get additional pieces of length 0. The pieces of a segment depend neither
+/// on the other segments nor on the lane, bit for bit.
 ///
 /// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>
@@ -32,9 +32,9 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
     };
     /// Crossings of the segments with the grid lines across one axis.
     struct Axis {
-        Pairs step;  ///< to the next cell
+        Pairs step;  ///< 1 or -1, from a cell to the next one
         Pairs cell;
-        Pairs distance;  ///< from a to the next line
+        Pairs distance;  ///< from a to the next grid line, along the axis, in cells
         Pairs inverse;   ///< 1 / length of the segment along this axis; 0 if the segment does not move along the axis
         Pairs after;     ///< 0, or 2 (never reached) if the segment does not move along the axis
 

@@ -12,8 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// Number of lines per task. This is more than the number of lines transformed at once. Also, this number of columns
-/// fills whole cache lines in each row of the grid.
+/// Number of lines per task: more than are transformed at once, and enough columns to fill whole cache lines of a row.
 constexpr std::size_t kLines = 16;
 
 struct Free {

@@ -10,8 +10,7 @@
 
 namespace ccdt {
 
-/// Returns the smallest even product of powers of 2, 3 and 5 that is at least `least`: a grid size with a fast
-/// transform.
+/// Returns the smallest even product of powers of 2, 3 and 5 that is >= `least`: a grid size with a fast transform.
 /// @param least  at most 1e9
 int good_size(double least);
 

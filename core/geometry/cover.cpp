@@ -39,7 +39,7 @@ bool Cover::has_segment(std::uint32_t triangle, std::size_t edge) const {
     return set != kNone && !map_.groups_of(set).empty();
 }
 
-/// Reports points of the same ring that coincide.
+/// Collects input points that coincide, and reports those of the same ring.
 void Cover::find_shared_points() {
     std::vector<bool> is_shared(map_.points.size(), false);
     for (std::uint32_t i = 0; i < map_.vertex_of.size(); ++i) {
@@ -84,12 +84,12 @@ void Cover::find_faces() {
     }
 }
 
-/// Walks depth first from triangle to triangle, from the box inwards and back along the same path. Each crossing of a
-/// ring toggles whether that ring is open, i.e. contains the current triangle.
+/// Visits all triangles depth first, from a side of the box inwards, and returns along the same path. Each crossing of
+/// a ring toggles whether that ring is open, i.e. contains the current triangle.
 void Cover::walk() {
     struct Step {
         std::uint32_t triangle;
-        std::uint32_t set;       ///< the set crossed to enter
+        std::uint32_t set;       ///< the set of groups crossed to enter the triangle
         std::uint32_t edge = 0;  ///< the next edge to visit
     };
     is_open_.assign(kinds_.size(), false);
@@ -184,8 +184,8 @@ void Cover::examine(std::uint32_t set, Point place) {
     add(Fault::Overlaps, one, last_open([&](std::uint32_t g) { return g != one && covers_as_outer(g); }), kNone, place);
 }
 
-/// Decides for each thin face whether it is covered. A thin face takes the state of its neighbours if they are all
-/// covered and it is not, or the other way round.
+/// Decides which thin faces are covered. If all neighbours of a thin face are in the opposite state, it takes their
+/// state.
 void Cover::settle_thin_faces() {
     std::vector<bool> has_like(faces_.size(), false);
     for (std::uint32_t t = 0; t < map_.triangles.size(); ++t) {
@@ -265,8 +265,7 @@ std::vector<Ring> Cover::trace() const {
             while (!is_done[3 * t + i]) {
                 is_done[3 * t + i] = true;
                 ring.push_back(corner(t, i));
-                // Advances to the next edge of the border: turns through the triangles around the end point of this
-                // edge.
+                // Finds the next edge of the border by turning around the end point of this edge.
                 i = (i + 1) % 3;
                 while (!is_border(t, i)) {
                     const std::uint32_t around = map_.triangles[t].corners[i];

@@ -13,9 +13,8 @@
 
 namespace ccdt {
 
-/// Finds the triangles of an arrangement that a set of rings covers. Each group of chains is one ring. By the even-odd
-/// rule, a ring encloses its inside. A part is its outer ring minus its holes. The covered area is the union of all
-/// parts.
+/// Finds the triangles of an arrangement that a set of rings covers. Each group of chains is one ring. Rings enclose by
+/// the even-odd rule. A part is its outer ring minus its holes. The covered area is the union of all parts.
 class Cover {
 public:
     /// The role of a group: the number of its part, and whether the group is a hole of the part.
@@ -26,8 +25,8 @@ public:
 
     /// @param kinds       [groups]
     /// @param resolution  faces of about this thickness or less count as empty; in the unit frame
-    /// @param stop        polled between steps, each of which visits every triangle once; after a stop the object must
-    ///                    not be used
+    /// @param stop        polled between steps, each of which visits all triangles; after a stop the object must not be
+    ///                    used
     ///
     /// All arguments except `stop` must outlive this object.
     Cover(const Chains& chains, const Arrangement& map, std::span<const Kind> kinds, double resolution,
@@ -39,15 +38,15 @@ public:
     /// Whether two segments touch anywhere other than at the end point shared by successive segments of a chain.
     bool has_contacts() const { return !map_.meetings.empty() || !shared_.empty(); }
 
-    /// Returns the borders of the covered area, which lies on their left. At a vertex where several separate sectors of
-    /// the area meet, each border passes through one sector.
+    /// Returns the borders of the covered area, which lies on their left. Where several separate sectors of the area
+    /// meet at a vertex, each sector has its own corner there.
     std::vector<Ring> trace() const;
 
 private:
     /// A connected set of triangles that no segment separates.
     struct Face {
         double area = 0;
-        double border = 0;  ///< length
+        double border = 0;  ///< length of the border
         bool is_thin = false;
         bool is_covered = false;
         bool is_known = false;
@@ -55,8 +54,7 @@ private:
     struct Part {
         std::uint32_t outer = 0;  ///< group of the outer ring
         std::size_t holes = 0;    ///< holes that contain the current triangle
-        std::size_t faces = 0;    ///< faces that no other part covers and that the walk entered across this part's
-                                  ///< border
+        std::size_t faces = 0;    ///< faces that walk() entered across this part's border and no other part covers
     };
     /// An input point that coincides with other input points.
     struct Shared {
@@ -92,7 +90,7 @@ private:
     std::span<const Kind> kinds_;
     double resolution_;
     Faults faults_;
-    std::vector<Shared> shared_;           ///< sorted
+    std::vector<Shared> shared_;           ///< sorted by vertex, group and point
     std::vector<std::uint32_t> first_of_;  ///< [groups] first point; kNone for a ring without corners
     std::vector<std::uint32_t> face_of_;   ///< [triangles] number of the face
     std::vector<Face> faces_;
@@ -102,9 +100,8 @@ private:
     std::vector<bool> is_open_;          ///< [groups] whether the ring contains the current triangle
     std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
     std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
-    std::size_t passed_ = 0;             ///< number of triangles of thick faces entered so far
-    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles of thick faces entered while the ring was
-                                         ///< open
+    std::size_t passed_ = 0;             ///< number of triangles entered so far, except in thin faces
+    std::vector<std::size_t> thick_in_;  ///< [groups] as passed_, counted only while the ring was open
 };
 
 }  // namespace ccdt

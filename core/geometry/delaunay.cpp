@@ -55,8 +55,8 @@ Kernel::Point_2 to_cgal(Point p) {
 }
 
 /// Inserts points in spatial order.
-/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex, which has the
-///           number of one of them
+/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex with one of their
+///           numbers
 std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
                                   const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;
@@ -93,8 +93,7 @@ std::vector<std::uint32_t> numbers_of(std::span<const Vertex> vertices, std::siz
 
 /// Copies all finite faces, in CGAL's order.
 ///
-/// @param set_edge  sets the data of an edge; called with (face, corner opposite the edge, triangle, number of the
-///                  edge)
+/// @param set_edge  sets the data of an edge; arguments: (face, corner opposite the edge, triangle, edge number)
 template <class Triangle, class SetEdge>
 std::vector<Triangle> copy_faces(const Triangulation& triangulation, SetEdge set_edge) {
     std::uint32_t count = 0;
@@ -219,7 +218,7 @@ private:
     const bool is_delaunay_;
 };
 
-/// Inserts the segments of chains. Cuts each segment, and the edges that it crosses.
+/// Inserts the segments of chains. Cuts segments and edges where they cross.
 class Arranger {
 public:
     Arranger(const Chains& chains, double tolerance, std::size_t most)
@@ -263,7 +262,7 @@ private:
     struct Piece {
         Vertex from;
         Vertex to;
-        std::uint32_t segment;  ///< kNone if it was inserted before, so that its meetings are not reported again
+        std::uint32_t segment;  ///< kNone if the piece was inserted before; its meetings are then not reported again
         Groups groups;
     };
     struct Edge {
@@ -280,8 +279,7 @@ private:
     }
     Point place(Vertex vertex) const { return result_.points[vertex->info()]; }
 
-    /// Returns the segment between two vertices, in either direction, identified by the point at which it begins; kNone
-    /// if there is none.
+    /// Returns the segment between two vertices in either direction, given by its first point; kNone if there is none.
     std::uint32_t segment_along(const Ends& ends) const {
         const auto runs = [&](Vertex from, Vertex to) {
             const std::uint32_t point = from->info();
@@ -291,8 +289,8 @@ private:
         return runs(less, more) ? less->info() : runs(more, less) ? more->info() : kNone;
     }
 
-    /// Returns the groups along an edge, in the edge's entry in `edges_`. Creates the entry if there is none; an edge
-    /// that is one entire segment needs none.
+    /// Returns the groups along an edge, stored in `edges_`. Creates the entry if there is none; an edge that is one
+    /// whole segment has no entry at first.
     Groups& groups_along(const Ends& ends, bool is_constrained) {
         const auto [found, is_new] = edges_.try_emplace(key(ends));
         Groups& groups = found->second.groups;
@@ -357,8 +355,8 @@ private:
         }
     }
 
-    /// Adds the groups of a piece to the groups along an edge. A group that is already there is removed instead, since
-    /// two copies cancel out.
+    /// Adds the groups of a piece to the groups along an edge. A group that already runs along the edge is removed
+    /// instead, since by the even-odd rule two copies cancel out.
     void lay(const Piece& piece, const Ends& ends, bool was_constrained) {
         const bool is_whole = !was_constrained && piece.segment != kNone && piece.segment == segment_along(ends);
         if (is_whole && (edges_.empty() || !edges_.contains(key(ends)))) return;
@@ -400,7 +398,7 @@ private:
     }
 
     /// Returns the vertex at a place; inserts one if needed. Because of rounding, several lines through one point cross
-    /// at several places close together; the first such place serves for all of them.
+    /// at several places close together. All of these crossings share the first vertex.
     Vertex vertex_at(Point at, Face nearby) {
         Triangulation::Locate_type where{};
         int i = 0;

@@ -56,7 +56,7 @@ tl::expected<ConstrainedDelaunay, SegmentConflict> constrained_delaunay(std::spa
                                                                         std::span<const Segment> segments,
                                                                         const std::stop_token& stop = {});
 
-/// Points, each joined by a segment to the next one of its chain. Chains are closed; several can form a group.
+/// Closed chains of segments. Each point is joined to the next point of its chain. Several chains can form a group.
 struct Chains {
     std::vector<Point> points;  ///< within [0, 1] x [0, 1]; each coordinate is 0 or at least kLeastCoordinate
     /// [points] end point of the segment that begins at this point; the point itself if no segment begins there.
@@ -65,13 +65,12 @@ struct Chains {
     std::uint32_t groups = 0;
 };
 
-/// A triangulation of a box around chains, which may cross, touch and overlap. Edges are numbered as in
-/// ConstrainedDelaunay.
+/// A triangulation of a box around chains, which may cross, touch and overlap. Edge numbers: see ConstrainedDelaunay.
 struct Arrangement {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
         std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
-        std::array<std::uint32_t, 3> sets;        ///< the set of groups along each edge; kNone if no segment runs there
+        std::array<std::uint32_t, 3> sets;        ///< number of the set of groups along each edge; kNone: no segment
     };
     /// A place where a segment meets another segment other than at a shared end.
     struct Meeting {
@@ -79,8 +78,7 @@ struct Arrangement {
         Kind kind;
         std::uint32_t segment;  ///< identified by the point at which it begins
         std::uint32_t vertex;   ///< the vertex that the segment touches; kNone if it meets an edge
-        /// A group along the edge that the segment meets, preferably the segment's own group; kNone if it meets a
-        /// vertex.
+        /// A group along the edge that the segment meets, preferably the segment's own; kNone if it meets a vertex.
         std::uint32_t group;
         Point place;
     };
@@ -110,8 +108,7 @@ struct TooManyCrossings {
 /// Computes a triangulation in which every segment is a chain of edges, cut wherever it meets another segment. The
 /// triangulation is Delaunay unless there are very many segments.
 ///
-/// @param tolerance  a segment that crosses another segment but ends within this distance of it only counts as touching
-///                   it
+/// @param tolerance  a segment that crosses another one but ends within this distance of it counts as touching it
 /// @param most       limit on the number of pieces that crossings create
 /// @param stop       polled regularly; after a stop the result must not be used
 ///

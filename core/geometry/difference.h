@@ -25,8 +25,7 @@ Ring clipped(Ring ring, const Box& box);
 /// Errors: Unusable if nothing is left or the areas cross too often; Stopped. Deterministic.
 Result<Domain> without(const Domain& domain, std::span<const Area> areas, const std::stop_token& stop = {});
 
-/// Returns the area outside a domain, as far as a larger box. The larger box contains the domain and `box`, with a
-/// margin.
+/// Returns a large box minus a domain, in the domain's coordinates. The large box contains the domain and `box`.
 /// @param domain  not a torus
 Area outside_of(const Domain& domain, const Box& box);
 

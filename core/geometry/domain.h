@@ -55,17 +55,15 @@ public:
     /// often.
     static Result<RepairedDomain> repair(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// Creates the domain that closed chains of segments enclose together, by the even-odd rule. There may be any
-    /// number of chains, in any order. Segments that run back and forth along the same line enclose nothing. Errors: as
-    /// repair().
+    /// Creates the domain that closed chains of segments together enclose by the even-odd rule. Segments that run back
+    /// and forth along the same line enclose nothing. Errors: as repair().
     static Result<Domain> enclosed_by(const std::vector<Ring>& rings, const std::stop_token& stop = {});
 
     /// Computes the area that a domain made by repair() would enclose. The extent of the area may be out of range for a
     /// domain. Errors: as repair(), except for errors about the extent.
     static Result<RepairedArea> repair_area(const std::vector<PolygonPart>& parts, const std::stop_token& stop = {});
 
-    /// Creates the union of several domains, none of which is a torus. The domains may touch, overlap and share edges.
-    /// Errors: as repair().
+    /// Creates the union of domains (no tori), which may touch, overlap and share edges. Errors: as repair().
     /// @param domains  at least one
     static Result<Domain> united(std::span<const Domain* const> domains, const std::stop_token& stop = {});
 
@@ -108,8 +106,7 @@ public:
     /// Whether the domain equals its bounding box, as a torus does.
     bool is_box() const { return is_box_; }
 
-    /// Whether opposite sides of the bounding box are joined. The sides of a torus in the unit frame are multiples of
-    /// 2^-50.
+    /// Whether opposite sides of the box are joined. In the unit frame, the sides of a torus are multiples of 2^-50.
     bool is_torus() const { return is_torus_; }
 
     /// Converts a point of the unit frame to the caller's coordinates. On a torus any periodic copy is accepted, and

@@ -33,8 +33,8 @@ public:
 
     /// @param ring    index of the ring
     /// @param other   index of the other ring; equal to `ring` if there is none
-    /// @param corner  corner of `ring` near the place; kNoCorner if there is none
-    /// @param place   in the unit frame
+    /// @param corner  corner of `ring` near the fault; kNoCorner if there is none
+    /// @param place   place of the fault, in the unit frame
     void add(Fault fault, std::size_t ring, std::size_t other, std::size_t corner, Point place);
 
     bool empty() const { return found_.empty(); }

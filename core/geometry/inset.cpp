@@ -23,7 +23,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kMore = 16;  ///< additional pieces per corner that crossings of overlapping strips may create
+constexpr std::size_t kMore = 16;  ///< argument `more` of max_pieces(), since overlapping strips cross often
 
 double length(Point p) {
     return std::sqrt(dot(p, p));
@@ -40,7 +40,7 @@ double distance_to(Point a, Point b, Point p) {
 /// Largest angle between corners of the polygon around an arc. The polygon's radius exceeds the arc's by at most 0.5 %.
 constexpr double kSlice = std::numbers::pi / 16;
 
-/// The neighbourhood of a piece of the border: on the left of an edge, or on both sides of a segment.
+/// A piece of the border and its neighbourhood: the area on the left of an edge, or on both sides of a segment.
 struct Reach {
     Point a, b;
     double distance = 0;  ///< width of the neighbourhood
@@ -55,7 +55,7 @@ struct Reach {
     bool is_after(const Reach& other) const { return other.b == a && other.distance >= distance; }
 };
 
-/// Divides the surroundings of a domain's border into pieces (Reach), in the unit frame.
+/// Divides the area to remove, which the discs around all border points cover, into pieces (Reach), in the unit frame.
 ///
 /// First case: the discs are centred at the border points. If a point of the domain is too near to the border, the
 /// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of
@@ -122,8 +122,7 @@ private:
         }
     }
 
-    /// Returns the run of edges that begins at a corner: a single edge, or several edges if one capsule around them is
-    /// less work.
+    /// Returns the run of edges that begins at a corner: a single edge, or several edges that one capsule can replace.
     Run longest_run(const Ring& ring, std::size_t first) const {
         constexpr std::size_t kFewest = 4;
         Run longest;
@@ -137,7 +136,7 @@ private:
         return longest;
     }
 
-    /// Returns the run of the given number of edges; none if too few follow or if they deviate too far from a segment.
+    /// Returns the run of the given number of edges; none if too few follow, or if they deviate too far from a segment.
     std::optional<Run> run_of(const Ring& ring, std::size_t first, std::size_t edges) const {
         constexpr double kMaxOff = 2e-3;  // relative to the distance
         if (first + edges > ring.size()) return std::nullopt;
@@ -230,10 +229,9 @@ public:
         add_corner_after(reach);
     }
 
-    /// Returns how many of the first pieces one polygon can represent (without the neighbourhood of the run's last
-    /// corner); at least 1. The pieces of such a run are edges of similar direction, long enough that no offset line
-    /// degenerates. At any distance up to the full one, the offset line of the run is then a graph over that direction.
-    /// A line at a greater distance lies above a line at a smaller distance, so no two lines cross.
+    /// Returns the number of leading pieces whose neighbourhood, except at their last corner, one polygon can
+    /// represent; at least 1. The edges of such a run have similar directions, and their offset lines do not
+    /// degenerate. So the offset curve is a graph over the direction of the first edge, and does not cross itself.
     static std::size_t simple_run(std::span<const Reach> pieces) {
         constexpr std::size_t kMax = 256;
         constexpr double kForward = 0.05;  // least cosine
@@ -263,8 +261,7 @@ public:
         add(std::move(strip));
     }
 
-    /// Whether the offset line of an edge keeps enough length (kKept) between the offset lines of the neighbouring
-    /// edges.
+    /// Whether the offset line of an edge keeps enough length (kKept) between the neighbouring offset lines.
     static bool keeps_line(const Reach& edge) {
         const Point along = edge.b - edge.a;
         return shortened(edge.a - edge.before, along, edge.distance) +
@@ -349,7 +346,7 @@ private:
     }
 
     /// Adds a polygon that covers the neighbourhood of an edge, on its left. On the right, the polygon bulges beyond
-    /// the edge. Otherwise it would have a side almost along the border, and the two would cross many times.
+    /// the edge. Otherwise one of its sides would run almost along the border, and cross it many times.
     void add_edge(Point a, Point b, double reach) {
         const Point up = normal(a, b);
         add({a, 0.5 * (a + b) - reach / 8 * up, b, b + reach * up, a + reach * up});
@@ -364,8 +361,7 @@ private:
         add(std::move(fan));
     }
 
-    /// Appends the polygon around the arc at a reflex corner, from the normal of the following edge to the normal of
-    /// the preceding edge.
+    /// Appends the polygon around the arc at a reflex corner, from the second edge's normal to the first edge's normal.
     static void add_arc(Point before, Point corner, Point after, const Reach& edge, double turn, Ring& ring) {
         const double reach = edge.distance;
         const Point first = normal(before, corner), last = normal(corner, after);
@@ -388,8 +384,8 @@ private:
     std::vector<Area> areas_;
 };
 
-/// Unites areas in groups of few, repeatedly, until few are left. Edges inside a union disappear before the union meets
-/// the other areas.
+/// Unites areas in groups of eight, repeatedly, until at most eight are left. Edges inside a union disappear early,
+/// before they could cross other areas.
 Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, const std::stop_token& stop) {
     constexpr std::size_t kTogether = 8;
     while (areas.size() > kTogether) {
@@ -404,13 +400,12 @@ Result<std::vector<Area>> joined(std::vector<Area> areas, const Domain& domain, 
     return areas;
 }
 
-/// A quadtree over the unit square. A square is divided until few pieces of the border can matter in it. The nearest
-/// piece alone decides whether a point is too near to the border. So a piece does not matter in a square if
-/// another piece is nearer to all of the square.
+/// A quadtree over the unit square. Only the nearest piece of the border decides whether a point is too near to the
+/// border. So a square is divided until few pieces can be the nearest piece of any point in the square.
 class ReachTree {
 public:
     /// @param coarse    radius in the unit frame of squares that are removed as a whole if the new border may cross
-    ///                  them; 0: no such squares
+    ///                  them; 0: none
     /// @param coarsest  largest radius that `coarse` may grow to if there are very many squares; if `coarse` is 0, the
     ///                  division then ends early instead (see is_too_fine)
     ReachTree(const Domain& domain, std::vector<Reach> reaches, double coarse, double coarsest,
@@ -431,8 +426,8 @@ public:
     /// Whether the division ended early because there are very many squares. The tree is then useless.
     bool is_too_fine() const { return coarse_ == 0 && has_very_many_squares(); }
 
-    /// Returns the removed area, at least within the squares that its border crosses. If most pieces of the border are
-    /// long and far apart, the whole area is computed; otherwise the pieces that matter in each square.
+    /// Returns the removed area, at least within the squares that its border crosses. Computes the whole area if more
+    /// than a fifth of the pieces are long and far apart; otherwise, computes it square by square.
     Result<std::vector<Area>> border() const {
         constexpr double kMaxWhole = 0.2;
         const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
@@ -449,8 +444,8 @@ public:
         return areas;
     }
 
-    /// Returns the offset lines of all edges if these lines do not meet and are exactly the new border; else none. The
-    /// caller must drop rings inside the removed area.
+    /// Returns the offset lines of all edges, joined to rings; none if there are few pieces, or if any two of the lines
+    /// meet. The rings are the new border, and rings inside the removed area, which the caller must drop.
     Result<std::optional<Area>> lines() const {
         const auto is_alike = [&](const Reach& piece) {
             return piece.is_edge && piece.distance == reaches_.front().distance;
@@ -472,8 +467,7 @@ public:
         return lines;
     }
 
-    /// Returns the domain minus strips along its border; none if there are few pieces, or if the strips cross too
-    /// often.
+    /// Returns the domain minus strips along its border; none if there are few pieces or the strips cross too often.
     Result<std::optional<Area>> without_strips() const {
         constexpr double kMaxLost = 0.02;  // beyond this share of degenerate lines, strips overlap repeatedly
         const auto is_lost = [](const Reach& piece) { return !piece.is_edge || !Shapes::keeps_line(piece); };
@@ -487,7 +481,7 @@ public:
         return std::nullopt;
     }
 
-    /// Whether a corner of the result of subtracting border() is too near to the border.
+    /// Whether a corner of the area that remains after subtracting border() is too near to the border of the domain.
     bool is_too_near(Point p) const {
         constexpr double kRounding = 1e-6,
                          kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
@@ -522,13 +516,13 @@ private:
     enum class Kind : std::uint8_t {
         Clear,    ///< no point of the square is too near to the border
         Near,     ///< all points of the square are too near
-        Border,   ///< a few pieces of the border decide
-        Crowded,  ///< more pieces decide, but the square is small enough to count as too near as a whole
+        Border,   ///< few pieces of the border can be nearest to points of the square
+        Crowded,  ///< the square is so small that it is removed as a whole
         Divided,  ///< divided into four
     };
     struct Square {
         Kind kind = Kind::Clear;
-        std::uint32_t first = 0;  ///< first of its quarters, or of its pieces in `members_`
+        std::uint32_t first = 0;  ///< index of its first quarter in `squares_`, or of its first piece in `members_`
         std::uint32_t count = 0;  ///< number of pieces
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
@@ -540,8 +534,8 @@ private:
         return reaches_.size() > kMany;
     }
 
-    /// Whether there are very many squares although larger squares are allowed. Exact squares cost less than coarse
-    /// ones, whose sides all become edges of the removed area.
+    /// Whether there are too many squares, and larger squares are allowed. Exact squares cost less than coarse ones,
+    /// whose sides all become edges of the removed area.
     bool has_very_many_squares() const {
         constexpr std::size_t kVeryMany = 200'000, kVeryManyExact = 3'000'000;
         return squares_.size() > (coarse_ > 0 ? kVeryMany : kVeryManyExact) && coarse_ < coarsest_;
@@ -661,12 +655,11 @@ private:
     const double coarsest_;
     std::vector<Square> squares_;
     std::vector<std::uint32_t> members_;  ///< pieces of all squares of kind Border, concatenated
-    std::vector<bool> counts_whole_;      ///< [pieces] whether few other pieces are near some point of the piece
+    std::vector<bool> counts_whole_;      ///< [pieces] whether a square wider than 4 times its distance lists the piece
     std::stop_token stop_;
 };
 
-/// Returns the border of the eroded domain, together with leftover rings inside the removed area, by the first method
-/// that works.
+/// Tries the three methods of ReachTree. Returns the new border, and leftover rings inside the removed area.
 Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     for (const auto way : {&ReachTree::lines, &ReachTree::without_strips}) {
         auto left = (tree.*way)();
@@ -678,9 +671,9 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
     return difference(domain.rings(), *strip, domain.resolution(), stop, kMore);
 }
 
-/// Returns the area outside the neighbourhood of the border, inside and outside the domain, together with leftover
-/// rings inside that neighbourhood. Requires discs with a radius above 0 around all points of the border. No edge of
-/// the domain takes part in the boolean operation, since very many edges would be cut very often.
+/// Subtracts the neighbourhood of the border from the bounding box. Returns the remaining area, inside and outside the
+/// domain, and leftover rings inside the neighbourhood. Requires discs with a radius above 0 around all points of the
+/// border. The domain itself takes no part, since very many edges would be cut very often.
 Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     const Point most = domain.unit_bounds().max;
     const auto strip = tree.border();
@@ -726,7 +719,7 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
 /// @returns          none if the border is too fine, and a coarse border is allowed
 Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                                             double indifference, bool is_coarse, const std::stop_token& stop) {
-    constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // of the indifference
+    constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // relative to the indifference
     if (is_coarse) indifference *= kCoarser;
     const double tolerance = is_coarse ? kSimplified * indifference : 0;
     const DiscAround enlarged = [&](Point p) {
@@ -752,7 +745,7 @@ Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscArou
     return domain.within(*std::move(left)).map([](Domain&& whole) { return std::optional(std::move(whole)); });
 }
 
-/// Erodes a domain, coarsely if the border is very fine and an indifference is given.
+/// Erodes a domain. If `indifference` > 0 and the border is very fine, the new border is coarse; see inset().
 Result<Domain> eroded(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference,
                       const std::stop_token& stop) {
     constexpr std::size_t kVeryMany = 50'000;

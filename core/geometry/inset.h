@@ -19,15 +19,14 @@ struct Disc {
 ///
 /// @param domain        not a torus
 /// @param distance      > 0, in the domain's coordinates
-/// @param indifference  about how much farther from the old border the new one may be, in the domain's coordinates (see
-///                      below for exceptions); 0 requires the exact border, however much time that takes
+/// @param indifference  approximate limit on the additional distance of the new border, in the domain's coordinates
+///                      (exceptions below); 0 requires the exact border, at any cost
 ///
 /// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one. If
 /// `indifference` is 0, it is at most 1 % farther: arcs around corners become circumscribed polygons, and borders with
 /// detail much finer than the distance are simplified.
 ///
-/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) for inputs that occur in practice, even if
-/// the border is ragged.
+/// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) in practice, even for ragged borders.
 ///
 /// If `indifference` is not 0, the new border can be much farther from the old one in two cases:
 /// - by up to 40 times the indifference, if the domain has more than 50,000 corners;
@@ -44,10 +43,10 @@ Result<Domain> inset(const Domain& domain, double distance, double indifference 
 /// The disc must vary smoothly along the border.
 using DiscAround = std::function<Disc(Point)>;
 
-/// Erodes a domain by discs around the points of its border. Otherwise as the overload above.
-/// @param indifference  as above. In addition, if there are many corners and their discs differ by less than the
-///                      indifference, all discs count as equally large, which is much faster. Squares are removed as a
-///                      whole only if all discs have a radius above 0.
+/// Erodes a domain by discs around the points of its border, like the overload with a constant distance.
+/// @param indifference  as for a constant distance. In addition, if there are many corners and their discs differ by
+///                      less than the indifference, all discs count as equally large, which is much faster. Squares of
+///                      the quadtree are removed as a whole only if all discs have a radius above 0.
 Result<Domain> inset(const Domain& domain, const DiscAround& disc_around, double indifference = 0,
                      const std::stop_token& stop = {});
 

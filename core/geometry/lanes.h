@@ -96,15 +96,14 @@ CCDT_INLINE inline auto with_lanes(Function&& function, bool wide = has_two_lane
     return wide ? by_two_lanes(function) : function(OneLane{});
 }
 
-/// Eight 32-bit numbers, which the compiler keeps in one or several vector registers. The source code is the same in
-/// either case.
+/// Eight 32-bit numbers, which the compiler keeps in one or several vector registers.
 struct EightLanes {
     static constexpr std::uint32_t kCount = 8;
     using Floats = float __attribute__((vector_size(kCount * sizeof(float))));
     using Ints = std::int32_t __attribute__((vector_size(kCount * sizeof(std::int32_t))));
     using Counts = std::uint32_t __attribute__((vector_size(kCount * sizeof(std::uint32_t))));
 
-    /// Loads eight successive numbers without alignment.
+    /// Loads eight successive numbers from memory, which need not be aligned.
     template <class Numbers, class Number>
     CCDT_INLINE static void load(const Number& first, Numbers& numbers) {
         std::memcpy(&numbers, &first, sizeof numbers);
@@ -113,7 +112,7 @@ struct EightLanes {
     CCDT_INLINE static void store(const Numbers& numbers, Number& first) {
         std::memcpy(&first, &numbers, sizeof numbers);
     }
-    /// Returns eight successive numbers from `first` on.
+    /// Returns first, first + 1, ..., first + 7.
     CCDT_INLINE static Ints from(std::uint32_t first) {
         return Ints{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
     }

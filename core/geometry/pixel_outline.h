@@ -17,8 +17,8 @@ struct PixelSet {
     std::vector<bool> marked;  ///< [width * height], row by row from the top
 };
 
-/// Traces the border of the marked pixels, stretched over a box, as chains of axis-parallel edges. No chain crosses
-/// itself or another. Where two marked pixels touch only at a corner, the chains around them touch.
+/// Traces the border of the marked pixels as closed chains of axis-parallel edges. The picture is scaled to fill `box`.
+/// No chain crosses itself or another. Where two marked pixels touch only at a corner, the chains around them touch.
 ///
 /// @param most  limit on the number of corners
 /// @returns     none if there are more corners than `most`

@@ -23,7 +23,7 @@ inline double dot(Point a, Point b) {
     return a.x * b.x + a.y * b.y;
 }
 
-/// Coordinates of corners below this value count as 0. The value is far below the resolution of points.
+/// Corner coordinates below this value, in the unit frame, count as 0. It is far below the rounding error of points.
 inline constexpr double kLeastCoordinate = 0x1p-100;
 
 /// Adding and then subtracting this value rounds numbers in [-2, 2) to multiples of 2^-50. Sums of such multiples are

@@ -32,7 +32,7 @@ tl::unexpected<Error> stopped() {
     return failure(ErrorCode::Stopped, "stopped before the polygon was validated");
 }
 
-/// Collects chains in groups, for the area that they define together.
+/// Collects groups of chains and traces the border of the area that they cover.
 class Groups {
 public:
     void append(const Area& rings, Cover::Kind kind) {
@@ -96,8 +96,7 @@ Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, cons
 
 Result<Area> difference(const Area& area, std::span<const Area> others, double resolution, const std::stop_token& stop,
                         std::size_t more) {
-    // The area is the outer group of a single part, and each subtracted area is a hole of this part. Every group may
-    // consist of several rings.
+    // The area is the outer group of one part, and each subtracted area is a hole of it. Groups may have several rings.
     Groups groups;
     groups.append(area, {0, false});
     for (const Area& other : others) groups.append(other, {0, true});

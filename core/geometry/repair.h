@@ -15,7 +15,7 @@
 
 namespace ccdt {
 
-/// Returns the largest number of pieces that crossings may create. The limit permits scribbles, but bounds the memory.
+/// Returns the limit on the pieces into which crossings may cut segments. It permits scribbles, but bounds the memory.
 /// @param more  additional pieces per corner
 constexpr std::size_t max_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;
@@ -51,13 +51,11 @@ struct Enclosed {
 Result<Enclosed> enclosed_area(const std::vector<RingInput>& rings, const UnitFrame& frame,
                                const std::stop_token& stop = {});
 
-/// Computes the area that rings together enclose by the even-odd rule. Otherwise as enclosed_area(), but faults are not
-/// reported.
+/// Computes the area that rings together enclose by the even-odd rule. Like enclosed_area(), but reports no faults.
 Result<std::vector<Ring>> enclosed_together(const std::vector<Ring>& rings, const UnitFrame& frame,
                                             const std::stop_token& stop = {});
 
-/// Subtracts areas from an area and returns the border of the difference. Otherwise as enclosed_area(), but faults are
-/// not reported.
+/// Subtracts areas from an area and returns the border of the difference. Like enclosed_area(), but reports no faults.
 /// @param area, others  in the unit frame, within the unit square
 /// @param resolution    parts of about this thickness or less are dropped
 /// @param more          additional pieces per corner that crossings may create, see max_pieces()
@@ -66,7 +64,7 @@ Result<Area> difference(const Area& area, std::span<const Area> others, double r
 
 /// Returns the border of the union of several areas.
 /// @param resolution  parts of about this thickness or less are dropped
-/// @param more        as in difference()
+/// @param more        additional pieces per corner that crossings may create, see max_pieces()
 Result<Area> united(std::span<const Area> areas, double resolution, const std::stop_token& stop = {},
                     std::size_t more = 0);
 

@@ -23,7 +23,7 @@ struct RingInput {
     /// Drops corners equal to their predecessor.
     void drop_repeated();
 
-    /// Name for messages: "hole 2 of part 1".
+    /// Name of the ring for messages, such as "hole 2 of part 1".
     std::string name() const;
 
     /// JSON Pointer, relative to the polygon, of the ring or of one of its corners.

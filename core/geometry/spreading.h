@@ -54,6 +54,7 @@ inline void for_taps(const std::array<Number, kTaps>& x, const std::array<Number
 }
 
 /// Returns the sum over all taps of y[row] * x[column] * line(row)[column].
+/// @param line  returns a pointer to the grid values at the taps of a row
 template <class Number, std::size_t kTaps, class Line>
 inline Number sum_taps(const std::array<Number, kTaps>& x, const std::array<Number, kTaps>& y, Line&& line) {
     Number sum = 0;

@@ -12,8 +12,8 @@ namespace ccdt {
 /// Lists the half-edges of the triangles [begin, end) for which `counts` is true, in ascending order. The loop has no
 /// branch, because the results of `counts` are almost random and a branch would be mispredicted.
 /// @param edges   out, at least [3 * (end - begin)]
-/// @param counts  called with each half-edge and its twin (kNone, the largest number, if there is no twin); returns a
-///                bool, or 0 or 1
+/// @param counts  called with each half-edge and its twin (kNone, the largest number, if none); returns a bool, or 0 or
+///                1
 /// @returns       number of half-edges listed
 template <class Counts>
 std::size_t list_edges(const Triangulation& mesh, std::size_t begin, std::size_t end, std::span<std::uint32_t> edges,

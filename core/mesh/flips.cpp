@@ -30,8 +30,7 @@ bool wants_flip(const Triangulation& mesh, std::uint32_t edge) {
     return in_circle(a, b, c, beyond + mesh.distance(mesh.lift(edge) + mesh.shift(Mesh::next(twin))));
 }
 
-/// Whether two edges are certainly both Delaunay. Applies the floating-point filter of in_circle() to both edges at
-/// once.
+/// Whether two edges are certainly both Delaunay, by the floating-point filter of in_circle() for both at once.
 bool is_certain(const Triangulation& mesh, std::uint32_t edge, std::uint32_t other) {
     if (mesh.twin(edge) == kNone || mesh.twin(other) == kNone) return false;
     if (mesh.is_torus() && (mesh.crosses_seam(Mesh::triangle_of(edge)) || mesh.crosses_seam(Mesh::triangle_of(other)) ||
@@ -56,8 +55,7 @@ bool is_certain(const Triangulation& mesh, std::uint32_t edge, std::uint32_t oth
     return (certain[0] & certain[1]) != 0;
 }
 
-/// Lists the edges of triangles [begin, end) that need a flip. Each edge is given by its half-edge with the smaller
-/// number.
+/// Lists the edges of triangles [begin, end) that need a flip, each by its half-edge with the smaller number.
 void find_flips(const Triangulation& mesh, std::size_t begin, std::size_t end, std::vector<Flip>& found) {
     // Branchless, since the outcome is unpredictable.
     std::vector<std::uint32_t> edges(3 * (end - begin) + 1);

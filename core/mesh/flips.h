@@ -16,7 +16,7 @@ namespace ccdt {
 std::size_t restore_delaunay(Triangulation& mesh, const std::stop_token& stop = {});
 
 /// Flips the edges on a region's stack, and edges around them, until all are Delaunay. An edge is left for a larger
-/// region, in Region::edges, if one of its two triangles has a vertex in another region.
+/// region, in Region::edges, if one of its two triangles has a vertex outside the region.
 void legalise(Triangulation& mesh, Region& region);
 
 }  // namespace ccdt

@@ -26,8 +26,8 @@ struct Batch {
     const std::stop_token& stop;
 };
 
-/// A triangle on the way to a point, and the point. On a torus, this is the periodic copy that fits
-/// Triangulation::places().
+/// The current triangle of a walk to a point, and the point. On a torus, the point is the periodic copy in the
+/// coordinates of Triangulation::places().
 struct Location {
     std::uint32_t triangle;
     Point point;
@@ -64,8 +64,7 @@ bool locate(const Triangulation& mesh, const Region& region, Location& at) {
     }
 }
 
-/// Returns the start of a walk to a place: the given triangle, and the periodic copy of the place that is nearest to
-/// the triangle.
+/// Returns the start of a walk to a place: a triangle, and the periodic copy of the place nearest to the triangle.
 Location way_from(const Triangulation& mesh, std::uint32_t triangle, Point p) {
     if (!mesh.is_torus()) return {triangle, p, {}};
     const auto periods = [](double way, double period) { return static_cast<std::int8_t>(whole(way / period + 0.5)); };
@@ -125,7 +124,7 @@ Outcome insert_in(Triangulation& mesh, Region& region, std::uint32_t site, Point
     return Outcome::Done;
 }
 
-/// Inserts the sites of a batch whose positions lie within a region. Leaves the others for a larger region.
+/// Inserts the sites of a batch whose positions lie within a region. Leaves the other sites for a larger region.
 void insert_batch(Triangulation& mesh, Region& region, const Batch& batch) {
     constexpr std::size_t kStopStride = 4096;
     legalise(mesh, region);

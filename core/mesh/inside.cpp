@@ -41,8 +41,8 @@ void mark_outside(Triangulation& mesh) {
     }
 }
 
-/// Gives each fan of inside triangles its own vertex at places where several segments begin. This vertex is the input
-/// point at which the segment begins that bounds the fan and has the fan on its left.
+/// Separates fans of inside triangles that meet at a point where several segments begin: gives each fan its own vertex.
+/// This vertex is the input point at which the segment with the fan on its left begins.
 void separate(Triangulation& mesh, std::span<const ConstrainedDelaunay::Branch> branches) {
     if (branches.empty()) return;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // first edge, vertex
@@ -104,7 +104,7 @@ void drop_outside(Triangulation& mesh) {
     mesh.triangles().resize(next);
 }
 
-/// Sorts triangles by their first vertex, so that neighbours in the plane are neighbours in memory.
+/// Sorts triangles by their smallest vertex number, so that neighbours in the plane are neighbours in memory.
 void number_along_sites(Triangulation& mesh) {
     constexpr std::size_t kRange = 8192;
     const std::size_t count = mesh.triangle_count();

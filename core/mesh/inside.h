@@ -19,13 +19,11 @@ namespace ccdt {
 ///                left
 Triangulation mesh_of_border(std::size_t sites, const ConstrainedDelaunay& border);
 
-/// Returns the corners of the triangles inside one part of the domain, or for kNone, inside the whole domain. Only
-/// before trim().
+/// Returns the corners of the triangles in a part of the domain, or for kNone, in all parts. Only before trim().
 std::vector<std::array<Point, 3>> inside_triangles(const Triangulation& mesh,
                                                    std::uint32_t part = Triangulation::kNone);
 
-/// Drops triangles outside the domain and renumbers the others in the order of the sites. All sites must have been
-/// inserted.
+/// Drops triangles outside the domain and numbers the others in the order of the sites. Must follow all insertions.
 void trim(Triangulation& mesh);
 
 }  // namespace ccdt

@@ -23,7 +23,7 @@ struct Region {
     };
 
     std::uint32_t first = 0;                    ///< first vertex of the block
-    std::uint32_t size = Triangulation::kNone;  ///< number of vertices; kNone for the last level, whose block has all
+    std::uint32_t size = Triangulation::kNone;  ///< number of vertices; kNone: the whole mesh
     std::uint32_t last = Triangulation::kNone;  ///< a triangle of the region, near the last insertion
     std::vector<std::uint32_t> stack;           ///< edges that may not be Delaunay
     std::vector<std::uint32_t> edges;           ///< edges left for a larger region

@@ -55,8 +55,8 @@ bool relocate_site(Triangulation& mesh, std::uint32_t site, std::uint32_t triang
     for (const std::uint32_t h : edges_around(mesh, site)) touched.push_back(Mesh::triangle_of(h));
     const bool isolated = isolate(mesh, site);
     if (isolated) {
-        // The three triangles around the site are merged into one. The two free triangles then divide the triangle at
-        // the new place.
+        // Merges the three triangles around the site into one. The two free triangles then divide the triangle at the
+        // new place.
         const auto edges = edges_around(mesh, site);
         const std::uint32_t h = edges[0], kept = Mesh::triangle_of(h), u = Mesh::triangle_of(edges[1]),
                             v = Mesh::triangle_of(edges[2]);

@@ -11,7 +11,7 @@ namespace ccdt {
 
 /// Divides sites that are numbered along a space-filling curve into blocks of neighbours. On each further level, up to
 /// four blocks are joined into a larger block, until a single block remains. Operations that touch only the sites of
-/// one block can run in parallel with operations on other blocks of the same level. The blocks depend on the number of
+/// one block can run in parallel with operations on other blocks of the same level. Blocks depend on the number of
 /// sites alone.
 class SiteBlocks {
 public:
@@ -42,8 +42,7 @@ public:
         return vertex < sites_ ? static_cast<std::uint32_t>(vertex * share_) : kOutside;
     }
 
-    /// Returns the smallest block that contains all given vertices. If any vertex is not a site, returns the block of
-    /// the last level.
+    /// Returns the smallest block that contains all vertices; the block of the last level if any vertex is not a site.
     Block around(std::initializer_list<std::uint32_t> vertices) const {
         const std::uint32_t first = of(*vertices.begin());
         std::uint32_t apart = first & kOutside;

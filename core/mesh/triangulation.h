@@ -43,10 +43,8 @@ class Triangulation {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    /// Copies the triangulation of a border. To build the mesh of a domain, use mesh_of_border(), which also marks the
-    /// inside.
-    /// @param sites  number of sites to be inserted; the sites come first in the numbering, then the points of the
-    /// border
+    /// Copies the triangulation of a border. For the mesh of a domain, use mesh_of_border(), which marks the inside.
+    /// @param sites  number of sites to be inserted, which are numbered before the points of the border
     Triangulation(std::size_t sites, const ConstrainedDelaunay& border);
 
     /// Creates the triangulation of a torus, without any site so far.
@@ -54,8 +52,7 @@ public:
     /// @param period  sides of the torus, multiples of 2^-50, at most 1
     Triangulation(std::size_t sites, Point period);
 
-    /// Sets the executor that lengthy operations on this triangulation use, in this class and in others. The executor
-    /// must outlive this.
+    /// Sets the executor for lengthy operations on this triangulation, also in other classes. It must outlive this.
     void set_executor(Executor& executor) { executor_ = &executor; }
     Executor& executor() const { return *executor_; }
 
@@ -110,7 +107,8 @@ public:
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
-    /// Positions of the corners. The first corner has its stored position; the others are shifted so as to fit.
+    /// Positions of the corners. The first corner has its stored position; the others are shifted by periods to be next
+    /// to it.
     std::array<Point, 3> places(std::uint32_t triangle) const {
         const Triangle& t = triangles_[triangle];
         const auto& c = t.corners;
@@ -119,7 +117,7 @@ public:
     }
 
     /// A half-edge that leaves the vertex. For a vertex of the border, it is the half-edge along the border with the
-    /// domain on its left, so that turning counter-clockwise visits all others. Valid after trim().
+    /// domain on its left, so a counter-clockwise turn visits all its half-edges. Valid after trim().
     std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
 
     std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {
@@ -135,8 +133,7 @@ public:
 
     /// Number of connected parts of the domain.
     std::size_t part_count() const { return part_count_; }
-    /// Part in which a vertex lies; kNone for a vertex outside the domain. Until trim(), the four corners of the box
-    /// are such vertices.
+    /// Part in which a vertex lies; kNone outside the domain, where the four corners of the box lie until trim().
     std::uint32_t part_of(std::uint32_t vertex) const { return part_of_.empty() ? 0 : part_of_[vertex]; }
 
     /// Moves sites of a torus back into the box if they have left it by a quarter of a period or more.
@@ -155,8 +152,8 @@ public:
         std::uint8_t flags = 0;
 
         // Bit 1 << i is set if edge i of the triangle is constrained.
-        static constexpr std::uint8_t kConstrained = 7;  ///< during construction
-        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; during construction
+        static constexpr std::uint8_t kConstrained = 7;  ///< these three bits; cleared by trim()
+        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; never set after trim()
         static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
 
         bool is_inside() const { return (flags & kOutside) == 0; }

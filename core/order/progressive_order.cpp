@@ -27,28 +27,26 @@ constexpr std::size_t kStopStride = 1'024;  ///< points between polls of the sto
 // Benchmarks ProgressivePattern and ProgressiveTone show the quality that these constants reach, and test
 // ProgressiveOrder requires it. A shorter reach increases the distance of neighbours and leaves more power in low
 // frequencies. A longer reach does the opposite and takes longer.
-constexpr double kReach = 1.7;  ///< relative to the neighbour distance in a hexagonal grid
+constexpr double kReach = 1.7;  ///< relative to the hexagonal distance
 constexpr double kStep = 0.7;   ///< share of the points that remain at the end of a step; reaches grow between steps
 
-/// Least distance of remaining points, relative to the neighbour distance in a hexagonal grid. Of a hexagonal grid, at
-/// most a third of the points can remain such that no two of them are neighbours. Those points are sqrt(3) times as far
-/// apart as before. So in the units of this constant, neighbours in the original grid are 1 / sqrt(3) = 0.577 apart.
-/// With a larger value, such neighbours would be too near while more than a third of the points remain. This would
-/// leave more power in low frequencies.
+/// Least distance of remaining points, relative to the hexagonal distance. At most a third of the points of a hexagonal
+/// grid can remain without any two being neighbours. The hexagonal distance is then sqrt(3) times as large, so
+/// neighbours in the original grid are 1 / sqrt(3) = 0.577 apart. A larger value would separate them while more than a
+/// third of the points remain, and leave more power in low frequencies.
 constexpr double kMinDistance = 0.58;
 
 /// Weight of the surplus around a point, relative to the crowding of the point. A larger weight leaves less power in
 /// long waves, and more power in waves of two or three spacings.
 constexpr float kSurplusWeight = 0.5F;
 
-/// Distance of the nodes that smooth the surplus, relative to the neighbour distance in a hexagonal grid.
+/// Distance of the grid nodes on which the surplus is smoothed (see Surplus), relative to the hexagonal distance.
 constexpr double kNodeDistance = 3;
 
-/// Largest ratio of reference points to remaining points. Above it, the remaining points become the reference.
+/// Ratio of reference points (see Surplus) to remaining points above which the remaining points become the reference.
 constexpr std::size_t kMaxReferenceRatio = 8;
 
-/// Least number of remaining points in a region. A smaller region leaves too little choice and more noise; a larger one
-/// takes longer.
+/// Least number of remaining points in a region. Fewer points mean less choice and more noise; more take longer.
 constexpr std::size_t kMinRegionPoints = 256;
 
 /// Number of neighbours whose distance measures the local density. It is large enough for a stable measure, and small
@@ -59,9 +57,8 @@ double squared_length(Point p) {
     return dot(p, p);
 }
 
-/// Coefficients of a polynomial that approximates the crowding by a neighbour. Let the distance of the neighbour be a
-/// given share of the reach. The crowding (1 - share)^5 is then about (1 - share^2)^5 times this polynomial in 1 -
-/// share^2. The error is below 7% for shares from a third to nine tenths.
+/// Coefficients of a polynomial p that approximates the crowding by a neighbour. Let s be the neighbour's distance
+/// divided by the reach. Then (1 - s)^5 is about (1 - s^2)^5 p(1 - s^2), with an error below 7 % for s from 1/3 to 0.9.
 constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193F, -5.21164568F, 2.87339624F};
 
 /// Limit on the reach of a pair of points, relative to the shorter of the two points' own reaches. Up to this limit,
@@ -122,7 +119,7 @@ public:
         left_ = sizes_;
     }
 
-    /// Returns the depth of regions that have enough points to choose from if `left` points remain in all.
+    /// Returns the depth at which regions have enough points to choose from, if `left` points remain in the domain.
     int depth(std::size_t left) const {
         int depth = 0;
         while (depth < depth_ && (left >> (depth + 1)) >= kMinRegionPoints) ++depth;
@@ -135,8 +132,8 @@ public:
         return std::span(left_).subspan(count, count);
     }
 
-    /// Returns the region of a depth that loses the next point. At each level, chooses the half with the larger share
-    /// of remaining points.
+    /// Returns the region of a depth that loses the next point: at each level, the half with the larger share of
+    /// remaining points.
     std::size_t next_region(int depth) const {
         std::size_t region = 1;
         for (int i = 0; i < depth; ++i) {
@@ -154,8 +151,7 @@ public:
     }
 
 private:
-    /// Chooses pseudo-randomly between two halves with equal shares. So the first halves do not lose points
-    /// systematically.
+    /// Chooses pseudo-randomly between two halves with equal shares, so that neither loses points systematically.
     bool is_first(std::size_t region) const {
         std::uint64_t bits = (region << 32 | left_[region]) * 0x9e3779b97f4a7c15;
         bits = (bits ^ bits >> 32) * 0xd6e8feb86659fd93;
@@ -177,7 +173,7 @@ private:
     }
 
     int depth_ = 0;
-    std::vector<std::uint32_t> sizes_;  ///< [2 << depth_] points at first; the halves of region i are 2 i and 2 i + 1
+    std::vector<std::uint32_t> sizes_;  ///< [2 << depth_] initial points; the halves of region i are 2 i and 2 i + 1
     std::vector<std::uint32_t> left_;   ///< [2 << depth_] remaining points
 };
 
@@ -220,7 +216,7 @@ public:
     }
 
 private:
-    /// Nodes along one side, at the centres of the cells and of one further cell beyond either end. On a torus, nodes a
+    /// Nodes along one side, at the centres of the cells and of one further cell beyond each end. On a torus, nodes a
     /// period apart are identical.
     struct Axis {
         Axis(double length, double distance, bool torus)
@@ -292,7 +288,7 @@ private:
     }
 
     Axis x_, y_;
-    std::vector<float> wanted_;   ///< [nodes] smoothed number of wanted points, divided by that of all points
+    std::vector<float> wanted_;   ///< [nodes] smoothed number of wanted points, divided by the number of all points
     std::vector<float> actual_;   ///< [nodes] smoothed number of actual points
     std::vector<Around> around_;  ///< nodes around each point
 };
@@ -302,8 +298,8 @@ using Ints = EightLanes::Ints;
 constexpr std::uint32_t kLanes = EightLanes::kCount;
 constexpr float kNone = -std::numeric_limits<float>::infinity();
 
-/// Crowding of points. Points are listed by cell, so neighbours are close in memory. They are processed eight at a
-/// time.
+/// Crowding of points, computed for eight points at a time. Points are listed by cell, so neighbours are close in
+/// memory.
 class Crowd {
 public:
     /// Two points that are near each other.
@@ -398,8 +394,7 @@ private:
         crowding = square * square * left * factor;
     }
 
-    /// Sums the crowding of point k.
-    /// @param runs  the points near point k
+    /// Computes the crowding of point k by the points in `runs`.
     /// @returns     the squared ratio of distance to reach for the nearest point
     CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
         Floats sum{}, nearest = Floats{} + 1;
@@ -458,7 +453,7 @@ private:
     std::vector<std::uint32_t> slots_;  ///< list position of each point
     std::vector<Pair> pairs_;
     std::vector<CellList::Run> runs_;  ///< neighbours of the point being removed
-    float x_unit_, y_unit_;            ///< units of coordinates, relative to the first point's reach
+    float x_unit_, y_unit_;            ///< length of a unit of x_ and y_, relative to the first point's reach
 
     // The following vectors are in list order, with eight additional entries at the end.
     std::vector<std::uint32_t> x_, y_;
@@ -466,7 +461,7 @@ private:
     std::vector<float> crowding_;
 };
 
-/// Removes points in steps. During a step, all reaches stay the same.
+/// Removes points in steps. During a step, all reaches (distances within which points crowd each other) stay the same.
 class Elimination {
 public:
     /// @param even  whether all spacings are equal
@@ -533,8 +528,7 @@ private:
         });
     }
 
-    /// Returns the distance of nodes. It is so large that there are at most about as many nodes as points, whatever the
-    /// shape of the domain.
+    /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
     double node_distance() const {
         const Box box = domain_.unit_bounds();
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
@@ -583,7 +577,7 @@ private:
         return most;
     }
 
-    /// Finds the largest bound in each lane, that is, among every eighth point.
+    /// Finds, for each lane, the point with the largest upper bound of its excess. A lane has every eighth point.
     CCDT_INLINE void find_largest(std::uint32_t begin, std::uint32_t end, float left, Ints& found) const {
         Floats most = Floats{} + kNone;
         found = Ints{} + static_cast<std::int32_t>(begin);
@@ -662,13 +656,12 @@ double clamped(double coordinate) {
     return std::clamp(coordinate, -kMaxCoordinate, kMaxCoordinate);
 }
 
-/// Added to the sum of the points' directions, so that the sum has a direction even if points all over the globe cancel
-/// out.
+/// Length of a vector added to the sum of the points' directions, so that points all over the globe do not cancel out.
 constexpr double kTilt = 1e-6;
 
 constexpr double kMinSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide
 
-/// Orders points of the unit frame.
+/// Orders points of the unit frame progressively.
 std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,
                                         const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;

@@ -42,8 +42,8 @@ namespace ccdt {
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
                                              const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
-/// Does the same for points on the globe, given by longitude and latitude in degrees. Uses a conformal chart around the
-/// centre of the points.
+/// Orders points on the globe progressively. Points are given by longitude and latitude in degrees. Uses a conformal
+/// chart around the centre of the points.
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop = {},
                                                       Executor& executor = inline_executor());
 

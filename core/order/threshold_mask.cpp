@@ -23,8 +23,7 @@ constexpr double kSigma = 1.5;  ///< in pixels
 constexpr int kReach = 6;       ///< radius of the Gaussian in pixels; values beyond this are below 4e-4
 constexpr int kMaxSweeps = 32;
 
-/// Share of set pixels in the tile. If fewer pixels are set, the Gaussians of neighbouring set pixels no longer
-/// overlap.
+/// Share of set pixels below which the Gaussians of neighbouring set pixels no longer overlap.
 constexpr double kSparseShare = 1.0 / 16;
 
 /// A pattern of set pixels on a torus, to be spread evenly.
@@ -68,7 +67,7 @@ public:
         }
     }
 
-    /// Unsets pixels. Each time, unsets the most crowded pixel.
+    /// Unsets `count` pixels, each time the most crowded one.
     /// @returns  the pixels in order of removal
     std::vector<std::uint32_t> thin(std::size_t count, const std::stop_token& stop) {
         using Entry = std::pair<double, std::uint32_t>;
@@ -102,7 +101,8 @@ private:
                static_cast<std::size_t>(wrapped(x, width_));
     }
 
-    /// Moves a set pixel to the least crowded neighbouring pixel.
+    /// Moves a set pixel to the least crowded unset neighbour, if that lowers its crowding.
+    /// @returns  whether a pixel was moved
     bool move(int x, int y) {
         constexpr double kMinGain = 1e-9;
         const std::size_t from = pixel(x, y);

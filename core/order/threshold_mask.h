@@ -8,16 +8,14 @@
 namespace ccdt {
 
 /// Ranks the pixels of a tile. For any rank, the pixels with lower ranks are spread evenly, and so are the other
-/// pixels. The ranks are thresholds for dithering, or a progressive order of points on a grid. The tile repeats without
-/// seams.
+/// pixels. The ranks are thresholds for dithering, or a progressive order of grid points. The tile repeats seamlessly.
 ///
 /// First, half of the pixels are chosen: one at random from each horizontal pair. The chosen pixels move to
-/// neighbouring pixels as long as that lowers the sum of Gaussians between all chosen pixels. The chosen pixels get the
-/// lower half of the ranks. For that, they are removed one after another: each time, the pixel that is most crowded by
-/// the same Gaussians is removed and gets the highest rank that is still free. When only a 16th of the tile is left,
-/// the Gaussians of the pixels no longer overlap, and progressive_order() ranks the remaining pixels. The pixels that
-/// were not chosen get the upper half of the ranks likewise, but in the opposite direction: the most crowded one gets
-/// the lowest free rank.
+/// neighbouring pixels as long as that lowers the sum of Gaussians between all chosen pixels. They get the lower half
+/// of the ranks, in descending order: each time, the pixel that the Gaussians of the others crowd most is removed and
+/// gets the highest free rank. When only a 16th of the tile is left, the Gaussians no longer overlap, and
+/// progressive_order() ranks the remaining pixels. The other pixels get the upper half of the ranks in the same way,
+/// but in ascending order.
 ///
 /// @param width, height in pixels, >= 8; their ratio has the same limits as the sides of a torus
 /// @param stop           polled regularly; a stop is not an error, but the returned ranks must not be used

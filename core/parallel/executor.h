@@ -16,8 +16,8 @@ public:
     /// Calls task(0) to task(count - 1), each once, in any order, possibly in parallel. Returns after all tasks have
     /// ended. A task must not access data that another task writes, and must not call run().
     ///
-    /// If tasks throw exceptions, rethrows that of the task with the lowest number. After an exception, it is not
-    /// certain that the remaining tasks are called.
+    /// If tasks throw exceptions, rethrows the exception of the task with the lowest number. After an exception, tasks
+    /// that have not begun may be skipped.
     virtual void run(std::size_t count, const std::function<void(std::size_t)>& task) = 0;
 };
 

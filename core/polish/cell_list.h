@@ -113,7 +113,7 @@ private:
         }
     }
 
-    /// Appends the points in some cells of one row.
+    /// Appends to `runs` the points near p in some cells of one row, including the cells of nested grids.
     void add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const;
 
     void divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth);

@@ -54,7 +54,7 @@ ErrorGrid::ErrorGrid(Point sides, double cell, std::size_t sites, std::span<cons
     spread_wanted(masses, side);
 }
 
-/// Determines which points of the grid to store: all points over which a place in one of the pieces can be spread.
+/// Selects the grid points to store: all points on which a site in one of the pieces can be spread.
 /// @param pieces  the pieces of the box that contain a part of the areas
 /// @param side  size of the pieces
 void ErrorGrid::choose_stored(const CrossedCells& pieces, Point side) {
@@ -84,7 +84,7 @@ void ErrorGrid::choose_stored(const CrossedCells& pieces, Point side) {
     values_.assign(count, 0);
 }
 
-/// Spreads the pieces of areas, first along each row, then across the rows.
+/// Spreads the masses of the pieces on the grid, first along rows, then across rows.
 /// @param side  size of the pieces
 void ErrorGrid::spread_wanted(const CrossedCells& masses, Point side) {
     std::vector<double> line(columns_, 0);

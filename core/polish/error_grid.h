@@ -29,9 +29,8 @@ public:
     /// Measures the error of sites, all of which lie in the areas. O(cells + sites).
     void measure(std::span<const Point> sites);
 
-    /// Returns the share of the error that is assigned to `site`, as a number of sites. `site` must be one of the
-    /// measured sites. The share is > 0 where there are too many sites. All shares add up to 0, unless an area has no
-    /// site nearby.
+    /// Returns the share of the error that is assigned to `site`, as a number of sites. `site` must be a measured site.
+    /// The share is > 0 where there are too many sites. All shares add up to 0, unless an area has no site nearby.
     double at(Point site) const;
 
 private:
@@ -56,7 +55,7 @@ private:
     /// [rows] index in wanted_ and values_ that the point in column 0 would have if it were stored; may wrap around.
     std::vector<std::size_t> numbers_;
     std::vector<double> wanted_;  ///< [points] number of wanted sites
-    /// [points] number of actual sites; after measure(), the excess of sites divided by this number.
+    /// [points] first the number n of actual sites, then, after measure(), the error (n - number of wanted sites) / n.
     std::vector<double> values_;
 };
 

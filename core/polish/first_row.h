@@ -10,8 +10,7 @@
 
 namespace ccdt {
 
-/// Distance that the first row should keep from the border, in spacings. Half a row of the hexagonal grid is 0.47
-/// spacings.
+/// Distance of the first row from the border, in spacings. Half a row of the hexagonal grid is 0.47 spacings.
 inline constexpr double kFirstRow = 0.45;
 
 /// The first row: the sites that share an edge with a vertex of the border.
@@ -22,15 +21,14 @@ public:
     void find(const Triangulation& mesh);
 
     /// Limits the moves of sites that face an edge of the border across a triangle. Removes the part of a move that
-    /// would bring the site nearer than `depth` to that edge. A site that is already nearer may slide along the edge,
-    /// but comes no nearer.
+    /// would bring the site nearer than `depth` to that edge. A site that is already nearer comes no nearer.
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param depth     least distance from the border, in spacings
     /// @param moves     in and out [sites]
     void keep_off_edges(const Triangulation& mesh, std::span<const double> spacings, double depth,
                         std::span<Point> moves) const;
-    /// Limits the moves of sites in the same way with respect to the border vertices to which edges of the mesh join
-    /// them. This also holds back sites that face no edge of the border, as in narrow tongues and needles.
+    /// Removes the part of a site's move that would bring it nearer than `depth` to a border vertex which an edge joins
+    /// to the site. Also limits sites that face no edge of the border, as in narrow tongues and needles.
     void keep_off_vertices(const Triangulation& mesh, std::span<const double> spacings, double depth,
                            std::span<Point> moves) const;
 

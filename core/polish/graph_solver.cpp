@@ -10,14 +10,13 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Conductance of a coarse edge relative to the fine edges that it replaces. Fine edges connect two aggregates not only
-/// in parallel, but also in chains. Along such a chain, the potential falls evenly over two or three fine edges, which
-/// is the width of an aggregate. In the coarse graph, the same difference of potential lies across a single edge.
+/// Conductance of a coarse edge relative to the sum of the fine edges that it replaces. The potential falls evenly over
+/// the width of an aggregate, which is two or three fine edges. In the coarse graph, all of this difference lies across
+/// one edge, so the edge must conduct less.
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block
-/// Vertices per task. A task processes its blocks interleaved, because each step within a block waits for the result of
-/// the previous step.
+/// Vertices per task. A task interleaves its blocks, because each step within a block waits for the previous step.
 constexpr std::uint32_t kTask = 2048;
 
 }  // namespace
@@ -73,8 +72,7 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
                 level.all[last[link.to]].conductance += link.conductance;
             }
         }
-        // Groups the links: first links to lower numbers in the block of v, then to higher numbers in the block, then
-        // to other blocks.
+        // Sorts the links: to lower numbers in the block of v, to higher numbers in the block, to other blocks.
         const auto from = level.all.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto beyond =
             std::partition(from, level.all.end(), [v](const Link& link) { return link.to / kBlock == v / kBlock; });
@@ -93,8 +91,8 @@ GraphSolver::Level GraphSolver::make_level(std::size_t vertices, std::span<const
 }
 
 /// Divides the vertices into aggregates. If neither a vertex nor any of its neighbours is in an aggregate yet, the
-/// vertex forms one with all its neighbours. Each remaining vertex joins the aggregate of a neighbour: the one with the
-/// largest conductance.
+/// vertex forms an aggregate with all its neighbours. Each remaining vertex joins the aggregate of a neighbour: the one
+/// with the largest conductance.
 /// @returns  number of aggregates
 std::size_t GraphSolver::aggregate(Level& level) {
     std::vector<std::uint32_t> seeds(level.size(), kNone);
@@ -144,7 +142,7 @@ void GraphSolver::for_blocks(std::size_t vertices, Function&& function) const {
     });
 }
 
-/// Calls function(begin, end) for the same ranges of the vertices of the finest level.
+/// Calls function(begin, end) for ranges of the vertices of the finest level, in parallel.
 /// @returns  the sum of the results
 template <class Function>
 double GraphSolver::sum_over_blocks(Function&& function) {

@@ -12,8 +12,8 @@ namespace ccdt {
 
 /// Solves Laplace's equation on a graph whose edges have conductances: finds the potentials that drive given inflows
 /// through the edges. Uses conjugate gradients with a multigrid preconditioner. Each vertex of a coarser graph replaces
-/// an aggregate, that is, a vertex and its neighbours. The graph need not be connected. Relaxation processes blocks of
-/// successive vertices in parallel. For vertices of other blocks, a block uses the potentials from before the current
+/// an aggregate, that is, a vertex and its neighbours. The graph need not be connected. The relaxation (Gauss-Seidel)
+/// processes blocks of successive vertices in parallel. A block uses the potentials of other blocks from before the
 /// sweep.
 ///
 /// Source: Vanek, Mandel, Brezina, Algebraic multigrid by smoothed aggregation, Computing 56 (1996), for the choice of
@@ -61,9 +61,9 @@ private:
         std::vector<Link> all;              ///< links of all vertices
         std::vector<double> sum;            ///< [vertices] sum of the links' conductances
         std::vector<double> inverse;        ///< [vertices] 1 / sum, or 0
-        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level that contains it; empty on the last
-        /// Lists of the vertices for which each vertex of the next level stands. `members` contains all lists
-        /// [vertices], and `first_member` the start of each list [vertices of the next level + 1].
+        std::vector<std::uint32_t> coarse;  ///< [vertices] vertex of the next level that replaces it; empty on the last
+        /// Lists of the vertices that each vertex of the next level replaces. `members` contains all lists [vertices],
+        /// and `first_member` the start of each list [vertices of the next level + 1].
         std::vector<std::uint32_t> members, first_member;
         /// [vertices] State of cycle(). `left` is first the residual, then the inflow including flows from other
         /// blocks.
@@ -87,7 +87,7 @@ private:
     void cycle(std::size_t number);
 
     Executor& executor_;
-    std::vector<double> sums_;  ///< [blocks] partial sums
+    std::vector<double> sums_;  ///< [tasks] partial sums
     std::vector<Level> levels_;
     std::vector<double> direction_, image_;  ///< [vertices] search direction, and the outflows that it causes
 };

@@ -13,8 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Returns the direction in which a site moves if it coincides with another site. The direction differs from site to
-/// site.
+/// Returns the direction, different for each site, in which a site moves if it coincides with another site.
 Point own_way(std::uint32_t site) {
     constexpr double kGolden = 0.6180339887498949;
     const double angle = 2 * kPi * kGolden * site;

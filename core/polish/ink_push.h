@@ -23,8 +23,8 @@ struct InkSite {
 /// sparser ink moves farther: the two moves are in proportion to the areas per site of the two inks. So dense patterns,
 /// in which gaps would be most visible, stay even.
 ///
-/// @param reach  distance below which sites push each other, relative to the neighbour distance in a hexagonal grid of
-///               the sites of all inks
+/// @param reach  distance below which sites push each other, relative to the hexagonal distance of the sites of all
+///               inks
 /// @param push   share of the missing distance by which a site moves, averaged over the two sites
 /// @param stop   polled regularly; after a stop the remaining sites are not pushed
 /// @returns      the move of each site [sites]

@@ -17,10 +17,10 @@ namespace {
 /// Longest push, in spacings. Even if two neighbours of a hexagonal grid, 1.07 spacings apart, move straight towards
 /// each other, they keep more than half of their distance.
 constexpr double kMaxPush = 0.2;
-/// Least distance from the border, in spacings, to which a push may move a site. Without this limit, sites get stuck
-/// together in needles. A larger value has the same effect in narrow places: Polish.LeavesNoNearPairsAtNeedles. It
-/// holds for pushes with a reach of at most 1. With a longer reach, sites would be pressed against the border, where
-/// nothing pushes back; such pushes keep the first row at the distance kFirstRow instead.
+/// Least distance from the border, in spacings, to which a push with a reach of at most 1 may move a site. With a
+/// smaller value, sites get stuck together in needles, and with a larger one in narrow places: test
+/// Polish.LeavesNoNearPairsAtNeedles. A push with a longer reach would press sites against the border, so it uses
+/// kFirstRow instead.
 constexpr double kBorderDepth = 0.1;
 constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
 // Sites or triangles per task.
@@ -46,8 +46,7 @@ double MeshPolish::spacing(Point p) const {
     return std::sqrt(domain_.unit_area() / fixed_.sites);
 }
 
-/// Returns the nearest place in the domain's bounding box. On a torus, returns the same place, snapped to multiples of
-/// 2^-50.
+/// Returns the nearest point of the domain's bounding box; on a torus, returns p, snapped to multiples of 2^-50.
 Point MeshPolish::inside(Point p) const {
     constexpr double kInside = 1e-9;
     const Point sides = domain_.unit_bounds().max;
@@ -57,11 +56,11 @@ Point MeshPolish::inside(Point p) const {
 }
 
 /// Returns the place nearest to p where a site may stand: in the domain's bounding box and where the density is not 0.
-/// If there is no such place within two spacings, the density may be 0.
+/// If there is no such place within two spacings, the density is ignored.
 /// @param spacing  returns the local spacing; called only if needed
 template <class Spacing>
 Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
-    constexpr double kReach = 2;  // in spacings; twice the longer side covers the whole box
+    constexpr double kReach = 2;  // in spacings
     p = inside(p);
     if (density_.is_uniform()) return p;
     Point corner;
@@ -146,8 +145,7 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of a range of triangles, which `block` selects. Edges within the block are listed in edges_, other
-/// edges in `others`.
+/// Lists the edges of range number `block` of the triangles: edges within the block in edges_, the rest in `others`.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -272,7 +270,7 @@ void MeshPolish::move(Triangulation& mesh, std::span<const Point> moves) {
 
 void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                             const std::stop_token& stop) {
-    constexpr double kStuck = 0.6;  // share of the reach; after a push or two, only sites that are stuck are nearer
+    constexpr double kStuck = 0.6;  // relative to the reach; after a push or two, only sites that are stuck are nearer
     const double half_reach = 0.5 * reach * hexagonal_spacing(1);
     measure_spacings(mesh);
     std::fill(moves_.begin(), moves_.end(), Point{});
@@ -313,7 +311,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
 }
 
 /// Pushes sites away from fixed points that have no vertex.
-/// @param half_reach  as in joined_within()
+/// @param half_reach  half of the distance below which a push acts, relative to the spacing of the site
 void MeshPolish::push_off_others(const Triangulation& mesh, double half_reach, double push) {
     const Point sides = domain_.unit_bounds().max;
     for (std::uint32_t v = 0; v < mesh.free_count(); ++v) {
@@ -353,7 +351,7 @@ double MeshPolish::area_before(const Triangulation& mesh, std::uint32_t triangle
 }
 
 /// Whether a triangle has kept enough of its area and has not become a needle.
-/// @param area  its current doubled area
+/// @param area  current doubled area of the triangle
 bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, double area) const {
     constexpr double kSmall = 0.05;     // relative to the mean area; larger triangles are no needles
     constexpr double kMinShape = 1e-5;  // doubled area relative to the longest edge squared
@@ -368,8 +366,7 @@ bool MeshPolish::is_sound(const Triangulation& mesh, std::uint32_t triangle, dou
     return area >= std::min(before, least) && orientation(a, b, c) > 0;
 }
 
-/// Shortens or reverts the moves of sites whose triangles would be inverted or lose most of their area, until no such
-/// triangle remains.
+/// Shortens or reverts moves of sites until no triangle is inverted or loses most of its area.
 void MeshPolish::revert_moves(Triangulation& mesh) {
     constexpr int kHalvings = 3;  // in polygons, where vertices of the border leave less space to move
     const std::size_t triangles = mesh.triangle_count();

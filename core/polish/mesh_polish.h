@@ -23,8 +23,8 @@
 
 namespace ccdt {
 
-/// The steps of a polish of the sites of one triangulation. Pushes move near neighbours apart. Transport removes the
-/// long waves of density error that the iterations leave, mostly along the border and where the density is steep.
+/// Performs the steps of a polish on the sites of one triangulation. Pushes move near neighbours apart. Transport
+/// removes the long waves of density error that the iterations leave.
 class MeshPolish {
 public:
     /// Prepares the transforms that remove long waves in boxes and on tori.
@@ -43,50 +43,45 @@ public:
     /// Returns 1 / sqrt(wanted density of sites) around a point.
     double spacing(Point p) const;
 
-    /// Evens out the initial sites. Must be called before the sites are triangulated, so that they can cross gaps in
-    /// the density. Does nothing for a uniform density.
+    /// Evens out the initial sites before they are triangulated, so that sites can cross gaps in the density. Does
+    /// nothing for a uniform density, or in polygons.
     void even_out_start(std::span<Point> sites, const std::stop_token& stop);
 
     /// Releases most of the memory until the next step.
     void release_memory();
 
-    /// Lists the edges between sites. Must be called before the steps below, and again after the edges of the mesh
-    /// change.
+    /// Prepares the steps that move sites: lists the edges between sites. Must be called again after edges change.
     void begin(const Triangulation& mesh);
 
-    /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like the steps below,
-    /// this step keeps all triangles counter-clockwise, but loses the Delaunay property.
-    /// @param reach   distance below which neighbours are pushed, relative to the neighbour distance in a hexagonal
-    ///                grid
+    /// Moves neighbours apart if they are too near to each other, and adds the moves `pushed`. Like all steps, keeps
+    /// the triangles counter-clockwise, but loses the Delaunay property.
+    /// @param reach   distance below which neighbours are pushed, relative to the hexagonal distance
     /// @param push    share of the missing distance by which each of the two sites moves
     /// @param pushed  [sites] moves caused by other inks; may be empty
     void push_apart(Triangulation& mesh, double reach, double push, std::span<const Point> pushed,
                     const std::stop_token& stop);
 
-    /// Whether any two sites are nearer to each other than `least`, relative to the neighbour distance in a hexagonal
-    /// grid. In polygons, two near sites are not always joined by an edge: they can face each other across water or
-    /// around a vertex of the border. This function also finds such pairs, and the next calls of push_apart() move them
-    /// apart.
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. In polygons,
+    /// two near sites are not always joined by an edge: they can face each other across water or around a vertex of the
+    /// border. This function also finds such pairs, and the next calls of push_apart() move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits some pairs, so that
-    /// each site is the first one of at most one pair. Drops cached data of the mesh, since the caller may relocate
-    /// either site of a pair.
+    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits a pair if one of its
+    /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate sites.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
-    /// Removes long waves of density error. In polygons, does nothing if the density is not smooth or if there are
-    /// fixed points.
+    /// Removes long waves of density error. In polygons, only if the density is smooth and there are no fixed points.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// Removes the power of low frequencies. The domain must be a torus of uniform density that is wide enough
-    /// (Stealth::fits()) and has no fixed sites. Does nothing once the power of all low frequencies is negligible
+    /// (Stealth::fits()) and has no fixed sites. Does nothing once all this power is negligible
     /// (Stealth::kNegligiblePower).
     void remove_low_frequencies(Triangulation& mesh, const std::stop_token& stop);
 
     /// Moves the sites. @param moves  [sites]
     void move(Triangulation& mesh, std::span<const Point> moves);
 
-    /// Moves sites from places without density to the nearest place with some.
+    /// Moves sites from places where the density is zero to the nearest place with a positive density.
     /// @returns  whether any site moved
     bool clear_gaps(std::span<Point> sites) const;
 
@@ -117,8 +112,7 @@ private:
     std::optional<LocalSpacing> local_;            ///< present if the density varies and there is no transport_
     Support support_;
     FirstRow row_;  ///< for polygons
-    /// [levels][blocks] Half-edges between sites. Each half-edge is listed for the smallest block that contains both of
-    /// its sites.
+    /// [levels][blocks] Half-edges between sites, each listed for the smallest block that contains both of its sites.
     std::vector<std::vector<std::vector<std::uint32_t>>> edges_;
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
     /// [sites] moves; once they are applied, the positions before the moves.

@@ -57,8 +57,8 @@ std::vector<std::uint32_t> owners(const Triangulation& mesh) {
     return owner;
 }
 
-/// Lists the edges of the mesh accepted by `passes`, with the conductances of linear finite elements. Border vertices
-/// are merged with their sites.
+/// Lists the edges that `passes` accepts, with the conductances of linear finite elements. Border vertices are merged
+/// with sites.
 std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, const MeshTransport::Passes& passes) {
     // Bounds on conductances, which needles can exceed. At an edge of the border, two triangles can give a negative
     // value, which counts as no conductance.
@@ -211,7 +211,7 @@ void MeshTransport::find_errors(const Triangulation& mesh) {
 
 /// Converts flows along edges to moves: each end of an edge moves by half the flow times the edge vector.
 void MeshTransport::flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const {
-    constexpr double kMaxMove = 0.35;  // in spacings; countries in core/README.md: .25 leaves 1 dB more in fjords
+    constexpr double kMaxMove = 0.35;  // in spacings; 0.25 gives 1 dB more noise in fjords: countries in core/README.md
     for_ranges(executor_, mesh.site_count(), kSites, [&](std::size_t begin, std::size_t end) {
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             Point move;

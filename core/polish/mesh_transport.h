@@ -40,14 +40,14 @@ public:
     /// Function that returns whether the excess may flow along the edge between two sites.
     using Passes = std::function<bool(std::uint32_t, std::uint32_t)>;
 
-    /// Uses another measure of the error. Only edges that `passes` accepts carry a flow.
-    /// O(sites + vertices of the border).
+    /// Computes the errors of the sites by `measure`. Only edges that `passes` accepts carry a flow. O(sites + vertices
+    /// of the border).
     MeshTransport(const Triangulation& mesh, Measure measure, const Passes& passes);
 
     /// Computes the moves of one round. Sites keep at least half a row of distance from the border. Sites that are
     /// already nearer come no nearer.
-    /// @param mesh      the mesh given at construction, possibly with flipped edges and sites moved by less than a
-    ///                  spacing or two
+    /// @param mesh      the mesh given at construction; edges may have been flipped, and sites moved by up to two
+    ///                  spacings
     /// @param spacings  [sites] 1 / sqrt(wanted density of sites)
     /// @param moves     out [sites], each at most 0.35 of the local spacing
     /// @param stop      polled regularly
@@ -56,7 +56,7 @@ public:
     /// O(sites + vertices of the border).
     bool displacements(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves,
                        const std::stop_token& stop = {});
-    /// Does the same with a given first row.
+    /// Computes the moves of one round as the overload without `row` does.
     /// @param row  first row of the current mesh
     bool displacements(const Triangulation& mesh, const FirstRow& row, std::span<const double> spacings,
                        std::span<Point> moves, const std::stop_token& stop = {});

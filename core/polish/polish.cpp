@@ -82,8 +82,8 @@ void Polish::refine(const PolishSettings& settings, const std::stop_token& stop,
            [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
 }
 
-/// Calls function(layer, moves) for each ink until stopped. `moves` is the part of moves_ for this ink; it is empty if
-/// there is only one ink.
+/// Calls function(layer, moves) for each ink until stopped. `moves` is this ink's part of moves_, empty if there is one
+/// ink.
 template <class Function>
 void Polish::for_each(const std::stop_token& stop, Function&& function) {
     std::span<Point> moves = moves_;
@@ -101,7 +101,7 @@ double Polish::spacing(Point p) const {
     return std::sqrt(domain_.unit_area() / static_cast<double>(sites_.size()));
 }
 
-/// Copies the positions of the sites of all inks.
+/// Copies the positions and spacings of the sites of all inks.
 void Polish::gather() {
     std::size_t site = 0;
     for (std::uint32_t ink = 0; ink < layers_.size(); ++ink) {
@@ -162,7 +162,7 @@ void Polish::even_out_each(const std::stop_token& stop) {
     for_each(stop, [&](const Layer& layer, std::span<Point>) { layer.steps->even_out(*layer.mesh, stop); });
 }
 
-/// Evens out the sites of all inks together, like the sites of a single ink. Does nothing outside boxes and tori.
+/// Evens out the sites of all inks together, like the sites of a single ink. Does nothing in polygons.
 void Polish::even_out_together(const std::stop_token& stop) {
     if (!transport_) return;
     gather();

@@ -32,8 +32,7 @@ public:
         /// Restores the Delaunay property of the mesh, and makes the capacities of its triangles more equal by a number
         /// of passes. May be empty if the settings have no relax rounds.
         std::function<void(int passes)> equalise;
-        /// Relocates one site of each pair of near sites in a polygon to a place with more space. If empty, no site is
-        /// relocated.
+        /// Relocates one site of each pair of near sites in a polygon to a place with more space. May be empty.
         std::function<void(std::span<const std::array<std::uint32_t, 2>> pairs)> separate = {};
     };
 
@@ -77,9 +76,9 @@ private:
     // Data of the sites of all inks, one ink after the other; empty if there is only one ink.
     std::optional<Density> density_;
     std::optional<Transport> transport_;
-    std::vector<Point> places_;   ///< [sites] positions
+    std::vector<Point> places_;   ///< [sites] positions in the unit frame
     std::vector<InkSite> sites_;  ///< [sites] sites with their inks
-    std::vector<Point> moves_;    ///< [sites] moves
+    std::vector<Point> moves_;    ///< [sites]
 };
 
 }  // namespace ccdt

@@ -19,11 +19,11 @@ constexpr Row kSmooth{
     {.rounds = 5, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.84},
     {.rounds = 40, .reach = 0.87, .push = 0.5, .even_rounds = 4, .near_rounds = 4, .nearest = 0.84},
 };
-// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, improve both the distances and
-// the equality of capacities; more rounds improve them further. Removing waves before the relaxation costs no equality;
-// if it is done half as often, waves among fjords are a decibel stronger. Removing waves at the end costs some equality
-// where borders are ragged: with one more such round, standard would be less equal than draft. A longer reach of near
-// pushes increases distances and reduces equality.
+// Benchmark CountryPattern. Pushes that reach all neighbours, followed by relaxation, increase distances and make
+// capacities more equal; more rounds improve both further. Removing waves half as often before the relaxation leaves
+// waves among fjords a decibel stronger. Removing waves at the end makes capacities less equal where borders are
+// ragged: with one more such round, they would be less equal than in a draft. A longer reach of near pushes increases
+// distances, but makes capacities less equal.
 constexpr Row kPolygon{
     {.reach = 1.1,
      .push = 1,
@@ -49,7 +49,7 @@ constexpr Row kPolygon{
      .relocate_after = 3},
 };
 // In dot maps no dot may cross a border, so even rounds push dots onto borders. With fewer or weaker near pushes at the
-// end, one dot in a hundred has a neighbour nearer than .75: test_dot_maps.py, Counties.
+// end, one dot in a hundred has a neighbour nearer than 0.75 of the hexagonal distance: test_dot_maps.py, Counties.
 constexpr Row kMap{
     {.early = 2, .reach = 0.93, .push = 0.4, .even_rounds = 1, .near_rounds = 4, .nearest = 0.82, .least = 0.72},
     {.rounds = 10,
@@ -68,10 +68,10 @@ constexpr Row kVarying{
     {.rounds = 4, .reach = 0.93, .push = 0.4, .even_rounds = 3, .near_rounds = 2, .nearest = 0.72},
     {.rounds = 20, .reach = 0.93, .push = 0.4, .even_rounds = 10, .near_rounds = 2, .nearest = 0.72},
 };
-// Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. If neighbours
-// are never found again, this distance is a fiftieth smaller where the density varies; finding them in each round gains
-// no more. The last even round (`last_rounds`) reduces this distance as well, but without it the tone of each ink is
-// lost: DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
+// Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. If the meshes
+// are not made Delaunay again (`mesh_every`), this distance is 2 % smaller where the density varies; doing so in each
+// round gains no more. The last even round (`last_rounds`) reduces this distance as well, but without it the tone of
+// each ink is lost: DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,
@@ -99,7 +99,8 @@ constexpr Row kInks{
      .retouch_rounds = 6},
 };
 
-/// Stealth rounds. The first round leaves a power of about 1e-7, the second 1e-11, and the third only rounding errors.
+/// Limit on stealth rounds. The first round leaves a power of about 1e-7, the second 1e-11, the third only rounding
+/// errors.
 constexpr int kStealthRounds = 4;
 
 }  // namespace

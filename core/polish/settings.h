@@ -9,39 +9,38 @@ namespace ccdt {
 enum class Quality {
     Draft,     ///< no polish: triangles of equal capacity, as in the paper
     Standard,  ///< pushes near neighbours apart and removes long waves
-    Best,      ///< does the same for longer: takes a few times as long
-    /// Does the same as Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of
-    /// uniform density that is wide enough, with one ink and no fixed points.
+    Best,      ///< as Standard, with more rounds: takes a few times as long
+    /// As Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of uniform
+    /// density that is wide enough, with one ink and no fixed points.
     Stealthy,
 };
 
-/// Schedule of a polish, in order of execution, and the strength of its steps. Every reach is relative to the neighbour
-/// distance in a hexagonal grid. For pushes within an ink, this grid has the density of the ink's own sites; for pushes
-/// between inks, it has the density of the sites of all inks.
+/// Schedule of a polish, in order of execution, and the strength of its steps. Every reach is relative to the hexagonal
+/// distance: for pushes within an ink, that of the ink's own sites; for pushes between inks, that of the sites of all
+/// inks. "Waves" are long waves.
 struct PolishSettings {
-    /// Number of the last iterations before the polish that begin with a push and the removal of waves; in dot maps
-    /// only.
+    /// For dot maps: number of the last iterations that begin with a push and a removal of waves.
     int early = 0;
     int rounds = 0;                      ///< rounds that push near sites apart and remove long waves
     int even_every = 1;                  ///< rounds from one removal of waves to the next; also applies to relax rounds
-    int mesh_every = 0;                  ///< rounds from one search for neighbours to the next; 0: no search
+    int mesh_every = 0;                  ///< rounds from one Delaunay triangulation to the next; 0: none
     double reach = 0;                    ///< distance below which neighbours of one ink are pushed
     double push = 0;                     ///< share of the missing distance by which each of the two sites moves
     double ink_reach = 0;                ///< distance below which sites of different inks are pushed
     int relax_rounds = 0;                ///< next step: rounds that also equalise the triangles' capacities
     int relax_passes = 0;                ///< passes of relaxation in each relax round
-    int relax_evens = 1;                 ///< number of removals of waves in a relax round that removes waves
+    int relax_evens = 1;                 ///< removals of waves in each relax round that even_every selects
     int even_rounds = 0;                 ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
     int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves
     double nearest = 0;                  ///< reach of a near push within an ink
     double ink_nearest = 0;              ///< reach of a near push between inks
-    /// Near pushes are repeated on new triangulations while any two sites of an ink are closer than this distance. It
-    /// is relative to the neighbour distance in a hexagonal grid, like a reach.
+    /// Near pushes are repeated on new triangulations while any two sites of an ink are closer than this distance,
+    /// which is relative to the hexagonal distance.
     double least = 0;
-    int max_retries = 0;  ///< limit on these repetitions
-    /// Number of these repetitions without relocation. Each further repetition begins by relocating one site of every
-    /// pair that is too close; in polygons only.
+    int max_retries = 0;  ///< limit on the repetitions of near pushes (see `least`)
+    /// Number of repetitions of near pushes without relocation. In polygons, each further repetition begins by
+    /// relocating one site of every pair that is too close.
     int relocate_after = 0;
     int last_rounds = 0;     ///< next step: even rounds, which remove waves that the pushes have left
     int retouch_rounds = 0;  ///< next step: rounds of moves that the caller computes from all inks together

@@ -17,10 +17,10 @@ namespace {
 
 constexpr int kDegree = 5;
 constexpr std::size_t kTaps = kDegree + 1;
-constexpr std::size_t kMargin = 3;  ///< cells beyond the grid that taps reach
+constexpr std::size_t kMargin = 3;  ///< number of cells beyond the grid that taps can reach
 
-/// Values at the six grid points around a position, along both axes at once. Each value is a vector with a pair (x, y)
-/// for each of the points that are processed together.
+/// Values of the B-spline at the six grid points around a position, along both axes. Each value is a vector with a pair
+/// (x, y) for each of the points that are processed together.
 template <class Pairs>
 using Taps = std::array<Pairs, kTaps>;
 
@@ -76,7 +76,7 @@ struct Row {
     }
 };
 
-/// Returns the x components of taps. Each vector holds the x components of two successive taps for each point.
+/// Returns the weights of the six taps along x. Each vector holds the weights of two successive taps for each point.
 template <class Lanes>
 CCDT_INLINE inline std::array<typename Lanes::Pairs, kTaps / 2> across(const Taps<typename Lanes::Pairs>& taps) {
     return {Lanes::firsts(taps[0], taps[1]), Lanes::firsts(taps[2], taps[3]), Lanes::firsts(taps[4], taps[5])};
@@ -121,7 +121,7 @@ std::size_t SplineGrid::padded_size() const {
     return stride_ * (static_cast<std::size_t>(rows_) + 2 * kMargin);
 }
 
-/// Determines the grid points from which points are spread. On a torus, grid points are at the corners of cells, as in
+/// Determines the grid points on which points are spread. On a torus, grid points are at the corners of cells, as in
 /// the Fourier transform. In a box, they are at the centres.
 template <class Lanes>
 CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array<Point, Lanes::kCount>& points) const {
@@ -138,7 +138,7 @@ CCDT_INLINE inline SplineGrid::Places<Lanes> SplineGrid::places(const std::array
     const Pairs none{}, all = none + 1.0;
     const Pairs clamped = share < none ? none : all < share ? all : share;
     const Pairs at = (torus_ ? share - Lanes::whole(share) : clamped - of_each(half_cell_)) * cells;
-    // Rounding can put a position on a torus at its far end.
+    // Rounding can put a position at the far end of a torus.
     const Pairs last = cells - 1.0, below = Lanes::whole(at), before = last < below ? last : below;
     Places<Lanes> places;
     places.fractions = at - before;

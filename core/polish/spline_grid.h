@@ -51,7 +51,7 @@ public:
     /// Computes the coefficients of the spread values.
     void transform();
 
-    /// Computes from coefficients the values that gradient() reads.
+    /// Transforms coefficients to the values that gradient() reads.
     void transform_back();
     /// Returns the gradient, per unit of length, of the function whose coefficients transform_back() has transformed.
     /// The coefficients must have been divided by window() before.
@@ -61,15 +61,13 @@ public:
     void gradients(std::span<const Point> points, std::span<Point> gradients) const;
 
     /// Returns the values of the cells [rows * columns], for transforms without splines. forward() transforms these
-    /// values to coefficients, and backward() transforms coefficients to values. Both together multiply the values by
-    /// cells().
+    /// values to coefficients, and backward() transforms back. Both together multiply the values by cells().
     std::span<double> grid();
     void forward();
     void backward();
     double cells() const { return copies() * columns_ * rows_; }
 
-    /// Calls visit(coefficients) with a span of double in a box and of std::complex<double> on a torus, numbered as in
-    /// for_frequencies().
+    /// Calls visit(coefficients) with a span of double (box) or std::complex<double> (torus); order: for_frequencies().
     template <class Visit>
     void with_coefficients(Visit&& visit) {
         if (auto* fourier = std::get_if<RealTransform>(&transform_)) {
@@ -158,8 +156,7 @@ private:
     std::size_t stride_;  ///< number of values in a row of the padded grid
     std::vector<double> column_windows_, row_windows_;
     std::variant<RealTransform, CosineTransform> transform_;
-    /// The grid with its margin for taps. On a torus it lies in the spectrum's memory, in a box in the grid's own
-    /// memory.
+    /// The grid with its margin for taps, in the memory of the spectrum (torus) or of the grid (box).
     std::span<double> padded_;
 };
 

@@ -13,7 +13,8 @@ namespace {
 constexpr double kTau = 2 * std::numbers::pi;
 constexpr double kCells = 5;    ///< cells of the spline grid per cycle of the highest frequency; see SplineGrid
 constexpr double kMinRows = 4;  ///< least width of a torus, in spacings
-/// Share of F at which the steps of a round end. Newton's method squares this share in the next round.
+/// Conjugate gradients of a round end once the remainder of F (see Stealth) is this small, relative to F. The next
+/// round, a step of Newton's method, squares the remainder.
 constexpr double kMaxRemainder = 0.01;
 constexpr int kMaxSteps = 40;
 constexpr std::size_t kSites = 8192;  ///< sites per task

@@ -15,8 +15,7 @@
 
 namespace ccdt {
 
-/// Removes all power from the low frequencies of sites on a torus of uniform density, by the smallest moves that
-/// achieve this.
+/// Removes all power from the low frequencies of sites on a torus of uniform density, by the smallest possible moves.
 ///
 /// Let F(k) = sum over sites j of e^(-2 pi i k.x_j). Moves u change F by J u, to first order. Of all moves with F + J u
 /// = 0, those with the least sum of squares are the gradient of a potential that has low frequencies only: u = J* p, J
@@ -25,8 +24,7 @@ namespace ccdt {
 /// round squares the relative error.
 ///
 /// Point sets without low frequencies are called stealthy. Source: Batten, Stillinger, Torquato 2008. They minimise sum
-/// |F|^2 by steepest descent from random sites. Here the initial sites are so close to a solution that a few rounds
-/// suffice.
+/// |F|^2 by steepest descent from random sites. Here, the initial sites are close to a solution.
 class Stealth {
 public:
     /// Upper limit of the removed frequencies, in units of sqrt(sites / area).
@@ -51,8 +49,7 @@ public:
     /// @param sites  [sites] in the unit frame; any periodic copy
     /// @param moves  out [sites]
     /// @param stop   polled regularly
-    /// @returns      false after a stop, or if no low frequency has power above kNegligiblePower; the moves must not
-    ///               be used then
+    /// @returns      false, with unusable moves, after a stop or if no low frequency has power above kNegligiblePower
     ///
     /// Deterministic. O(sites log sites).
     bool displacements(std::span<const Point> sites, std::span<Point> moves, const std::stop_token& stop = {});
@@ -82,7 +79,7 @@ private:
     std::vector<WeightedPoint> positions_;  ///< [sites] positions relative to the torus' sides
     SplineGrid grid_;
     double largest_power_ = 0;
-    Coefficients sums_;  ///< F
+    Coefficients sums_;  ///< F(k) of each wave
 };
 
 }  // namespace ccdt

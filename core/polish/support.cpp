@@ -41,7 +41,7 @@ Point Support::nearest(Point p, double reach) const {
 
 /// Returns the nearest point with density within `around` columns and rows. g and the result are in units of cells.
 std::optional<Point> Support::nearest_within(Point g, int column, int row, int around) const {
-    constexpr double kInset = 0.05;  // of a cell, from its sides
+    constexpr double kInset = 0.05;  // distance from the sides of a cell, in cells
     double least = std::numeric_limits<double>::infinity();
     std::optional<Point> best;
     for (int j = std::max(0, row - around); j <= std::min(rows_ - 1, row + around); ++j) {

@@ -19,8 +19,8 @@ public:
     /// O(density's cells).
     Support(const Domain& domain, const Density& density);
 
-    /// Returns the nearest point with density; its distance is within a factor of sqrt(2) of the least distance.
-    /// Returns p if p has density, or if no point with density is within reach. O(cells within reach).
+    /// Returns a point with density, at most sqrt(2) times as far from p as the nearest one. Returns p if p has
+    /// density, or if no point with density is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
     /// Returns p, moved away from the sides of its cell, if the cell has density; else none.

@@ -28,16 +28,16 @@ constexpr double kMaxMove = 0.25;
 /// Limit on the number of octaves. Six octaves cover spacings of 1 to 32, which are densities of 1 to 1,000. In linear
 /// light, pictures of 8 bits give densities of 1 to 113. These are 3.4 octaves of spacing, or 4.1 with kCaution.
 constexpr std::size_t kMaxOctaves = 6;
-/// Largest ratio of the finest spacing's density to the mean density. There are 4 cells per square of the finest
+/// Limit on the density that octave 0 resolves, relative to the mean density. Octave 0 has 4 cells per square of its
 /// spacing, hence at most 16 cells per site.
 constexpr double kMaxContrast = 4;
 
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
 // is kLevelSmoothing: a larger value would reduce the error.
 constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
-/// Smoothing of the density from which octaves follow: near dark regions, light regions count as fine.
+/// Smoothing of the density from which octaves follow, in finest spacings. Sparse places near dense ones count as fine.
 constexpr double kLevelSmoothing = 2;
-constexpr double kCaution = 0.7;  ///< octaves by which the limit of a site is coarser than its spacing
+constexpr double kCaution = 0.7;  ///< octaves by which the octave of a site is coarser than its spacing
 
 /// Returns the share of a wave's error that a round removes. If the density varies, the octaves overlap and need a
 /// softer end. Lower or higher ends leave more error: benchmarks TorusPattern and PictureTone.
@@ -146,9 +146,8 @@ void Transport::add_octave() {
     });
 }
 
-/// Returns the coefficient of the potential that belongs to a wave with coefficient 1, divided by octave 0's window.
-/// Must not be called for the constant wave. The unit of length is octave 0's spacing, which keeps values in the range
-/// of a float.
+/// Returns the factor from a wave's coefficient in the error to its coefficient in the potential, divided by octave 0's
+/// window. Not for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
@@ -261,8 +260,8 @@ void Transport::set_targets(const std::vector<double>& masses, const std::stop_t
     }
 }
 
-/// Computes the same potential for a density with more detail than the finest grid resolves. Spreads the density like
-/// sites, in pieces no larger than the grid's cells.
+/// Computes the potential of the wanted density if it has more detail than the finest grid resolves. Spreads the
+/// density like sites, in pieces no larger than the grid's cells.
 void Transport::set_fine_targets(const Density& density, const CellBlock& block, const std::stop_token& stop) {
     const Point cell = octaves_[0].grid.cell();
     const auto pieces = [](double side, double longest) {
@@ -293,7 +292,7 @@ void Transport::set_fine_targets(const Density& density, const CellBlock& block,
     });
 }
 
-/// Returns the nearest position in the grids' box, relative to its corner.
+/// Returns the nearest position in the grids' box, relative to the box's lower left corner.
 inline Point Transport::in_box(Point p) const {
     if (torus_) return p;
     return {std::clamp(p.x - origin_.x, 0.0, sides_.x), std::clamp(p.y - origin_.y, 0.0, sides_.y)};
@@ -311,7 +310,7 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Returns the share with which sites of a level belong to an octave.
+/// Returns the weight of an octave for sites of a level. The weights of all octaves add up to 1.
 /// @param level  an element of levels_
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));
@@ -389,8 +388,7 @@ bool Transport::spread(std::span<const Point> sites, std::span<const double> wei
 
 /// Solves Laplace phi = error. Sums the long waves of all octaves, each octave up to its own limit. Once the potential
 /// of the wanted density is known, subtracts it.
-/// @param total  coefficients of octave 0: on entry the coefficients of the sites, on return the coefficients of the
-///               potential
+/// @param total  coefficients of octave 0: of the sites on entry, of the potential on return
 template <class Coefficient>
 void Transport::solve(std::span<Coefficient> total) {
     const SplineGrid& finest = octaves_[0].grid;

@@ -22,14 +22,13 @@ namespace ccdt {
 /// Removes long waves of density error. Computes the smoothed difference between actual and wanted density of sites,
 /// and small moves of all sites that cancel this difference.
 ///
-/// Moves u change the density of sites by -div(density u), to first order. Let E = sites - density be the error. Of all
-/// moves that cancel E, those are chosen for which density u is a gradient, grad phi: Laplace phi = E. A Fourier
-/// transform solves this equation on a torus, and a cosine transform solves it in a box. With the cosine transform, no
-/// site leaves the box. Waves shorter than about two spacings are the pattern itself and are not changed. If the
-/// density varies, sites and density are both split among octaves of spacing, and each octave has its own limit on the
-/// wavelength. One round cancels E to first order. The remaining error is of second order, or due to ridges of the
-/// density that are too thin for the gradient to follow. In a box, the grid covers only the bounding box of nonzero
-/// density, so empty margins do not matter.
+/// Moves u change the density of sites by -div(density u), to first order. Let E = sites - density be the error.
+/// Chooses the moves for which density u is a gradient, grad phi, so Laplace phi = E. A Fourier transform solves this
+/// equation on a torus, and a cosine transform solves it in a box. With the cosine transform, no site leaves the box.
+/// Waves shorter than about two spacings are the pattern itself and are not changed. If the density varies, sites and
+/// density are both split among octaves of spacing, and each octave has its own limit on the wavelength. One round
+/// cancels E to first order. The remaining error is of second order, or due to ridges of the density that are too thin
+/// for the gradient to follow. In a box, the grid covers only the bounding box of nonzero density.
 ///
 /// Departure from a plain blur: the filter ends sharply, so that all waves longer than the limit are removed and
 /// shorter waves are not affected.
@@ -68,13 +67,13 @@ public:
     void release_memory();
 
 private:
-    /// Sites whose spacing is about 2^octave times as large as the finest spacing.
+    /// The grid for sites whose spacing is about 2^octave times the finest spacing.
     struct Octave {
         SplineGrid grid;
         /// Factors that convert the coefficients of the sites to this octave's share of the potential; see factor().
         std::vector<float> factors;
 
-        /// Returns the factor of the coefficients (column, row) and (column, -row), for which it is the same.
+        /// Returns the common factor of the coefficients (column, row) and (column, -row).
         float& factor(int column, int row) { return factors[grid.number(column, std::abs(row))]; }
     };
 

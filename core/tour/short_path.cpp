@@ -125,7 +125,7 @@ public:
     /// Number of steps forward from one stop to another.
     std::uint32_t steps(Stop from, Stop to) const { return wrapped(places_[to] + size() - places_[from]); }
 
-    /// Reverses the path from one stop forward to another.
+    /// Reverses the order of the stops from `first` forward to `last`.
     /// @returns  false if that would move too many stops; the tour is then unchanged
     bool reverse(Stop first, Stop last) {
         std::uint32_t inner = steps(first, last) + 1;
@@ -274,8 +274,7 @@ private:
         return false;
     }
 
-    /// Tries the Or-opt step: takes a run of stops that begins or ends at `a`, and inserts it next to a stop near `a`,
-    /// before or after that stop.
+    /// Tries the Or-opt step: inserts a run of stops that begins or ends at `a` next to a stop near `a`.
     /// @returns  whether a step shortened the path
     bool relocate(Stop a) {
         Stop forward = a;
@@ -289,6 +288,7 @@ private:
         return false;
     }
 
+    /// Tries to insert a run of stops next to a stop near `a`.
     /// @param a            the run's first or last stop, which becomes adjacent to the nearby stop
     /// @param first, last  ends of the run
     /// @param length       number of stops in the run
