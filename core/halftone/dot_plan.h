@@ -10,8 +10,7 @@
 
 namespace ccdt {
 
-/// Lower limit of the area of a dot, in pixels of the picture, when the number of dots is computed. It keeps this
-/// number finite.
+/// Lower limit of a dot's area, in pixels of the picture. Keeps the computed number of dots finite.
 inline constexpr double kMinDotArea = 1e-12;
 
 /// Requested properties of the dots: their number, their radius, or both.

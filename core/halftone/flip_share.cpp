@@ -12,7 +12,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the mean light of the cells around a cell that lie completely on one ground.
+/// Returns the mean light of the cells that lie completely on one ground, within 2 columns and 2 rows of a cell.
 /// @param ground    1 for white, 0 for black
 /// @param fallback  result if there are no such cells
 float light_beside(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,

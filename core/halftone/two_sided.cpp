@@ -21,16 +21,16 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Number and sizes of dots.
+/// Number of dots and range of their areas.
 struct DotScale {
     double dots = 0;     ///< number
     double unit = 0;     ///< area of the largest dots, in cells
     float min_area = 0;  ///< area of the smallest dots, relative to the largest
 };
 
-/// Finds the number and the sizes of dots. The area of the largest dots depends on the relative area of the smallest
-/// dots, and vice versa, so both are computed repeatedly.
-/// @param kinds  kinds of dots, with relative areas and with shares in place of densities
+/// Computes the number of dots and the range of their areas. The area of the largest dots and the relative area of the
+/// smallest dots depend on each other, so the function iterates.
+/// @param kinds  `area` is relative to the largest dot; `density` is the covered share
 DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kMinArea = 0.05f;
     constexpr int kRounds = 3;
@@ -54,13 +54,13 @@ DotScale scale_of(std::span<const KindOfDots> kinds, const TwoSidedOptions& opti
     return scale;
 }
 
-/// Returns the radius in cells that dots would have if all dots had the same size.
+/// Returns the requested radius, or the radius of the requested number of dots of equal size, in cells.
 double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Executor& executor) {
     if (options.radius) return *options.radius;
     return std::sqrt(minority_area(light, executor) / (kPi * static_cast<double>(*options.sites)));
 }
 
-/// Returns a plan that has the grounds of a picture, but no dots yet.
+/// Returns a plan that contains the grounds of a picture, but no dots.
 TwoSidedPlan with_grounds(std::vector<std::vector<float>> light, const CellGrid& cells, double radius, double detail,
                           bool is_rgb, Executor& executor) {
     TwoSidedPlan plan;
@@ -71,7 +71,7 @@ TwoSidedPlan with_grounds(std::vector<std::vector<float>> light, const CellGrid&
     return plan;
 }
 
-/// Converts shares to densities, and relative areas to areas in cells. Sets the number and the radius of the dots.
+/// Converts covered shares to densities and relative areas to areas in cells. Sets TwoSidedPlan::dots and radius.
 void set_scale(TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
     const DotScale scale = scale_of(plan.kinds, options, executor);
     plan.dots = scale.dots;
@@ -135,8 +135,8 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
         if (stop.stop_requested() || repairs == kMaxRepairs || !grounds.replace_grounds(bare, plan)) break;
     }
     plan.is_nested = false;
-    // With three inks, fitting the light increases some errors: a few after a blur of half a pitch, and for
-    // astronaut.png the 95th percentile after a blur of two pitches.
+    // With three inks, fit_light() increases some errors, for example the 95th percentile after a blur of two pitches
+    // for astronaut.png.
     constexpr std::size_t kMinInksOfLightFit = 4;
     const std::size_t sets = inks.inks.size() < kMinInksOfLightFit ? 0 : std::size_t{1} << inks.inks.size();
     if (sets > 0) plan.wanted = picture.light;
