@@ -162,8 +162,7 @@ private:
 
     bool flips(std::size_t dot, std::size_t channel) const { return (dots_.flips(dot) >> channel & 1) != 0; }
 
-    /// Division of a dot into the part on black ground, which it brightens, and the part on white ground, which it
-    /// darkens.
+    /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
     struct Cut {
         float brightening = 0;       ///< share of the dot's area
         float darkening = 0;         ///< share of the dot's area

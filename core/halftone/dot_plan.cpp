@@ -57,8 +57,7 @@ private:
     std::array<double, kBins + 1> sums_{};
 };
 
-/// Computes the total area of the equal discs that a wanted coverage requires. The total includes overlaps once for
-/// each disc.
+/// Computes the total area of equal discs for a wanted coverage. Overlaps count once for each disc.
 class DiscArea {
 public:
     /// Returns the total disc area that is needed, divided by the wanted coverage.

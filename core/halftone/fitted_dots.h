@@ -21,11 +21,10 @@
 
 namespace ccdt {
 
-/// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on the mixing
-/// of colours.
+/// Dots of all kinds, whose areas are fitted in rounds. Leaves only the mixing of colours to the caller.
 ///
-/// The error of the drawing is measured on a grid that may be coarser than the cells of the plan: the error at a dot is
-/// a mean over the local spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
+/// The error is measured on a grid that may be coarser than the cells of the plan. Fine detail has no effect, because
+/// the error at a dot is a mean over the local spacing. Positions and areas are in cells of the plan.
 class FittedDots {
 public:
     /// @param sites  [kinds][sites]; dots are numbered in this order
@@ -41,8 +40,7 @@ public:
     /// Returns the share of the ground around a dot that dots of its kind are planned to cover.
     float planned_share(std::size_t dot) const { return planned_[dot] / ground_per_dot_[dot]; }
 
-    /// Returns whether the boundary of a ground may cross a dot. If not, the dot lies on a single ground for every area
-    /// that it can get.
+    /// Returns whether the boundary of a ground may cross a dot, at some area that the dot can get.
     bool is_near_boundary(std::size_t dot) const { return near_boundary_[dot] != 0; }
 
     /// Finds the pairs of dots that may overlap, given the current areas.
@@ -57,10 +55,9 @@ public:
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
 
-    /// Changes the area of each dot against the error of the local mean of the drawing around it. For each channel, the
-    /// change is nearly minus the error, multiplied by the area of ground per dot and by the gain of the dot. The
-    /// changes for all channels are added. One round removes errors of long wavelength. Errors whose wavelength is
-    /// about one spacing take several rounds.
+    /// Changes the area of each dot to reduce the error of the local mean of the drawing around the dot. The change is
+    /// the sum over all channels of -0.85 * error * area of ground per dot * gain of the dot. One round removes errors
+    /// of long wavelength. Errors whose wavelength is about one spacing take several rounds.
     ///
     /// @param bases  [channels] results of error_image()
     /// @param draw   draw(channel, image) adds the light of all dots to an error image
@@ -102,7 +99,7 @@ private:
     Point scale_;                              ///< cells of the grid per cell of the plan, along each axis
     BlurPyramid means_;
     std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
-    std::vector<float> image_, changes_;        ///< memory of improve()
+    std::vector<float> image_, changes_;        ///< buffers of improve()
 };
 
 /// Fits the areas of dots in rounds, and returns the sizes of the dots.

@@ -56,8 +56,7 @@ void clear_thin_ground(const std::vector<float>& white, const CellGrid& cells, d
     std::vector<float> scratch, majority = white;
     blur(majority, cells.columns, cells.rows, radius, scratch, executor);
     const auto is_thin = [&](std::size_t i) { return (white[i] > 0.5f) != (majority[i] > 0.5f); };
-    // Shares that dots flip on thin ground and on the remaining ground. Ink dots count as positive, paper dots as
-    // negative.
+    // Shares that dots flip on thin ground and on other ground: positive for ink dots, negative for paper dots.
     std::vector<float> thin(share.size()), other(share.size());
     for_pixels(executor, share.size(),
                [&](std::size_t i) { (is_thin(i) ? thin : other)[i] = white[i] > 0.5f ? share[i] : -share[i]; });

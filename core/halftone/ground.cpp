@@ -235,9 +235,8 @@ void Ground::apply(Raster& flipped, Point scale, bool antialias, Executor& execu
 
 std::vector<Ground> divide_ground(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
                                   double detail, bool is_rgb, Executor& executor) {
-    // Chosen on eleven photographs and pages of text, by eye and by the lightness error after blurs of 0.5 to 2
-    // pitches. With less smoothing, boundaries meander through noise. With more smoothing, strokes of text dissolve
-    // into dots.
+    // Chosen by eye and by lightness errors of eleven photographs and pages of text. With less smoothing, boundaries
+    // meander through noise. With more smoothing, strokes of text dissolve into dots.
     constexpr double kSurroundings = 3, kEmphasis = 1.4, kSmoothing = 0.4;
     constexpr float kMinStrength = 1e-3f;  // used if dots are much smaller than cells
     constexpr int kSteps = 15;

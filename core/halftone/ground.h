@@ -47,8 +47,7 @@ private:
 };
 
 /// Divides each channel of a picture into white and black ground. The light differs from the ground (1 or 0) by at most
-/// about one half. The boundary is short and smooth, follows the edges of the picture, and leaves out specks that dots
-/// can draw.
+/// about one half. The boundary is short and smooth, follows edges, and omits specks that dots can draw.
 ///
 /// First, the light is sharpened, so that thin strokes of text become black ground even if their light exceeds 1/2.
 /// Then the light is smoothed by denoised(), more strongly for larger dots. Where red, green and blue differ little,

@@ -10,8 +10,7 @@
 namespace ccdt {
 
 float relative_area(float cover, float visibility) {
-    // Chosen on eleven photographs by the mean lightness error after a blur of half a pitch. Values from 0.03 to 0.1
-    // are equally good.
+    // Chosen by lightness errors of photographs after a blur of half a pitch. 0.03 to 0.1 are equally good.
     constexpr float kVisibility = 0.05f, kSmall = 1e-3f;
     const float contrast = cover * visibility / kVisibility;
     const float limit = kVisibility / visibility;  // area at cover 0

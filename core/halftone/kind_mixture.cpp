@@ -60,8 +60,7 @@ private:
         return true;
     }
 
-    /// Moves the free variables towards the minimum of the objective, until a variable becomes 0. Then holds this
-    /// variable at 0.
+    /// Moves the free variables towards the minimum of the objective. If a variable becomes 0 first, holds it at 0.
     /// @returns  whether the minimum was reached
     bool move_to_minimum() {
         const std::vector<double> to = minimum();

@@ -219,8 +219,7 @@ private:
                             part.share * area * change(part.ground, dots_.flips(dot), channel), image);
     }
 
-    /// Corrects the light of the overlap of two dots. There, all inks that either dot flips are flipped, but print()
-    /// has added the light of both dots.
+    /// Corrects the light where two dots overlap. print() adds both, but inks that both flip are flipped only once.
     void print_overlap(const ClosePair& pair, std::size_t channel, std::vector<float>& image) const {
         const auto& colours = plan_.colours;
         const unsigned ground = pair.ground, a = dots_.flips(pair.one), b = dots_.flips(pair.other);

@@ -12,8 +12,7 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots of inks such that the local mean of the printed light equals the local mean of the
-/// picture.
+/// Chooses the radii of dots of inks such that the local mean of the print equals the local mean of the picture.
 ///
 /// The light of a place depends on all inks there. So the fit corrects errors of red, green and blue, and not errors of
 /// the coverage by each ink. Of all corrections by the kinds of dots around a place, the fit chooses the one with the

@@ -135,8 +135,7 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
         if (stop.stop_requested() || repairs == kMaxRepairs || !grounds.replace_grounds(bare, plan)) break;
     }
     plan.is_nested = false;
-    // With three inks, fit_light() increases some errors, for example the 95th percentile after a blur of two pitches
-    // for astronaut.png.
+    // With three inks, fit_light() increases some errors, for example of astronaut.png after a blur of two pitches.
     constexpr std::size_t kMinInksOfLightFit = 4;
     const std::size_t sets = inks.inks.size() < kMinInksOfLightFit ? 0 : std::size_t{1} << inks.inks.size();
     if (sets > 0) plan.wanted = picture.light;

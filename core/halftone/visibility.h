@@ -10,8 +10,7 @@ namespace ccdt {
 /// Visibility of small changes of light, at a given colour.
 ///
 /// With one channel, the visibility is the derivative of CIE 1976 lightness. With three channels, it is the derivative
-/// of the difference in CIELAB. Differences in a* and b* have half the weight that CIE 1994 gives to differences in
-/// chroma.
+/// of the difference in CIELAB. Differences in a* and b* have half the weight of chroma in CIE 1994.
 class Visibility {
 public:
     /// @param light  [1 or 3] linear light of each channel, in [0, 1]
