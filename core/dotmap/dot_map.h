@@ -25,7 +25,7 @@ namespace ccdt {
 /// @param features  all with the same number of classes; together they have at least one dot
 /// @param box       box over which the density is stretched
 /// @param density   wanted density, relative to other places in the same feature
-/// @param options   the number of sites is ignored, as features have numbers of dots; no mesh is kept
+/// @param options   `sites` is ignored, because features give the numbers of dots; no mesh is kept
 /// @param control   as in distribute_inks(); a stop returns the current dots, which is not an error; a stop during the
 ///                  start gives the error Stopped
 /// @returns         [classes]

@@ -11,8 +11,7 @@
 
 namespace ccdt {
 
-/// Finds the features at a position. Uses a grid with at most as many cells as features, so that each feature lies in
-/// few cells.
+/// Finds the features at a position. Uses a grid with at most one cell per feature, so features lie in few cells.
 class FeatureIndex {
 public:
     /// @param areas  [n >= 1]; must outlive this
