@@ -54,8 +54,7 @@ public:
     /// Returns the coefficient of |d|^2 in the change of E, for a change d of one pixel.
     float self() const { return self_; }
 
-    /// Returns half the coefficient of the product d . d' in the change of E, for changes d of a pixel and d' of one of
-    /// its eight neighbours.
+    /// Returns half the coefficient of d . d' in the change of E, for changes d of a pixel and d' of a neighbour.
     /// @param dx, dy  from -1 to 1
     float mutual(int x, int y, int dx, int dy) const {
         return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(3 * (dy + 1) + dx + 1)];
