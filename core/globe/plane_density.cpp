@@ -41,8 +41,7 @@ public:
 
     double operator()(Point place) const {
         place.x += longitude_wrap_offset(place.x, box_.min.x);
-        // A position slightly west of the box belongs to the west side if it is nearer to the west than to the east
-        // side.
+        // A position outside the box belongs to the nearer one of its west and east sides.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {
             return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);
