@@ -29,8 +29,7 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-/// Returns the domain in its unit frame as one outer ring and holes. Tests by the even-odd rule do not distinguish the
-/// two kinds of rings.
+/// Returns the domain in its unit frame as one outer ring and holes. The even-odd rule does not distinguish them.
 Parts unit_parts(const Domain& domain) {
     const auto& rings = domain.rings();
     return {{rings[0], {rings.begin() + 1, rings.end()}}};
@@ -84,7 +83,7 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
     }
 }
 
-/// Returns the standard deviation of counts in blocks of a spot of 32 x 32 cells, relative to that of random sites.
+/// Returns the standard deviation of site counts in 4 x 4 blocks of a square of side 32, relative to random sites.
 double count_error(const std::vector<Point>& sites, Point corner) {
     constexpr int kBlocks = 4;
     std::vector<double> counts(kBlocks * kBlocks);
@@ -258,7 +257,7 @@ TEST(Polish, EvensOutCountries) {
     }
 }
 
-/// The capacities stay almost as equal as in drafts.
+/// Capacities stay almost as equal as in drafts.
 TEST(Polish, KeepsCountriesCapacities) {
     for (const char* name : kCountries) {
         const Domain domain = domain_of(test::read_geojson(name));
@@ -305,8 +304,7 @@ TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     }
 }
 
-/// The density varies as slowly as on a chart of the globe. The numbers of sites in strips, some spacings wide, are
-/// compared with the expected numbers.
+/// The density varies as slowly as on a chart of the globe. Checks the numbers of sites in strips, some spacings wide.
 TEST(Polish, EvensOutSmoothDensities) {
     constexpr int kStrips = 10, kCells = 8 * kStrips;
     const Domain domain = domain_of(test::read_geojson("Switzerland-10m.geojson"));
