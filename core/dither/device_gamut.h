@@ -11,7 +11,7 @@
 
 namespace ccdt {
 
-/// Gamut of a device: the colours that its colours can mix to, which are their convex hull in linear light.
+/// Gamut of a device: the convex hull of its colours in linear light, which contains all mixtures of these colours.
 class DeviceGamut {
 public:
     /// @param colours  at least 2 different colours in linear light
@@ -35,7 +35,7 @@ private:
     bool contains(const Vector& light) const;
 
     std::vector<Vector> colours_;
-    std::vector<Facet> facets_;  ///< if the hull is flat, all triangles
+    std::vector<Facet> facets_;  ///< faces of the hull; if the hull is flat, all triangles between colours
     bool is_flat_ = false;       ///< whether the hull has no volume
 };
 

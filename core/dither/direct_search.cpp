@@ -86,7 +86,7 @@ private:
 
     /// Change of a pixel to another colour, or exchange of its colour with a neighbour.
     struct Change {
-        float error = -1e-7f;  ///< change of the visible error; rounding alone may decrease it by the default
+        float error = -1e-7f;  ///< change of the visible error; the default is a bound on rounding errors
         std::uint8_t colour = kAnyColour;
         int dx = 0, dy = 0;  ///< offset of the neighbour to exchange with; both 0: none
     };
@@ -189,7 +189,7 @@ private:
     VisualError<Channels> error_;
     int blocks_;                             ///< number of blocks in a row
     std::vector<std::uint8_t> is_due_;       ///< [blocks] whether a block is visited in this sweep
-    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether it is visited in the next sweep
+    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether a block is visited in the next sweep
     std::array<std::array<Difference, kMaxDeviceColours>, kMaxDeviceColours> differences_{};
 };
 

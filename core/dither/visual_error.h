@@ -33,7 +33,7 @@ public:
     using Colour = std::array<float, Channels>;
 
     static constexpr int kLevels = 4;
-    static constexpr int kReach = 6;  ///< half the width of A, in squares
+    static constexpr int kReach = 6;  ///< half the width of the kernel of a level, in squares
 
     /// Largest distance in pixels, along an axis, at which a change of one pixel changes stored values.
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
@@ -41,7 +41,7 @@ public:
     /// @param residual  [width * height]
     VisualError(std::span<const Colour> residual, int width, int height, Executor& executor);
 
-    /// Returns half the derivative of E with respect to the residual of a pixel.
+    /// Returns half the derivative of the error with respect to the residual of a pixel.
     Colour gradient(int x, int y) const {
         Colour sum{};
         for (int l = 0; l < kLevels; ++l) {
@@ -51,10 +51,10 @@ public:
         return sum;
     }
 
-    /// Returns the coefficient of |d|^2 in the change of E, for a change d of one pixel.
+    /// Returns the coefficient of |d|^2 in the change of the error, for a change d of one pixel.
     float self() const { return self_; }
 
-    /// Returns half the coefficient of d . d' in the change of E, for changes d of a pixel and d' of a neighbour.
+    /// Returns half the coefficient of d . d' in the change of the error, for changes d and d' of neighbouring pixels.
     /// @param dx, dy  from -1 to 1
     float mutual(int x, int y, int dx, int dy) const {
         return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(3 * (dy + 1) + dx + 1)];
@@ -75,7 +75,7 @@ private:
 
     static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-    /// A * r_l of one level, with a margin around the picture. Changes near the border also write to the margin.
+    /// Stored values of one level, with a margin around the picture to which changes near the border also write.
     struct Level {
         int width = 0, height = 0;
         std::size_t stride = 0;
@@ -99,7 +99,7 @@ private:
 
     void fill(int l, std::span<const Colour> residual, int width, int height, Executor& executor);
 
-    Kernel kernel_{};  ///< factor of A along each axis, without weight_l
+    Kernel kernel_{};  ///< autocorrelation of the Gaussian along one axis
     float self_ = 0;
     /// [y & kPhaseMask][x & kPhaseMask][neighbour] results of mutual().
     std::array<std::array<std::array<float, 9>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};

@@ -16,7 +16,7 @@ bool is_near(long octave, long other) {
     return octave != kNone && std::abs(octave - other) <= 1;
 }
 
-/// Converts features to the unit frame of the land.
+/// Converts features to the unit frame of the land, which is the union of all features with dots.
 class UnitMap {
 public:
     UnitMap(const DotGround& ground, const Domain& land)

@@ -24,8 +24,8 @@ public:
     /// O(dots + corners of the features).
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
 
-    /// @param places  [dots]
-    /// @param errors  out [dots] as ErrorGrid::at() returns them
+    /// @param places  [dots] positions in the unit frame
+    /// @param errors  out: [dots] results of ErrorGrid::at()
     ///
     /// O(dots).
     void measure(std::span<const Point> places, std::span<double> errors);

@@ -56,7 +56,7 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Returns a feature's dots per squared unit at density 1, outside the area that fixed points take.
+    /// Returns a feature's dots per squared unit where the density is 1, outside the area that fixed points take.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// Returns the wanted density at a point, according to the map's density.
@@ -88,10 +88,10 @@ public:
     /// Whether the density is constant over a feature.
     bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
 
-    /// Whether a dot may lie at a position.
+    /// Whether a position is inside a feature and has a positive density.
     bool may_lie(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position: it may lie there, and keeps the clearance from much sparser features.
+    /// Whether a dot may start at a position: may_lie() is true, and no much sparser feature is close.
     bool is_clear(std::uint32_t feature, Point p) const;
 
     /// Fast, conservative form of is_clear(), which returns false at some clear positions.
@@ -116,7 +116,7 @@ private:
     Map map_;
     std::size_t class_;
     std::size_t dots_ = 0;
-    std::vector<FeatureArea> fences_;  ///< [features] areas with the clearance for this class
+    std::vector<FeatureArea> fences_;  ///< [features] areas, with clearances from sparser features
     std::vector<double> wanted_;       ///< [features] dots per squared unit where the density is 1
     /// [features] fixed points in each feature; empty if there are no fixed points.
     std::vector<std::vector<Point>> fixed_;

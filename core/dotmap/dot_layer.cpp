@@ -123,7 +123,7 @@ Result<void> DotLayer::insert_all() {
     return inserted;
 }
 
-/// Inserts dots, given in ascending order.
+/// Inserts dots into the mesh, in ascending order of their numbers.
 Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
     std::vector<std::uint32_t> kept, left;

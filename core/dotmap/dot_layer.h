@@ -42,7 +42,7 @@ public:
     bool has_next_iteration() const;
     /// Runs the polish steps that precede the next iteration: a push and an even round. Does nothing if there are none.
     void polish_between(const PolishSettings& settings);
-    /// @returns  false after a stop
+    /// Runs one iteration. Returns false after a stop.
     bool iterate();
 
     std::size_t size() const { return dots_.size(); }
@@ -119,7 +119,7 @@ private:
     std::vector<double> capacities_;     ///< [triangles] capacity in dots: half of area / wanted area
     std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
     std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves
-    std::optional<Relaxation> relaxation_;     ///< during iterations only
+    std::optional<Relaxation> relaxation_;     ///< exists during iterations only
     std::optional<MeshTransport> transport_;   ///< created when first needed
     std::vector<double> spacings_;             ///< [sites] local spacings, in the unit frame
     std::vector<double> areas_, moved_areas_;  ///< [triangles] doubled areas before and after a move

@@ -78,7 +78,7 @@ private:
     Box bounds_;
     double margin_ = 0;
     double row_height_ = 1;
-    std::vector<std::size_t> first_;  ///< [rows + 1] first edge of each row
+    std::vector<std::size_t> first_;  ///< [rows + 1] index in `edges_` of the first edge of each row
     std::vector<Edge> edges_;         ///< sorted by row; an edge is listed in every row that it reaches
     std::size_t grid_columns_ = 1, grid_rows_ = 1;
     double columns_per_unit_ = 1, rows_per_unit_ = 1;

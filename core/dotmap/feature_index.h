@@ -34,7 +34,7 @@ private:
 
     Box box_;
     std::size_t columns_ = 1, rows_ = 1;
-    std::vector<std::size_t> first_;  ///< [cells + 1] first member of each cell's list
+    std::vector<std::size_t> first_;  ///< [cells + 1] start of each cell's list in `members_`
     std::vector<std::uint32_t> members_;
 };
 

@@ -36,8 +36,8 @@ Point place_of(Direction direction);
 
 /// A conformal map of the ellipsoid, except for one point, onto a plane. It maps the ellipsoid to the sphere, and the
 /// sphere to the plane by stereographic projection from the point opposite the centre. The centre maps to the origin,
-/// where the unit of the plane is the sphere's radius. Angles in the plane equal angles on the ground, and `ground()`
-/// gives the scale of areas.
+/// where the unit of the plane is the sphere's radius. Angles equal those on the ground; `ground()` gives the scale of
+/// areas.
 ///
 /// Source: Snyder, Map Projections: A Working Manual, USGS 1395 (1987), pp. 157 to 163. Equal to PROJ's `+proj=stere
 /// +ellps=WGS84` up to unit and rotation. Why not PROJ: it has no closed form of the scale, and its inverse is accurate

@@ -31,8 +31,7 @@ struct GlobeDistribution {
 /// @returns        sites strictly inside the region; iterations, trace and variation are taken from the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
-/// Errors: those of chart_region() and `distribute`; Unusable if the density is zero everywhere or the buffer covers
-/// all.
+/// Errors: those of chart_region() and `distribute`; Unusable if the density is 0 everywhere or the buffer covers all.
 ///
 /// Limits: a region that leaves no cap with a radius of 5 degrees free is divided into two parts, by a circle of 20
 /// degrees around a point far from any border of the region. Sites keep half a row from this circle.

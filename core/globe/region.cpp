@@ -167,14 +167,14 @@ private:
 
     const std::stop_token& stop_;
     const double sites_;
-    const double buffer_;      ///< in radians
+    const double buffer_;      ///< distance of sites from the border, in radians
     std::vector<Ring> rings_;  ///< in degrees, with the inside on the left
     double west_ = 0, east_ = 0;
     bool closes_ = false;            ///< whether the east and west sides are the same meridian
     std::vector<double> seam_;       ///< latitudes of corners on the seam, ascending, which divide it into pieces
     std::vector<int> seam_sides_;    ///< [pieces of the seam] number of edges along the piece
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
-    double step_ = 0;                ///< in radians
+    double step_ = 0;                ///< largest distance of points in `border_`, in radians
     std::size_t stride_ = 1;         ///< stride at which searches visit `border_`
     double coarsest_ = 0;            ///< largest tolerance of edges, in radians on the ground
 };
@@ -346,8 +346,8 @@ bool is_straight(Point a, Point b, double tolerance) {
     return dot(along, along) * kDegree * kDegree < tolerance;
 }
 
-/// Calls `visit(a, b)` for all edges that count as border. These are curved on a chart. Edges along a pole, and pieces
-/// that both sides of the seam have in common, do not count.
+/// Calls `visit(a, b)` for all edges that count as border. Such edges are curved on a chart. Edges along a pole, and
+/// pieces common to both sides of the seam, do not count.
 template <class Visit>
 void Charting::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
@@ -398,8 +398,7 @@ void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point
     });
 }
 
-/// Returns the rings in the plane of a chart. Where both sides of the seam have edges, rings run back and forth on a
-/// line.
+/// Returns the rings in the plane of a chart. Edges on both sides of the seam run back and forth on a line.
 std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {

@@ -45,9 +45,9 @@ struct ChartedPart {
 /// suffices. The chart's centre is opposite the largest such cap, which minimises the variation of scale. Any other
 /// region is cut along a circle, and the second part is the inside of the circle.
 ///
-/// @param degrees  the region in longitude and latitude, in one turn; its edges are straight lines there (RFC 7946,
-///                 section 3.1.1). If the region spans the whole globe, its west and east sides are joined; pieces that
-///                 both sides have in common do not count as border.
+/// @param degrees  the region in longitude and latitude, as returned by in_one_turn(); its edges are straight lines
+///                 there (RFC 7946, section 3.1.1). If the region spans the whole globe, its west and east sides are
+///                 joined; pieces that both sides have in common do not count as border.
 /// @param sites    number of sites to be distributed; edges are approximated to a thousandth of their pitch
 /// @param buffer   distance in metres that sites will keep from the border; 0 if none. Edges are approximated to a
 ///                 4,000th of this distance, or as closely as 10,000 pieces allow (see ChartedPart::error). The circle
@@ -58,10 +58,10 @@ struct ChartedPart {
 Result<std::vector<ChartedPart>> chart_region(const Domain& degrees, std::size_t sites, double buffer = 0,
                                               const std::stop_token& stop = {});
 
-/// Returns the mean spacing of sites in a region, in radians on the sphere. The region must be in one turn.
+/// Returns the mean spacing of sites in a region, in radians on the sphere. `degrees` is a result of in_one_turn().
 double ground_pitch(const Domain& degrees, std::size_t sites);
 
-/// Projects another region, in one turn, onto a chart that covers it. Approximates edges as chart_region() does.
+/// Projects a result of in_one_turn() onto a chart that covers it. Approximates edges as chart_region() does.
 /// @param pitch  spacing of the sites, in radians on the sphere
 Result<Domain> lay_on_chart(const Chart& chart, const Domain& degrees, double pitch, const std::stop_token& stop = {});
 

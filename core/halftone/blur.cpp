@@ -18,8 +18,7 @@ constexpr int kBoxes = 2;
 /// Number of columns filtered together, so that their sums stay in the cache.
 constexpr std::size_t kColumns = 256;
 
-/// Number of rows filtered together. Additions along a row depend on each other; those of several rows run at the same
-/// time.
+/// Number of rows filtered together, so that their chains of dependent additions run at the same time.
 constexpr std::size_t kRows = 4;
 
 /// Box filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.

@@ -26,7 +26,7 @@ public:
     /// Computes the levels of an image [width * height]. Deterministic for any number of threads. O(pixels).
     void assign(const std::vector<float>& values, Executor& executor = inline_executor());
 
-    /// A position in a level.
+    /// Bilinear interpolation of one level at a position.
     struct LevelSample {
         std::size_t level = 0;
         std::size_t pixel = 0;  ///< upper left one of the four pixels between which the value is interpolated

@@ -105,7 +105,7 @@ private:
     const Function function_;
     const Steps steps_;
     const std::size_t used_;
-    std::array<float, kSteps + 2> places_{};  ///< positions for equal steps of light; the last entry is beyond 1
+    std::array<float, kSteps + 2> places_{};  ///< positions on an axis, in nodes, for equal steps of light from 0
     std::array<float, kSide> light_{};        ///< light at the nodes of an axis
     std::vector<float> nodes_;                ///< [nodes][used]; red varies fastest
     std::vector<std::atomic<bool>> is_filled_;

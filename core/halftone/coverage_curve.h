@@ -14,13 +14,13 @@ namespace ccdt {
 class CoverageCurve {
 public:
     /// Least area that one more dot must newly cover, relative to the dot's own area. With this limit, nearly solid
-    /// areas keep a few white specks. They would take 50 % more dots and change the light by a thousandth.
+    /// areas keep a few white specks. Covering them would take 50 % more dots and change the light by 0.001.
     static constexpr double kMinGain = 0.003;
 
     CoverageCurve();
 
-    /// Returns the mean number of dots per area of one disc that is needed to cover a share of the plane, in [0, 1].
-    /// For shares above solid(), returns the number for solid().
+    /// Returns the mean number of dots, per area of one disc, that cover a given share of the plane, in [0, 1]. For
+    /// shares above solid(), returns the number for solid().
     double dots(double share) const;
 
     /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.

@@ -5,8 +5,8 @@
 
 namespace ccdt {
 
-/// Returns the rectangle in the middle of a picture. If an odd number of columns or rows has to be removed, one more is
-/// removed on the right or at the bottom.
+/// Returns the rectangle in the middle of a picture. If an odd number of columns or rows has to be removed, the right
+/// or the bottom loses one more.
 ///
 /// @param width, height  size of the rectangle in pixels, >= 1 and at most the size of the picture
 Picture middle_of(const Picture& picture, int width, int height);

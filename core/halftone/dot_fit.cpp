@@ -69,7 +69,7 @@ public:
         dots_.improve(bases_, draw, [this](std::size_t dot, std::size_t c) { return sign(dot, c) * gains_[dot][c]; });
     }
 
-    /// Finds the dots that the boundary of a ground crosses, and the pairs that may overlap, at the current areas.
+    /// Finds the dots that the boundary of a ground crosses, and the pairs that may overlap, given the current areas.
     void find_cut() {
         if (plan_.kinds.size() > 1) {
             close_ = dots_.close_pairs();
@@ -137,7 +137,7 @@ private:
     }
 
     /// Returns, for each pair of channels, the share of the area around a site in which dots flip both channels.
-    /// @param share  flipped share of each channel; the smaller of two is the result if the areas are nested
+    /// @param share  flipped share of each channel; needed only if the flipped areas are nested
     std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
         std::array<Channels, kMaxInks> areas{};
         const auto for_pairs = [&](const auto& work) {
@@ -232,10 +232,10 @@ private:
     const TwoSidedPlan& plan_;
     Executor& executor_;
     FittedDots dots_;
-    std::vector<std::vector<float>> bases_;            ///< [channels] error without dots
+    std::vector<std::vector<float>> bases_;            ///< [channels] error images without dots
     std::vector<Channels> gains_;                      ///< [dots] result of gains_of()
     std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
-    std::vector<Cut> cut_;  ///< [dots][channels]; default values for channels that the dot does not flip
+    std::vector<Cut> cut_;  ///< [dots][channels] default values for channels that the dot does not flip
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ inline constexpr double kMinDotArea = 1e-12;
 /// Requested properties of the dots: their number, their radius, or both.
 struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
-    std::optional<double> radius;      ///< pixels of the picture, > 0
+    std::optional<double> radius;      ///< radius of the dots, in pixels of the picture, > 0
     double detail = 0;                 ///< standard deviation, in radii, of the blur that sharpening compensates; >= 0
 };
 

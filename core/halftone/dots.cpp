@@ -134,8 +134,7 @@ private:
         return {top, std::min(top + rows_, height_)};
     }
 
-    /// Returns a height of bands, in rows. Few dots touch several bands, and if possible there are kBands bands or
-    /// more.
+    /// Returns a height of bands, in rows, at which few dots touch several bands. Prefers kBands bands or more.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
         const double preferred = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));

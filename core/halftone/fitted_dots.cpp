@@ -67,8 +67,8 @@ void FittedDots::add(const KindOfDots& kind, std::span<const Point> sites) {
     }
 }
 
-/// Chooses the coarsest grid that resolves the spacing of nearly all dots. With 1.3 cells per spacing instead of 2, the
-/// grain of flat greys is six times as large.
+/// Chooses the coarsest grid of error images that resolves the spacing of nearly all dots. With 1.3 cells per spacing
+/// instead of 2, the grain of flat greys is six times as large.
 void FittedDots::choose_grid() {
     constexpr double kSmallShare = 0.1, kCellsPerSpacing = 2;
     std::vector<float> sorted = ground_per_dot_;

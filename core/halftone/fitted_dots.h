@@ -27,7 +27,7 @@ namespace ccdt {
 /// the error at a dot is a mean over the local spacing. Positions and areas are in cells of the plan.
 class FittedDots {
 public:
-    /// @param sites  [kinds][sites]; dots are numbered in this order
+    /// @param sites  [kinds][sites] centres of the dots, in cells; dots are numbered in this order
     FittedDots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor);
 
     std::size_t count() const { return sites_.size(); }
@@ -46,12 +46,12 @@ public:
     /// Finds the pairs of dots that may overlap, given the current areas.
     std::vector<std::array<std::uint32_t, 2>> close_pairs() const;
 
-    /// Returns an error image: the errors of the drawing without dots, as means over the cells of the error's grid.
+    /// Returns an error image: the errors of the drawing without dots, as means over the cells of a coarser grid.
     /// @param values  [cells of the plan] error of the drawing without dots
     std::vector<float> error_image(const std::vector<float>& values) const;
 
     /// Adds light to an error image. add_light() adds it at a position; add_disc() distributes it over a disc.
-    /// @param amount  light multiplied by the area that has it, in cells of the plan
+    /// @param amount  light multiplied by its area, in cells of the plan
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
 
@@ -61,7 +61,7 @@ public:
     ///
     /// @param bases  [channels] results of error_image()
     /// @param draw   draw(channel, image) adds the light of all dots to an error image
-    /// @param gain   gain(dot, channel) returns the gain of a dot for errors of a channel
+    /// @param gain   gain(dot, channel) returns the factor of a dot for errors of a channel
     template <class Draw, class Gain>
     void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kNoise = 0.004f;
@@ -98,7 +98,7 @@ private:
     CellGrid grid_;                            ///< grid of error images
     Point scale_;                              ///< cells of the grid per cell of the plan, along each axis
     BlurPyramid means_;
-    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
+    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] interpolations in `means_` at the dots
     std::vector<float> image_, changes_;        ///< buffers of improve()
 };
 

@@ -20,12 +20,12 @@ namespace {
 
 constexpr float kBoundary = 0.5f;
 
-/// Range of the level of a Ground.
+/// Range of values of Ground::level().
 struct LevelRange {
     float low, high;
 };
 
-/// Levels of a Ground along a horizontal line, at the centre of each column of cells.
+/// Values of Ground::level() along a horizontal line, at the centre of each column of cells.
 class LevelRow {
 public:
     LevelRow(const Ground& ground, double y)
@@ -123,7 +123,7 @@ void apply_run(const LevelRow& row, const PixelColumns& columns, std::size_t beg
         pixels[x] = ink_of(black_share(row, columns[x], step, antialias), pixels[x]);
 }
 
-/// Returns the range of levels of a cell and its eight neighbours.
+/// Returns the range of Ground::level() over a cell and its eight neighbours.
 LevelRange range_around(const Ground& ground, int column, int row) {
     const CellGrid& cells = ground.cells();
     float low = 1, high = 0;

@@ -53,7 +53,7 @@ std::vector<Point> without_straight_points(const std::vector<Point>& ring) {
     return result;
 }
 
-/// An edge of the node grid.
+/// An edge between adjacent nodes of a grid.
 struct Edge {
     int column, row;  ///< its first node
     bool down;        ///< whether it leads to the node below; else to the node on the right
@@ -112,8 +112,7 @@ private:
         return from + a / (a - b) * (to - from);
     }
 
-    /// Links the crossed edges of a square. Corners are numbered clockwise from the upper left; edge k follows corner
-    /// k.
+    /// Links the crossed edges of a square. Corners and edges are numbered clockwise from the upper left corner.
     void link(int column, int row) {
         const std::array<bool, 4> black = {nodes_.is_black(column, row), nodes_.is_black(column + 1, row),
                                            nodes_.is_black(column + 1, row + 1), nodes_.is_black(column, row + 1)};

@@ -243,7 +243,7 @@ private:
     LightPlanes bases_;          ///< light of the ground minus light of the picture
     std::vector<Colour> gains_;  ///< [dots] result of gains_of()
     std::vector<ClosePair> close_;
-    std::vector<std::vector<Part>> parts_;  ///< [dots]
+    std::vector<std::vector<Part>> parts_;  ///< [dots] parts on different grounds
 };
 
 }  // namespace

@@ -86,12 +86,11 @@ public:
         });
     }
 
-    /// Sets the relative areas of dots. Dots that are hardly visible on their ground could be large, but would be blots
-    /// where they extend to another. So the area follows from the nearby ground on which the kind is most visible.
+    /// Sets the relative areas of dots. Dots that are hardly visible on one ground could be large, but would be blots
+    /// on the ground beside it. So the area follows from the nearby ground on which the kind is most visible.
     /// @param radius  radius of the dots, in cells
     void add_areas(double radius) {
-        constexpr float kMinVisibility = 0.02f;  // lower limit, because some kinds are invisible, such as an ink under
-                                                 // black
+        constexpr float kMinVisibility = 0.02f;  // lower limit; for example, an ink under black is invisible
         constexpr double kReach = 2, kMaxReach = 8;
         const auto reach = plan_.colours.empty()
                                ? std::size_t{0}

@@ -150,7 +150,7 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     return samples;
 }
 
-/// Returns gradient() for each cell: the change of the cost per unit of light that is added to a channel.
+/// Returns for each cell the change of the squared colour difference per unit of light in each channel; see gradient().
 LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Executor& executor) const {
     const LightPlanes seen = means(
         [&](int x, int y) {
@@ -168,7 +168,7 @@ LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Exec
     return gradients;
 }
 
-/// Returns the move of a dot. Samples just outside the rim show how the cost would change if the dot covered them.
+/// Returns the move of a dot. Samples outside the rim show how the colour difference would change if it covered them.
 Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
                        const LightPlanes& gradients) const {
     constexpr double kStrength = 0.2;  // radii per unit of the slope

@@ -47,8 +47,7 @@ struct KindOfDots {
 ///
 /// In red, green and blue, the flipped areas of the channels are nested. A place has up to three kinds of dots. The
 /// first flips all three channels. The second flips the two channels with the larger flipped areas. The third flips the
-/// channel with the largest flipped area. So all dots together cover only the largest of the three areas, without
-/// overlap.
+/// channel with the largest flipped area. So all dots together cover only the largest area, without overlap.
 struct TwoSidedPlan {
     CellGrid cells;
     std::vector<TwoSidedChannel> channels;  ///< grey; or red, green and blue; or one for each ink

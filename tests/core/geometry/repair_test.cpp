@@ -188,7 +188,7 @@ TEST(Repair, ReportsNoFaultsOfValidPolygons) {
     }
 }
 
-/// Three fans of the inside meet at one point, and a point of one ring lies on the edge of another.
+/// Three sectors of the interior meet at one point, and a corner of one ring lies on an edge of another ring.
 TEST(Repair, SeparatesFansAtACommonCorner) {
     Parts fans;
     for (int i = 0; i < 3; ++i) {
