@@ -13,7 +13,7 @@ namespace ccdt {
 /// Largest number of colours of a device.
 inline constexpr std::size_t kMaxDeviceColours = 16;
 
-/// Colours of a device, in an opponent space. Each pixel of the device shows one of them.
+/// Colours of a device, in an opponent space. Each pixel of the device shows one of these colours.
 ///
 /// The space is linear in light. Its axes are luminance, and the differences red-green and blue-yellow of linearised
 /// CIELAB. So the blur of the eye is a mean of these values, and distances are about proportional to visible

@@ -16,7 +16,7 @@ namespace ccdt {
 ///
 /// @param wanted  [width * height] wanted colours in the opponent space
 /// @param given   [width * height] number of a colour that the pixel keeps, or kAnyColour
-/// @param chosen  [width * height] initial numbers of colours; equal to `given` except where it is kAnyColour
+/// @param chosen  [width * height] initial numbers of colours; equal to `given` where a colour is given
 /// @param stop    polled many times in each sweep; a stop returns the improved picture so far
 /// @returns       [width * height] numbers of colours
 ///

@@ -261,7 +261,7 @@ Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, co
 void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop) {
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
     std::uint32_t current = kNone;
-    std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // [features] last feature found to overlap it
+    std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // [features] last feature found to overlap
     for (const auto& [place, feature] : dots) {
         if (stop.stop_requested()) return;
         if (feature != current) {

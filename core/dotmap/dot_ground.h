@@ -64,7 +64,7 @@ public:
 
     /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. The result is
     /// grouped by feature, and successive features are mostly neighbours.
-    /// @param rounded  rounds a position as its storage in the unit frame does; called in parallel
+    /// @param rounded  rounds a position to the precision of the mesh; called in parallel
     ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,

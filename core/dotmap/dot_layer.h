@@ -25,7 +25,7 @@
 namespace ccdt {
 
 /// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while
-/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() follows large
+/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() must follow large
 /// moves. After the start, collect() returns the current state.
 class DotLayer {
 public:

@@ -50,7 +50,7 @@ public:
 
     /// Returns the end of a move from one position towards another that does not leave the area. If `to` is inside, the
     /// move ends there. Otherwise the point slides along the obstructing edge. If sliding would leave the area, too,
-    /// the point moves half of the way to the edge, or not at all. Points keep the clearance once they have it.
+    /// the point moves half of the way to the edge, or not at all. Points that keep the clearance continue to do so.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 

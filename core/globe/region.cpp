@@ -398,7 +398,8 @@ void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point
     });
 }
 
-/// Returns the rings in the plane of a chart. Edges on both sides of the seam run back and forth on a line.
+/// Returns the rings in the plane of a chart. Edges common to both sides of the seam become lines that are traversed
+/// twice.
 std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {

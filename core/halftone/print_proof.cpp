@@ -168,7 +168,7 @@ LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Exec
     return gradients;
 }
 
-/// Returns the move of a dot. Samples outside the rim show how the colour difference would change if it covered them.
+/// Returns the move of a dot. Samples outside its rim show how the colour difference changes if the dot covers them.
 Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
                        const LightPlanes& gradients) const {
     constexpr double kStrength = 0.2;  // radii per unit of the slope

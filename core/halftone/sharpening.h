@@ -7,8 +7,8 @@
 
 namespace ccdt {
 
-/// Sharpens an image of coverage such that a blurred copy of the result resembles the original more closely. Values of
-/// 0 and 1 do not change, and local sums hardly change.
+/// Sharpens an image of coverage such that a blurred copy of the result resembles the original image. Values of 0 and 1
+/// do not change, and local sums hardly change.
 ///
 /// @param cover  [width * height] in [0, 1]
 /// @param sigma  standard deviation, in pixels, of the blur, as for blurred(); >= 0; 0 returns an identical copy

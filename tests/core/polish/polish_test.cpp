@@ -29,7 +29,8 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-/// Returns the domain in its unit frame as one outer ring and holes. The even-odd rule does not distinguish them.
+/// Returns a domain in its unit frame, with one ring as outer ring and all others as holes, for tests by the even-odd
+/// rule.
 Parts unit_parts(const Domain& domain) {
     const auto& rings = domain.rings();
     return {{rings[0], {rings.begin() + 1, rings.end()}}};
