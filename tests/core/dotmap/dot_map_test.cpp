@@ -179,7 +179,7 @@ TEST(DistributeDots, KeepsClassesApart) {
     EXPECT_GT(found[found.size() / 20], 0.4);
 }
 
-/// 60 random fixed points on two features, one of them twice as dense, and a hundred coincident ones.
+/// Uses 60 random fixed points on two features, of which one is twice as dense, and 100 coincident fixed points.
 TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
     const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
     Options options;

@@ -225,7 +225,7 @@ TEST(Repair, DropsDistantSpikes) {
     expect_sites_inside(result.domain, {{box(0, 0, 1, 1), {}}});
 }
 
-/// Rings cross everywhere, many of them at rounded crossings of others.
+/// Rings cross everywhere, often at rounded crossings of other rings.
 TEST(Repair, RepairsScribbles) {
     for (const int corners : {5, 8, 20, 60, 120}) {
         for (std::uint64_t seed = 0; seed < 12; ++seed) {

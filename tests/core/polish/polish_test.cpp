@@ -118,7 +118,7 @@ TEST(Polish, EvensOutSmallSpots) {
     EXPECT_LT(error(Quality::Best), 0.8 * draft);
 }
 
-/// Shifted positions are exact only near the box, but few sites on a steep density drift together.
+/// Few sites on a steep density drift together, but must stay near the box: shifts are exact only there.
 TEST(Polish, KeepsPositionsNearTheBoxOfATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     for (std::uint64_t seed = 3300; seed < 3340; ++seed) {
@@ -294,7 +294,7 @@ TEST(Polish, KeepsSitesApartAcrossWater) {
     }
 }
 
-/// Most islands have one to four sites: no place has more space, and neighbours are across water.
+/// Most islands have one to four sites, so neighbours are across water, and no place has more space.
 TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     const Domain domain = domain_of(test::read_geojson("Norway-islands-10m.geojson"));
     for (const std::size_t sites : {10, 20, 30, 60}) {
