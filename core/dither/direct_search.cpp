@@ -86,7 +86,7 @@ private:
 
     /// Change of a pixel to another colour, or exchange of its colour with a neighbour.
     struct Change {
-        float error = -1e-7f;  ///< change of the visible error; the default is a bound on rounding errors
+        float error = -1e-7f;  ///< change of the visible error; the default exceeds rounding errors
         std::uint8_t colour = kAnyColour;
         int dx = 0, dy = 0;  ///< offset of the neighbour to exchange with; both 0: none
     };

@@ -40,7 +40,7 @@ public:
         choose_kinds(inks);
     }
 
-    /// Adds the light that dots on the ground of a cell cannot reproduce to the surroundings of the cell.
+    /// Moves the missing light, which dots on the ground of a cell cannot reproduce, to the surroundings of the cell.
     /// @param wanted  light of the picture; modified
     /// @param radius  radius of the dots, in cells
     void distribute_missing_light(LightPlanes& wanted, double radius) {

@@ -67,7 +67,7 @@ inline constexpr double kMaxCanvasPixels = 16e6;
 /// number is limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
-/// Returns the same scale, given the ink and the number of pixels of the picture.
+/// Returns the default scale of a picture, given its ink and its number of pixels.
 /// @param ink  sum of the shares that dots cover, in pixels of the picture
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 
