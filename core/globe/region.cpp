@@ -174,7 +174,7 @@ private:
     std::vector<double> seam_;       ///< latitudes of corners on the seam, ascending, which divide it into pieces
     std::vector<int> seam_sides_;    ///< [pieces of the seam] number of edges along the piece
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
-    double step_ = 0;                ///< largest distance of points in `border_`, in radians
+    double step_ = 0;                ///< largest distance between successive points of `border_`, in radians
     std::size_t stride_ = 1;         ///< stride at which searches visit `border_`
     double coarsest_ = 0;            ///< largest tolerance of edges, in radians on the ground
 };

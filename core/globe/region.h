@@ -42,8 +42,9 @@ struct ChartedPart {
 };
 
 /// Projects a region of the globe onto charts. If a cap with a radius of 5 degrees lies outside the region, one chart
-/// suffices. The chart's centre is opposite the largest such cap, which minimises the variation of scale. Any other
-/// region is cut along a circle, and the second part is the inside of the circle.
+/// suffices. The chart's centre is in the middle of a small region, and otherwise opposite the largest such cap, which
+/// minimises the variation of scale. Any other region is cut along a circle, and the second part is the inside of the
+/// circle.
 ///
 /// @param degrees  the region in longitude and latitude, as returned by in_one_turn(); its edges are straight lines
 ///                 there (RFC 7946, section 3.1.1). If the region spans the whole globe, its west and east sides are

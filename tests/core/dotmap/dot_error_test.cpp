@@ -89,7 +89,7 @@ TEST(DotError, LocatesASurplus) {
     }
 }
 
-/// Dots beyond the border of a feature count, whether the two spacings are in one octave or in adjacent octaves.
+/// Errors include the dots of neighbouring features whose spacings are in the same octave or in an adjacent one.
 TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
