@@ -36,7 +36,7 @@ std::size_t DeviceColours::nearest(const Opponent& colour) const {
 }
 
 DeviceColours::Opponent DeviceColours::opponent(const Light& light) {
-    // CIELAB has 116 f(Y), 500 (f(X) - f(Y)) and 200 (f(Y) - f(Z)). Without the cube roots f, and over 116:
+    // CIELAB has the axes 116 f(Y), 500 (f(X) - f(Y)), 200 (f(Y) - f(Z)). The opponent space has f(t) = t / 116.
     constexpr double kRedGreen = 500.0 / 116, kBlueYellow = 200.0 / 116;
     std::array<double, 3> xyz{};
     for (std::size_t i = 0; i < xyz.size(); ++i)

@@ -13,11 +13,11 @@ namespace ccdt {
 /// Largest number of colours of a device.
 inline constexpr std::size_t kMaxDeviceColours = 16;
 
-/// The colours of a device whose pixels each show one of a few colours, as an eye sees them.
+/// Colours of a device, in an opponent space. Each pixel of the device shows one of these colours.
 ///
-/// Colours are kept in an opponent space that is linear in light: luminance, and the differences red-green and
-/// blue-yellow of linearised CIELAB. So blurs, which the eye adds, are means of these values, and distances are about
-/// proportional to visible differences. A device that has only greys has a single channel, the luminance.
+/// The space is linear in light. Its axes are luminance, and the differences red-green and blue-yellow of linearised
+/// CIELAB. So the blur of the eye is a mean of these values, and distances are about proportional to visible
+/// differences. A device that has only greys has a single channel, the luminance.
 /// Source: Flohr, Kolpatzik, Balasubramanian, Carrara, Bouman, Allebach 1993, Model based color image quantization.
 class DeviceColours {
 public:
@@ -32,7 +32,7 @@ public:
     /// Returns a colour of the device.
     const Opponent& operator[](std::size_t number) const { return colours_[number]; }
 
-    /// Returns the number of the colour that differs least from a given one. Of equal differences, the first wins.
+    /// Returns the number of the device's colour nearest to a given colour. Of several, returns the first.
     std::size_t nearest(const Opponent& colour) const;
 
     /// Converts light to the opponent space.

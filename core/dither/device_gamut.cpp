@@ -67,7 +67,7 @@ Weights nearest_on_triangle(const std::array<Vector, 3>& corners) {
 
 /// Returns the derivatives of CIELAB with respect to light [L*, a*, b*][red, green, blue].
 std::array<Vector, 3> lab_slopes(const Vector& light) {
-    // Near black the slopes are those of a dark grey, since the eye adapts to the surroundings there.
+    // Near black, the slopes of a dark grey are used, because the eye adapts to the surroundings.
     constexpr double kStep = 1e-3, kLeast = 0.01;
     Vector at = light;
     for (double& value : at) value = std::max(value, kLeast);
@@ -85,14 +85,14 @@ std::array<Vector, 3> lab_slopes(const Vector& light) {
 }  // namespace
 
 DeviceGamut::DeviceGamut(std::span<const Light> colours) {
-    constexpr double kFlat = 1e-9;  // volume, in units of the cube of white light, that counts as nothing
+    constexpr double kFlat = 1e-9;  // largest volume that counts as 0; the cube of all light has 1
     assert(colours.size() >= 2);
     for (const Light& light : colours) colours_.push_back({light.red, light.green, light.blue});
     is_flat_ = true;
     std::vector<Facet> triangles;
     for (std::size_t i = 0; i < colours_.size(); ++i) {
         for (std::size_t j = i + 1; j < colours_.size(); ++j) {
-            // With two colours, the only triangle has a corner twice.
+            // With two colours, the only triangle repeats a corner.
             for (std::size_t k = std::min(j + 1, colours_.size() - 1); k < colours_.size(); ++k) {
                 Facet triangle{{i, j, k}, cross(colours_[j] - colours_[i], colours_[k] - colours_[i])};
                 double above = 0, below = 0;

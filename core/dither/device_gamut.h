@@ -11,17 +11,16 @@
 
 namespace ccdt {
 
-/// The colours that mixtures of a device's colours can make: the convex hull of these colours in linear light.
+/// Gamut of a device: the convex hull of its colours in linear light, which contains all mixtures of these colours.
 class DeviceGamut {
 public:
     /// @param colours  at least 2 different colours in linear light
     explicit DeviceGamut(std::span<const Light> colours);
 
-    /// Returns the colour of the gamut that looks most like a given one. A colour within the gamut is returned
-    /// unchanged, except for rounding.
+    /// Returns the colour of the gamut that looks most like a given colour. Colours within the gamut hardly change.
     ///
-    /// The distance is that in CIELAB, linearised at the given colour. Continuous. O(facets), of which there are at
-    /// most twice as many as colours, or, for flat gamuts, O(colours^3).
+    /// Minimises the distance in CIELAB, linearised at the given colour. The result is continuous in `light`.
+    /// O(facets): at most two facets per colour, or O(colours^3) if the gamut is flat.
     Light nearest(const Light& light) const;
 
 private:
@@ -36,7 +35,7 @@ private:
     bool contains(const Vector& light) const;
 
     std::vector<Vector> colours_;
-    std::vector<Facet> facets_;  ///< if the hull is flat, all triangles
+    std::vector<Facet> facets_;  ///< faces of the hull; if the hull is flat, all triangles between colours
     bool is_flat_ = false;       ///< whether the hull has no volume
 };
 

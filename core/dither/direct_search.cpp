@@ -20,7 +20,7 @@ constexpr std::size_t index(int i) {
     return static_cast<std::size_t>(i);
 }
 
-/// Searches changes of a picture in the colours of a device.
+/// Direct binary search that changes pixels of a picture in the colours of a device.
 /// @tparam Channels  1 for a device with greys only, 4 for other devices; as in VisualError
 template <std::size_t Channels>
 class DirectSearch {
@@ -51,9 +51,10 @@ public:
         }
     }
 
-    /// Visits the pixels once, without those around which nothing has changed since their last visit.
+    /// Visits all blocks once, except those around which nothing has changed since their last visit.
     ///
-    /// Tiles of one phase are so far apart that no tile's changes touch what another one reads.
+    /// In each of four phases, every second tile of every second row of tiles is visited in parallel. These tiles are
+    /// so far apart that changes in one do not affect the data that another one reads.
     /// @returns  number of changes
     std::size_t sweep(const std::stop_token& stop) {
         static_assert(kTile >= 2 * VisualError<Channels>::kReachInPixels);
@@ -83,11 +84,11 @@ private:
         float square = 0;
     };
 
-    /// A change of a pixel: it takes a colour of the device, or exchanges its colour with a neighbour.
+    /// Change of a pixel to another colour, or exchange of its colour with a neighbour.
     struct Change {
-        float error = -1e-7f;  ///< change of the visible error; this much is less than rounding errors
+        float error = -1e-7f;  ///< change of the visible error; the default exceeds rounding errors
         std::uint8_t colour = kAnyColour;
-        int dx = 0, dy = 0;  ///< neighbour to exchange with; both 0: none
+        int dx = 0, dy = 0;  ///< offset of the neighbour to exchange with; both 0: none
     };
 
     static std::vector<Colour> residual(std::span<const DeviceColours::Opponent> wanted,
@@ -188,14 +189,14 @@ private:
     VisualError<Channels> error_;
     int blocks_;                             ///< number of blocks in a row
     std::vector<std::uint8_t> is_due_;       ///< [blocks] whether a block is visited in this sweep
-    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether it is visited in the next sweep
+    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether a block is visited in the next sweep
     std::array<std::array<Difference, kMaxDeviceColours>, kMaxDeviceColours> differences_{};
 };
 
 template <std::size_t Channels>
 std::vector<std::uint8_t> search(DirectSearch<Channels> search, std::size_t pixels, const std::stop_token& stop) {
     constexpr int kMaxSweeps = 30;
-    constexpr std::size_t kPixelsPerChange = 2000;  // a sweep with fewer changes is the last one
+    constexpr std::size_t kPixelsPerChange = 2000;  // search ends if a sweep changes fewer pixels
     for (int sweep = 0; sweep < kMaxSweeps && !stop.stop_requested(); ++sweep) {
         if (search.sweep(stop) <= pixels / kPixelsPerChange) break;
     }

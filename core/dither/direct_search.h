@@ -11,16 +11,16 @@
 
 namespace ccdt {
 
-/// Improves a picture in the colours of a device, until no change of a pixel and no exchange of two neighbouring pixels
-/// makes the visible error (VisualError) smaller, or nearly none does.
+/// Reduces the visible error (VisualError) of a picture in the colours of a device. Changes single pixels and exchanges
+/// neighbouring pixels, until hardly any such step reduces the error.
 ///
-/// @param wanted  [width * height] colours in the opponent space
+/// @param wanted  [width * height] wanted colours in the opponent space
 /// @param given   [width * height] number of a colour that the pixel keeps, or kAnyColour
-/// @param chosen  [width * height] numbers of colours to begin with; given pixels must have their colours
-/// @param stop    polled many times in each sweep; a stop returns the picture as it is then
+/// @param chosen  [width * height] initial numbers of colours; equal to `given` where a colour is given
+/// @param stop    polled many times in each sweep; a stop returns the improved picture so far
 /// @returns       [width * height] numbers of colours
 ///
-/// Deterministic for any number of threads. O(pixels * colours) per sweep; about ten sweeps, of which the later ones
+/// Deterministic for any number of threads. O(pixels * colours) per sweep; there are about ten sweeps, and later sweeps
 /// visit few pixels. Source: Analoui, Allebach 1992, Model-based halftoning using direct binary search. Departures: any
 /// number of colours; an error with several scales; sweeps over tiles in parallel.
 std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponent> wanted,

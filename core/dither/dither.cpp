@@ -45,8 +45,7 @@ public:
     }
 
 private:
-    /// Difference between the nearest colour of the gamut and the wanted one. It is zero within the gamut, so colours
-    /// there are exact although a table interpolates.
+    /// Nearest colour of the gamut minus wanted colour: 0 within the gamut, so such colours are exact.
     using Excess = std::array<float, 3>;
 
     Light scaled(const Light& light) const {

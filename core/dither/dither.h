@@ -14,14 +14,13 @@ namespace ccdt {
 
 /// Shows a picture on a device whose pixels each show one of a few colours, such as electronic paper.
 ///
-/// The range of the picture is mapped to that of the device: black becomes the device's darkest colour, white its
-/// lightest one, and what lies between is linear in light. Colours that no mixture can make become the most similar
-/// ones (DeviceGamut). Then error diffusion chooses the colours of the pixels, and a search makes the visible error
-/// smaller (diffuse_error(), search_directly()).
+/// Maps black to the device's darkest colour and white to its lightest colour, linearly in light. Maps colours that no
+/// mixture of the device's colours can make to the most similar colours (DeviceGamut). Then error diffusion chooses the
+/// colours of the pixels, and a search reduces the visible error (diffuse_error(), search_directly()).
 ///
 /// @param light    red, green and blue [width * height] in linear light; values outside [0, 1] are clamped
 /// @param given    [width * height] number of a colour that the pixel must have, or kAnyColour
-/// @param colours  2 to kMaxDeviceColours different colours in linear light, as they look
+/// @param colours  2 to kMaxDeviceColours different colours, as they look on the device, in linear light
 /// @param stop     after a stop, the result is less similar to the picture
 /// @returns        [width * height] numbers of colours
 ///

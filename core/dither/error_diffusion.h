@@ -15,7 +15,7 @@ inline constexpr std::uint8_t kAnyColour = 255;
 /// Chooses a colour of the device for each pixel. The difference from the wanted colour is passed on to neighbouring
 /// pixels that are chosen later, so that local means stay nearly the same.
 ///
-/// @param wanted  [width * height] colours in the opponent space, which mixtures of the device's colours can make
+/// @param wanted  [width * height] wanted colours in the opponent space, within the device's gamut
 /// @param given   [width * height] number of a colour that the pixel must have, or kAnyColour
 /// @returns       [width * height] numbers of colours
 ///

@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the autocorrelation of a Gaussian that is cut off at half the reach.
+/// Returns the autocorrelation of a Gaussian that is cut off at 3 squares and has the sum 1.
 template <std::size_t Side>
 std::array<float, Side> autocorrelation() {
     constexpr double kSigma = 1.5;
@@ -53,7 +53,7 @@ VisualError<Channels>::VisualError(std::span<const Colour> residual, int width, 
     }
 }
 
-/// Computes A * r_l, along the rows and then along the columns.
+/// Computes the stored values of level l: sums of the residual over squares, filtered along rows, then along columns.
 template <std::size_t Channels>
 void VisualError<Channels>::fill(int l, std::span<const Colour> residual, int width, int height, Executor& executor) {
     Level& level = levels_[index(l)];

@@ -12,19 +12,19 @@
 
 namespace ccdt {
 
-/// Error that an eye sees of a picture on a device, and its exact changes when pixels change.
+/// Visible error of a picture on a device, updated exactly when pixels change.
 ///
-/// Let r be the residual, the device's picture minus the wanted one. Level l sums r over squares of 2^l x 2^l pixels
-/// and blurs these sums with a Gaussian G of 1.5 squares. The error is
+/// Let r be the residual: the device's picture minus the wanted picture. Level l holds r_l, the sums of r over squares
+/// of 2^l x 2^l pixels. Let G be a Gaussian with a standard deviation of 1.5 squares. The error is
 ///
 ///     E = sum over levels l of weight_l |G * r_l|^2.
 ///
-/// Level 0 is an eye that resolves about three pixels. Since sums grow with the squares, coarser levels weigh long
-/// waves with about the square of their wavelength, as transport does. They prevent the tone of deep shadows from
-/// drifting, where level 0 alone sees only single dots.
+/// Level 0 models an eye that resolves about three pixels. Coarser levels weight long waves by about the square of
+/// their wavelength, because sums grow with the area of the squares. They prevent the tone from drifting in deep
+/// shadows, where level 0 sees only single dots.
 ///
-/// The class stores A * r_l for each level, where A is the autocorrelation of G times the weight. A change d of one
-/// pixel then changes E by 2 d . gradient() + |d|^2 self(), and changes the stored values in a small window only.
+/// The class stores A * r_l for each level, where A is weight_l times the autocorrelation of G. A change d of one pixel
+/// then changes E by 2 d . gradient() + |d|^2 self(), and changes the stored values in a small window only.
 ///
 /// @tparam Channels  1, or 4 with the last one unused, so that a colour fills one vector register
 template <std::size_t Channels>
@@ -33,7 +33,7 @@ public:
     using Colour = std::array<float, Channels>;
 
     static constexpr int kLevels = 4;
-    static constexpr int kReach = 6;  ///< of A, in squares
+    static constexpr int kReach = 6;  ///< half the width of the kernel of a level, in squares
 
     /// Largest distance in pixels, along an axis, at which a change of one pixel changes stored values.
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
@@ -41,7 +41,7 @@ public:
     /// @param residual  [width * height]
     VisualError(std::span<const Colour> residual, int width, int height, Executor& executor);
 
-    /// Returns half the derivative of E with respect to the residual of a pixel.
+    /// Returns half the derivative of the error with respect to the residual of a pixel.
     Colour gradient(int x, int y) const {
         Colour sum{};
         for (int l = 0; l < kLevels; ++l) {
@@ -51,10 +51,10 @@ public:
         return sum;
     }
 
-    /// Returns the coefficient of the square of the change of one pixel.
+    /// Returns the coefficient of |d|^2 in the change of the error, for a change d of one pixel.
     float self() const { return self_; }
 
-    /// Returns the coefficient of the product of the changes of a pixel and one of its eight neighbours.
+    /// Returns half the coefficient of d . d' in the change of the error, for changes d and d' of neighbouring pixels.
     /// @param dx, dy  from -1 to 1
     float mutual(int x, int y, int dx, int dy) const {
         return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(3 * (dy + 1) + dx + 1)];
@@ -75,7 +75,7 @@ private:
 
     static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-    /// A * r_l of one level, with a margin that changes near the border of the picture write to.
+    /// Stored values of one level, with a margin around the picture to which changes near the border also write.
     struct Level {
         int width = 0, height = 0;
         std::size_t stride = 0;
@@ -99,9 +99,9 @@ private:
 
     void fill(int l, std::span<const Colour> residual, int width, int height, Executor& executor);
 
-    Kernel kernel_{};  ///< A is the product of this kernel along both axes, and of the weight
+    Kernel kernel_{};  ///< autocorrelation of the Gaussian along one axis
     float self_ = 0;
-    /// [y & kPhaseMask][x & kPhaseMask][neighbour]
+    /// [y & kPhaseMask][x & kPhaseMask][neighbour] results of mutual().
     std::array<std::array<std::array<float, 9>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};
     std::array<Level, kLevels> levels_;
 };

@@ -16,7 +16,7 @@ bool is_near(long octave, long other) {
     return octave != kNone && std::abs(octave - other) <= 1;
 }
 
-/// Converts features to the unit frame of the land.
+/// Converts features to the unit frame of the land, which is the union of all features with dots.
 class UnitMap {
 public:
     UnitMap(const DotGround& ground, const Domain& land)
@@ -71,8 +71,7 @@ private:
     Point to_user(Point unit) const { return corner_ + side_ * unit; }
     double area(std::size_t feature) const { return ground_.area(feature).area() / side_ / side_; }
 
-    /// Adds the edges of a feature's border. Their weight is the density of the feature's dots where the map's density
-    /// is 1.
+    /// Adds the edges of a feature's border, with the weight DotGround::weight().
     /// @param corner  origin of the edges' coordinates, in the unit frame of the land
     void add_border(std::size_t feature, Point corner, std::vector<BorderEdge>& border) const {
         const Domain& area = ground_.area(feature);

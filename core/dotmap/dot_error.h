@@ -12,11 +12,10 @@
 
 namespace ccdt {
 
-/// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of the
-/// features' spacings has a grid, with the features of this octave and of the two adjacent octaves, and the dots of
-/// these features. The error of a dot is read from the grid of its feature's octave. So all neighbours up to four times
-/// as dense or as sparse are taken into account. Beyond that contrast, the area of the neighbouring feature counts as
-/// outside the border.
+/// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of spacing
+/// has a grid with the features of this octave and of the two adjacent octaves. The error of a dot is read from the
+/// grid of its feature's octave. So neighbouring features up to four times denser or sparser are part of the grid. Any
+/// other neighbouring feature counts as outside the border.
 class DotError {
 public:
     /// @param land  domain in whose unit frame all positions are given
@@ -25,8 +24,8 @@ public:
     /// O(dots + corners of the features).
     DotError(const DotGround& ground, const Domain& land, std::span<const FeatureDot> dots);
 
-    /// @param places  [dots]
-    /// @param errors  out [dots] as ErrorGrid::at() returns them
+    /// @param places  [dots] positions in the unit frame
+    /// @param errors  out: [dots] results of ErrorGrid::at()
     ///
     /// O(dots).
     void measure(std::span<const Point> places, std::span<double> errors);

@@ -161,7 +161,7 @@ double DotGround::density(Point p) const {
 }
 
 /// Returns the part of the density over a domain, stretched over the domain's bounding box.
-/// @param largest  out: largest value before scaling
+/// @param largest  out: largest value, before Density::grid() scales the values
 Result<Density> DotGround::cut_out(const Domain& area, double& largest) const {
     static constexpr double kFiner = 2, kMax = 1024;
     const Box& box = area.bounds();
@@ -261,8 +261,7 @@ Result<void> DotGround::draw_again(std::uint32_t feature, std::uint64_t seed, co
 void DotGround::find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop) {
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
     std::uint32_t current = kNone;
-    std::vector<std::uint32_t> known_to(overlaps_.size(),
-                                        kNone);  // [features] the last feature that is known to overlap each feature
+    std::vector<std::uint32_t> known_to(overlaps_.size(), kNone);  // [features] last feature found to overlap
     for (const auto& [place, feature] : dots) {
         if (stop.stop_requested()) return;
         if (feature != current) {

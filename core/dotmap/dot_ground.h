@@ -27,7 +27,7 @@ struct FeatureDot {
     std::uint32_t feature = 0;
 };
 
-/// The wanted dots of one class: how densely they lie in the features of a map, and where they may lie. All positions
+/// Wanted density of the dots of one class in the features of a map, and the area where these dots may lie. Positions
 /// are in the caller's coordinates.
 class DotGround {
 public:
@@ -56,23 +56,21 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Number of dots per squared unit that a feature has where the density is 1, outside the area that fixed points
-    /// take.
+    /// Returns a feature's dots per squared unit where the density is 1, outside the area that fixed points take.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// Returns the wanted density at a point, according to the map's density.
     double density(Point p) const;
 
-    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. In the order
-    /// of the result, successive features are mostly neighbours.
-    /// @param rounded  rounds a position to the one where it will be stored; called in parallel
+    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. The result is
+    /// grouped by feature, and successive features are mostly neighbours.
+    /// @param rounded  rounds a position to the precision of the mesh; called in parallel
     ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
                                          Executor& executor, const std::stop_token& stop) const;
 
-    /// Draws new positions for a dot, anywhere in its feature, until `accept` returns true. Errors: Unusable if no
-    /// position is accepted.
+    /// Draws positions for a dot, anywhere in its feature, until `accept` returns true; Unusable if none is accepted.
     /// @param interior  sampler of the feature; created here if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
@@ -81,28 +79,25 @@ public:
     /// @param stop  polled regularly; after a stop some overlaps may be missing
     void find_overlaps(std::span<const FeatureDot> dots, const std::stop_token& stop);
 
-    /// Returns the density of dots per squared unit at a position in a feature, including the dots of overlapping
-    /// features there.
+    /// Returns the wanted dots per squared unit at a position in a feature, including those of overlapping features.
     double at(std::uint32_t feature, Point p) const;
 
-    /// Returns the density of dots at any position: the sum over all features there.
+    /// Returns the wanted dots per squared unit at any position, summed over all features there.
     double around(Point p) const;
 
     /// Whether the density is constant over a feature.
     bool is_even(std::uint32_t feature) const { return is_uniform() && overlaps_[feature].empty(); }
 
-    /// Whether a dot may lie at a position.
+    /// Whether a position is inside a feature and has a positive density.
     bool may_lie(std::uint32_t feature, Point p) const;
 
-    /// Whether a dot may start at a position. The position must not be too close to a border beyond which the density
-    /// is much lower.
+    /// Whether a dot may start at a position: may_lie() is true, and no much sparser feature is close.
     bool is_clear(std::uint32_t feature, Point p) const;
 
-    /// Fast test: if it returns true, so does is_clear(). It returns false at few of the positions that are clear.
+    /// Fast, conservative form of is_clear(), which returns false at some clear positions.
     bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
 
-    /// Returns the position that a dot reaches when it moves from one position towards another, without leaving its
-    /// feature.
+    /// Returns the end of a dot's move from one position towards another, which does not leave the feature.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
 private:
@@ -121,7 +116,7 @@ private:
     Map map_;
     std::size_t class_;
     std::size_t dots_ = 0;
-    std::vector<FeatureArea> fences_;  ///< [features] areas with the clearance for this class
+    std::vector<FeatureArea> fences_;  ///< [features] areas, with clearances from sparser features
     std::vector<double> wanted_;       ///< [features] dots per squared unit where the density is 1
     /// [features] fixed points in each feature; empty if there are no fixed points.
     std::vector<std::vector<Point>> fixed_;

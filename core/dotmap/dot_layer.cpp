@@ -25,8 +25,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMaxPush = 0.4;   ///< relative to a dot's radius: neighbours keep more than half of their distance
-constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps, as in a relaxation
+constexpr double kMaxPush = 0.4;   ///< longest move, in radii; neighbours keep more than half of their distance
+constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps in a move, as in relaxation
 constexpr double kSmall = 0.01;    ///< share of the wanted area below which a triangle may be a needle
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
@@ -47,7 +47,7 @@ DotLayer::DotLayer(DotGround& ground, Domain land, const Options& options, const
     options_.sites = ground.dots();
 }
 
-/// Caller's units per unit of the unit frame.
+/// Returns the number of the caller's units per unit of the unit frame.
 double DotLayer::scale() const {
     return std::max(land_.bounds().width(), land_.bounds().height());
 }
@@ -56,7 +56,7 @@ double DotLayer::radius(double density) const {
     return 0.5 * hexagonal_spacing(density) / scale();
 }
 
-/// Measures a border edge in units of the local distance of dots.
+/// Returns the length of a border edge up to the end of each of several steps, in local distances of dots.
 std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
     constexpr double kInward = 1e-3;
     constexpr int kSteps = 8;
@@ -123,7 +123,7 @@ Result<void> DotLayer::insert_all() {
     return inserted;
 }
 
-/// Inserts dots, given in ascending order.
+/// Inserts dots into the mesh, in ascending order of their numbers.
 Result<void> DotLayer::insert_step(std::span<const std::uint32_t> dots) {
     const auto draw = [this](std::uint32_t dot, int) { return land_.to_unit(dots_[dot].place); };
     std::vector<std::uint32_t> kept, left;
@@ -186,7 +186,7 @@ double DotLayer::aim_of(std::uint32_t triangle) const {
     return dots > 0 ? doubled_area(radius(corners[0]), radius(corners[1]), radius(corners[2])) : 0;
 }
 
-/// @returns  the capacity variation
+/// Computes capacities and goals of all triangles. Returns the capacity variation.
 double DotLayer::measure() {
     find_aims();
     capacities_.resize(aims_.size());
@@ -325,8 +325,8 @@ Point DotLayer::push_off_others(std::uint32_t dot, double reach, double push) co
     return moved;
 }
 
-/// Creates the transport. Excess does not flow between dots of very different density: dense dots keep away from a
-/// border with sparse dots, which would obstruct the flow.
+/// Creates the transport. Excess does not flow between dots whose densities differ by more than a factor of 2, because
+/// the clearance of dense dots would obstruct the flow.
 MeshTransport DotLayer::make_transport() const {
     constexpr double kMaxContrast = 2;
     auto measure = [error = DotError(ground_, land_, dots_)](std::span<const Point> places,

@@ -25,7 +25,7 @@
 namespace ccdt {
 
 /// The dots of one class of a map and their triangulation, processed step by step: start(); iterate() while
-/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() follows large
+/// has_next_iteration(); then, if there is a polish, begin() and the steps of the polish. restore() must follow large
 /// moves. After the start, collect() returns the current state.
 class DotLayer {
 public:
@@ -42,14 +42,14 @@ public:
     bool has_next_iteration() const;
     /// Runs the polish steps that precede the next iteration: a push and an even round. Does nothing if there are none.
     void polish_between(const PolishSettings& settings);
-    /// @returns  false after a stop
+    /// Runs one iteration. Returns false after a stop.
     bool iterate();
 
     std::size_t size() const { return dots_.size(); }
     std::uint32_t feature_of(std::size_t dot) const { return dots_[dot].feature; }
     Point place(std::size_t dot) const { return land_.to_user(mesh().point(static_cast<std::uint32_t>(dot))); }
 
-    /// Measures the triangles, before the first step of a polish.
+    /// Stores the areas of all triangles. Must be called before the first step of a polish.
     void begin();
 
     /// Pushes apart neighbours that are too close, and adds the given moves.
@@ -61,10 +61,10 @@ public:
     /// Removes long waves of density error. Does nothing if the density is not smooth or there are fixed points.
     void even_out();
 
-    /// Makes the triangulation Delaunay and its triangles more equal, between rounds of the polish; then calls begin().
+    /// Restores the Delaunay property, runs passes of relaxation, and calls begin(). Used between rounds of the polish.
     void equalise(int passes);
 
-    /// Least distance of two neighbours, relative to the distance that they should have.
+    /// Returns the least distance of two neighbours, relative to the distance that they should have.
     double least_distance() const;
 
     /// Restores the Delaunay property, and calls begin().
@@ -119,9 +119,9 @@ private:
     std::vector<double> capacities_;     ///< [triangles] capacity in dots: half of area / wanted area
     std::vector<TriangleGoal> goals_;    ///< [triangles] targets and weights
     std::vector<Point> moves_, before_;  ///< [sites] current moves; positions before these moves
-    std::optional<Relaxation> relaxation_;     ///< during iterations only
+    std::optional<Relaxation> relaxation_;     ///< exists during iterations only
     std::optional<MeshTransport> transport_;   ///< created when first needed
-    std::vector<double> spacings_;             ///< [sites] local spacings
+    std::vector<double> spacings_;             ///< [sites] local spacings, in the unit frame
     std::vector<double> areas_, moved_areas_;  ///< [triangles] doubled areas before and after a move
     Distribution result_;
 };

@@ -14,8 +14,8 @@ namespace ccdt {
 
 /// Distributes the given number of dots evenly in each feature, and evenly across the borders between features. No dot
 /// leaves its feature. The distance between neighbours in two features lies between the spacings of these features.
-/// Overlapping features each keep their dots. The dots of each class are evenly distributed, and dots of different
-/// classes keep apart.
+/// Overlapping features each keep their dots. Each class is evenly distributed, and dots of different classes keep
+/// apart.
 ///
 /// All dots of a class are the sites of one triangulation, of the union of all features that have such dots. Each dot
 /// has a disc as large as its share of the feature. The target of a triangle follows from the discs of its corners. A
@@ -25,7 +25,7 @@ namespace ccdt {
 /// @param features  all with the same number of classes; together they have at least one dot
 /// @param box       box over which the density is stretched
 /// @param density   wanted density, relative to other places in the same feature
-/// @param options   the number of sites is ignored, as features have numbers of dots; no mesh is kept
+/// @param options   `sites` is ignored, because features give the numbers of dots; no mesh is kept
 /// @param control   as in distribute_inks(); a stop returns the current dots, which is not an error; a stop during the
 ///                  start gives the error Stopped
 /// @returns         [classes]

@@ -37,8 +37,7 @@ public:
 
     const Box& bounds() const { return bounds_; }
 
-    /// O(1) for points in cells entirely inside. For other points O(edges in the row of the point), which are few
-    /// unless borders are scribbles.
+    /// O(1) in cells that lie entirely inside; else O(edges in the point's row), which are few for common shapes.
     bool contains(Point p) const { return place_of(p) != Place::Outside; }
     Place place_of(Point p) const {
         const Edge* edge = nullptr;
@@ -51,8 +50,7 @@ public:
 
     /// Returns the end of a move from one position towards another that does not leave the area. If `to` is inside, the
     /// move ends there. Otherwise the point slides along the obstructing edge. If sliding would leave the area, too,
-    /// the point moves half of the way to the edge, or not at all. A point that keeps the clearance continues to keep
-    /// it.
+    /// the point moves half of the way to the edge, or not at all. Points that keep the clearance continue to do so.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 
@@ -80,7 +78,7 @@ private:
     Box bounds_;
     double margin_ = 0;
     double row_height_ = 1;
-    std::vector<std::size_t> first_;  ///< [rows + 1] first edge of each row
+    std::vector<std::size_t> first_;  ///< [rows + 1] index in `edges_` of the first edge of each row
     std::vector<Edge> edges_;         ///< sorted by row; an edge is listed in every row that it reaches
     std::size_t grid_columns_ = 1, grid_rows_ = 1;
     double columns_per_unit_ = 1, rows_per_unit_ = 1;

@@ -11,8 +11,7 @@
 
 namespace ccdt {
 
-/// Finds the features at a position. Uses a grid with at most as many cells as features, so that each feature lies in
-/// few cells.
+/// Finds the features at a position. Uses a grid with at most one cell per feature, so features lie in few cells.
 class FeatureIndex {
 public:
     /// @param areas  [n >= 1]; must outlive this
@@ -35,7 +34,7 @@ private:
 
     Box box_;
     std::size_t columns_ = 1, rows_ = 1;
-    std::vector<std::size_t> first_;  ///< [cells + 1] first member of each cell's list
+    std::vector<std::size_t> first_;  ///< [cells + 1] start of each cell's list in `members_`
     std::vector<std::uint32_t> members_;
 };
 

@@ -26,8 +26,7 @@ struct GlobeDots {
 /// @param density   stretched over the bounding box of the region; relative to other places in the same feature
 /// @param buffer    least distance on the ground from the border of the region, in metres
 ///
-/// Errors: those of distribute_dots() and chart_region(); Unusable if the features cover the globe, or if the buffer
-/// covers all features with dots.
+/// Errors: those of distribute_dots() and chart_region(); Unusable if features cover the globe, or no dots are left.
 Result<GlobeDots> distribute_dots_on_globe(std::span<const MapFeature> features, const Domain& region,
                                            const Density& density, const Options& options, double buffer = 0,
                                            const Control& control = {});

@@ -64,7 +64,7 @@ private:
         return made;
     }
 
-    /// Calls function(copy) with each copy of a point that may lie in an area.
+    /// Calls function(copy) for each shift of a point by whole periods that may lie in an area.
     template <class Function>
     void for_copies(Point p, Function&& function) const {
         if (period_ == 0) return function(p);

@@ -86,7 +86,7 @@ Direction Chart::to_direction(Point plane) const {
 double Chart::ground(Point plane) const {
     const double conformal = conformal_tangent(to_direction(plane)), tangent = geodetic_tangent(conformal);
     const double square = tangent * tangent;
-    // Radii of the parallel on the ellipsoid and on the sphere.
+    // Ratio of the radii of the parallel on the ellipsoid, in metres, and on the unit sphere.
     const double radius = kRadius * std::sqrt((1 + conformal * conformal) / (1 + square - kSquare * square));
     const double shrunk = radius / (1 + dot(plane, plane) / 4);
     return shrunk * shrunk;

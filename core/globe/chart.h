@@ -31,18 +31,18 @@ Direction normalised(Direction v);
 Direction direction_of(Point place);
 
 /// Computes the inverse of direction_of(), by Newton's method, to double precision. The longitude is in [-180, 180].
-/// Source: as above, eqs. 19 to 21.
+/// Source: Karney 2011, as for direction_of(), eqs. 19 to 21.
 Point place_of(Direction direction);
 
 /// A conformal map of the ellipsoid, except for one point, onto a plane. It maps the ellipsoid to the sphere, and the
-/// sphere to the plane by stereographic projection from the point opposite the centre. The centre maps to the origin.
-/// Angles in the plane equal angles on the ground, and `ground()` gives the scale of areas. The unit of the plane is
-/// the sphere's radius, at the scale of the centre.
+/// sphere to the plane by stereographic projection from the point opposite the centre. The centre maps to the origin,
+/// where the unit of the plane is the sphere's radius. Angles equal those on the ground; `ground()` gives the scale of
+/// areas.
 ///
 /// Source: Snyder, Map Projections: A Working Manual, USGS 1395 (1987), pp. 157 to 163. Equal to PROJ's `+proj=stere
 /// +ellps=WGS84` up to unit and rotation. Why not PROJ: it has no closed form of the scale, and its inverse is accurate
-/// to 1e-10 radians only. It would also add curl, GnuTLS, LDAP and Kerberos to the process that computes for unknown
-/// clients. Tests compare with PROJ.
+/// to 1e-10 radians only. It would also add curl, GnuTLS, LDAP and Kerberos to a process that serves unknown clients.
+/// Tests compare with PROJ.
 class Chart {
 public:
     explicit Chart(Direction centre);
@@ -50,7 +50,7 @@ public:
     Point to_plane(Direction direction) const;
     Direction to_direction(Point plane) const;
 
-    /// Ground area in square metres per squared unit of the plane, at a point of the plane.
+    /// Returns the ground area in square metres per squared unit of the plane, at a point of the plane.
     double ground(Point plane) const;
 
     Direction centre() const { return centre_; }

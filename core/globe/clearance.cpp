@@ -10,7 +10,7 @@
 namespace ccdt {
 
 Disc disc_on_ground(const Chart& chart, Point place, double metres) {
-    constexpr double kMax = 0.99 * std::numbers::pi;  // angle from the centre
+    constexpr double kMax = 0.99 * std::numbers::pi;  // largest angle from the chart's centre
     constexpr double kMargin = 1e-3;
     constexpr double kVaries = 0.007;  // relative change of the length of a metre on the sphere, per radian of latitude
     const double squared = dot(place, place), length = std::sqrt(squared);
@@ -24,7 +24,7 @@ Disc disc_on_ground(const Chart& chart, Point place, double metres) {
 }
 
 Result<void> keep_off_border(ChartedPart& part, double buffer, const std::stop_token& stop) {
-    constexpr double kOnSeam = 1e-5;  // the edges of the circle are chords; other borders are degrees away
+    constexpr double kOnSeam = 1e-5;  // relative; edges of the circle are chords, other borders are degrees away
     if (!(buffer > 0)) return {};
     const double metres = std::max(buffer, kLeastBuffer) + part.error;
     const DiscAround disc_around = [&](Point p) {

@@ -41,7 +41,7 @@ std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDe
 /// that the density is the same in all parts.
 std::vector<Options> options_of_parts(const std::vector<ChartedPart>& parts, const std::vector<PlaneDensity>& densities,
                                       const Options& options, const std::stop_token& stop) {
-    constexpr int kRounds = 3;  // the ground that a point takes depends only weakly on the number of sites
+    constexpr int kRounds = 3;  // the ground that a fixed point takes depends weakly on the number of sites
     std::vector<Options> own(parts.size(), options);
     for (std::size_t i = 0; i < parts.size(); ++i) {
         for (Point& p : own[i].fixed) p = parts[i].chart.to_plane(direction_of(p));

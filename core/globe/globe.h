@@ -14,28 +14,27 @@ namespace ccdt {
 using Distribute = std::function<Result<Distribution>(const Domain&, const Density&, const Options&, const Control&)>;
 
 struct GlobeDistribution {
-    Distribution sites;  ///< in longitude, within [-180, 180], and latitude, in degrees
+    Distribution sites;  ///< longitude, in [-180, 180], and latitude, in degrees
     double pitch = 0;    ///< square root of the ground area per site, in metres
 };
 
 /// Distributes sites over a region of the globe. On the ground, the number of sites per square kilometre follows the
-/// wanted density, and the pattern is isotropic. The computation takes place in a conformal plane (region.h), whose
-/// scale is part of the density.
+/// wanted density, and the pattern is isotropic. Computes in a conformal plane (region.h), whose scale is part of the
+/// density.
 ///
 /// @param region   in longitude and latitude, see chart_region(). Parts that overlap only after a shift by a whole turn
 ///                 are not recognised as the same ground, and their overlap is left out.
-/// @param density  wanted density, relative to other places; stretched over the bounding box of the region in one turn
+/// @param density  wanted density on the ground, up to a factor; stretched over the region's bounding box in degrees
 /// @param options  fixed points are in degrees as well; if the region is divided into two parts, sites are divided in
 ///                 proportion to the ground that fixed points leave in each part
 /// @param buffer   least distance of sites from the border on the ground, in metres; a cut does not count as border
 /// @returns        sites strictly inside the region; iterations, trace and variation are taken from the larger part;
 ///                 triangles of the mesh may cross the meridian of 180 degrees
 ///
-/// Errors: those of chart_region() and of `distribute`; Unusable if the density is zero everywhere in the region, or if
-/// the buffer covers the whole region.
+/// Errors: those of chart_region() and `distribute`; Unusable if the density is 0 everywhere or the buffer covers all.
 ///
-/// Limits: a region that leaves no cap of 5 degrees free is divided into two parts, by a circle of 20 degrees around a
-/// point far from any border of the region. Sites keep half a row's distance from this circle, as from any border.
+/// Limits: a region that leaves no cap with a radius of 5 degrees free is divided into two parts, by a circle of 20
+/// degrees around a point far from any border of the region. Sites keep half a row from this circle.
 Result<GlobeDistribution> distribute_on_globe(const Domain& region, const Density& density, const Options& options,
                                               const Distribute& distribute, double buffer = 0,
                                               const Control& control = {});

@@ -16,12 +16,11 @@ public:
     /// @param rings  with the inside on their left
     explicit Inside(const std::vector<Ring>& rings);
 
-    /// Whether a point lies inside. O(edges directly above and below the point).
+    /// Whether a point lies inside. O(edges in the point's column): a few, if edges are spread evenly.
     bool contains(Point p) const;
 
-    /// Returns p if it is inside. Otherwise returns the nearest point of the rings, moved inwards by the least distance
-    /// that suffices for the result to be inside: 1e-12 to 1e-3 of the rings' extent. If no such distance suffices,
-    /// returns p. O(edges) for points outside.
+    /// Returns p if it is inside. Otherwise returns the nearest point of the rings, moved inwards as little as
+    /// possible: by 1e-12 to 1e-3 of the rings' extent. If this does not suffice, returns p. O(edges).
     /// @param stretch  scale of distances along x relative to distances along y
     Point nearest(Point p, double stretch) const;
 

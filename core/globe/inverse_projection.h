@@ -12,7 +12,7 @@ namespace ccdt {
 /// extend slightly beyond the region. Points that would lie outside are moved into the region.
 class InverseProjection {
 public:
-    /// @param degrees  the region in longitude and latitude, in one turn
+    /// @param degrees  the region in longitude and latitude, as returned by in_one_turn()
     explicit InverseProjection(const Domain& degrees);
 
     /// @returns  longitude, within [-180, 180], and latitude

@@ -22,8 +22,8 @@ struct Raster {
     std::vector<double> values;
 };
 
-/// Returns the number of cells along the longer side of a part's box. With this number, the scale of ground areas
-/// changes little between cells. The number is bounded by the number of sites along the side.
+/// Returns the number of cells along the longer side of a part's box, from 16 to 1,024. The scale of ground areas then
+/// changes little between cells. The limit for few sites is 8 cells per site along the side, but at least 256.
 int cells_for_ground(const Box& box, std::size_t sites) {
     constexpr double kStep = 0.005, kPerSite = 8, kMin = 16, kFew = 256, kMax = 1'024;
     const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMax);
@@ -41,8 +41,7 @@ public:
 
     double operator()(Point place) const {
         place.x += longitude_wrap_offset(place.x, box_.min.x);
-        // A position slightly west of the box belongs to the west side if it is nearer to the west than to the east
-        // side.
+        // A position outside the box belongs to the nearer one of its west and east sides.
         if (place.x - box_.max.x > (kTurn - box_.width()) / 2) place.x -= kTurn;
         const auto index = [](double share, int cells) {
             return std::clamp(static_cast<int>(std::clamp(share, 0.0, 1.0) * cells), 0, cells - 1);

@@ -19,7 +19,7 @@ struct PlaneDensity {
 
 /// Computes the density in the plane for a wanted density on the ground, which may be uniform.
 ///
-/// @param degrees  the region, in one turn
+/// @param degrees  the region in longitude and latitude, as returned by in_one_turn()
 /// @param density  stretched over the region's bounding box
 /// @param sites    number of sites to be distributed; more sites give a finer grid
 ///

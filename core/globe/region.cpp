@@ -35,8 +35,7 @@ Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     return {};
 }
 
-/// Whether a ring jumps from one side of a map to the other. In such a ring, an edge of 360 degrees has no length; it
-/// does not go around the globe.
+/// Whether a ring jumps from one side of a map to the other. In such a ring, an edge of 360 degrees has no length.
 bool jumps(const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const double jump = std::abs(ring[(i + 1) % ring.size()].x - ring[i].x);
@@ -75,8 +74,7 @@ bool goes_around(const Ring& ring) {
            std::abs(ring.back().x - ring[ring.size() - 2].x) >= kTurn;
 }
 
-/// Swaps an outer ring and a hole around the same pole if the hole is larger. Either order encloses the same area on
-/// the globe.
+/// Swaps an outer ring and a larger hole around the same pole. Either order encloses the same area on the globe.
 void put_larger_outside(PolygonPart& part) {
     if (!goes_around(part.outer)) return;
     const auto reach = [](const Ring& ring) {
@@ -131,7 +129,7 @@ public:
 
     Result<std::vector<ChartedPart>> execute();
 
-    /// Mean spacing of sites, as a distance on the sphere.
+    /// Returns the mean spacing of sites, in radians on the sphere.
     double pitch() const;
 
     /// Projects the region onto an existing chart.
@@ -169,16 +167,15 @@ private:
 
     const std::stop_token& stop_;
     const double sites_;
-    const double buffer_;      ///< in radians
+    const double buffer_;      ///< distance of sites from the border, in radians
     std::vector<Ring> rings_;  ///< in degrees, with the inside on the left
     double west_ = 0, east_ = 0;
     bool closes_ = false;            ///< whether the east and west sides are the same meridian
-    std::vector<double> seam_;       ///< latitudes of corners on the seam
-    std::vector<int> seam_sides_;    ///< [pieces of the seam between successive corners] number of edges along the
-                                     ///< piece
+    std::vector<double> seam_;       ///< latitudes of corners on the seam, ascending, which divide it into pieces
+    std::vector<int> seam_sides_;    ///< [pieces of the seam] number of edges along the piece
     std::vector<Direction> border_;  ///< points on all edges, at most `step_` apart
-    double step_ = 0;                ///< in radians
-    std::size_t stride_ = 1;         ///< stride of the points used in a search
+    double step_ = 0;                ///< largest distance between successive points of `border_`, in radians
+    std::size_t stride_ = 1;         ///< stride at which searches visit `border_`
     double coarsest_ = 0;            ///< largest tolerance of edges, in radians on the ground
 };
 
@@ -282,10 +279,10 @@ void Charting::improve(Far& far) const {
     }
 }
 
-/// Finds the point farthest from the border. Prefers a point outside the region, if one there is far enough.
+/// Finds the point farthest from the border. Prefers a point outside the region, at least 5 degrees from it.
 Far Charting::far_from_border() const {
     constexpr int kTried = 2'000;
-    constexpr double kFree = 5 * kDegree;  // a cap of this size makes the scale vary by a factor of 525
+    constexpr double kFree = 5 * kDegree;  // with a free cap of this radius, the scale varies by a factor of 525
     const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
     Far outside, inside{{0, 0, 0}, 0, true};
     for (int i = 0; i < kTried; ++i) {
@@ -304,7 +301,7 @@ Far Charting::far_from_border() const {
 
 /// Returns the chart of a region that is small relative to the globe; none if the region is larger.
 std::optional<Chart> Charting::simple_chart() const {
-    constexpr double kMax = 0.5;  // cosine of the largest distance
+    constexpr double kMax = 0.5;  // cosine of the largest angle from the centre
     Direction sum{0, 0, 0};
     for (const Direction& each : border_) sum = sum + each;
     if (dot(sum, sum) < 1e-6) return std::nullopt;
@@ -349,8 +346,8 @@ bool is_straight(Point a, Point b, double tolerance) {
     return dot(along, along) * kDegree * kDegree < tolerance;
 }
 
-/// Calls `visit(a, b)` for all edges that count as border. These are curved on a chart. Edges along a pole, and pieces
-/// that both sides of the seam have in common, do not count.
+/// Calls `visit(a, b)` for all edges that count as border. Such edges are curved on a chart. Edges along a pole, and
+/// pieces common to both sides of the seam, do not count.
 template <class Visit>
 void Charting::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
@@ -364,7 +361,7 @@ void Charting::for_bent_edges(Visit visit) const {
 
 /// Returns the tolerance for edges on a chart, in radians on the ground. A small buffer requires a fine tolerance, but
 /// the number of pieces is limited. If there are very many corners, `inset` simplifies the border coarsely, so the
-/// tolerance may be coarser, too.
+/// tolerance may be coarse.
 double Charting::tolerance(const Chart& chart) const {
     constexpr double kMaxPieces = 10'000, kCoarser = 10;
     constexpr std::size_t kVeryManyCorners = 50'000;
@@ -401,8 +398,8 @@ void Charting::project_edge(const Chart& chart, double tolerance, Point a, Point
     });
 }
 
-/// Returns the rings in the plane of a chart. Where both sides of the seam have an edge, the rings run back and forth
-/// along the same line.
+/// Returns the rings in the plane of a chart. Edges common to both sides of the seam become lines that are traversed
+/// twice.
 std::vector<Ring> Charting::project_rings(const Chart& chart, double tolerance) const {
     std::vector<Ring> planes;
     for (const Ring& ring : rings_) {
@@ -450,7 +447,7 @@ Ring circle(double angle) {
     return ring;
 }
 
-/// @param far  inside the region
+/// @param far  point inside the region; the second chart is a circle around it
 Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     constexpr double kMaxAngle = 20 * kDegree, kMinAngle = kDegree;
     const double angle = std::min(kMaxAngle, far.distance - 2 * step_ - buffer_);

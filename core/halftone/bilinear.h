@@ -9,8 +9,7 @@
 
 namespace ccdt {
 
-/// Position between two neighbouring pixel centres along one axis. A position beyond an outermost centre is moved to
-/// that centre.
+/// Position between two neighbouring pixel centres along one axis, limited to the range of the outermost centres.
 struct BetweenPixels {
     /// @param place   in pixels; the first pixel covers [0, 1]
     /// @param pixels  >= 1

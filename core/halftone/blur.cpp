@@ -18,12 +18,10 @@ constexpr int kBoxes = 2;
 /// Number of columns filtered together, so that their sums stay in the cache.
 constexpr std::size_t kColumns = 256;
 
-/// Number of rows filtered together. Each addition along a row waits for the previous one; additions in different rows
-/// can run at the same time.
+/// Number of rows filtered together, so that their chains of dependent additions run at the same time.
 constexpr std::size_t kRows = 4;
 
-/// Box filter with fractional ends: 2 * reach + 1 values have equal weight, and one further value at each end has the
-/// fraction `end` of that weight.
+/// Box filter of 2 * reach + 1 equal weights, and one further weight at each end, smaller by the factor `end`.
 struct Box {
     /// Constructs the filter that has exactly the given variance, in squared pixels.
     explicit Box(double variance)

@@ -10,7 +10,7 @@ namespace ccdt {
 /// Applies an approximate Gaussian blur to an image, which is mirrored at its sides.
 ///
 /// @param values   [width * height], finite
-/// @param sigma    standard deviation in pixels, >= 0; along each axis, reduced to half the side if it is larger
+/// @param sigma    standard deviation in pixels, >= 0; limited to half the image's side along each axis
 /// @param scratch  buffer; resized and overwritten
 ///
 /// Applies two extended box filters along each axis, which together have exactly the standard deviation `sigma`.

@@ -20,8 +20,8 @@ using Kernel = std::array<float, 5>;
 /// Binomial weights, with a variance of 1 squared pixel.
 constexpr Kernel kWide = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
 
-/// Weights with a variance of 2/3. The finer level adds a variance of 1/4, and the averaging of 2 x 2 pixels adds 1/16.
-/// The sum of the three is about 1.
+/// Weights with a variance of 2/3 squared pixels of the coarser level. The blur of the finer level adds 1/4, and
+/// averaging 2 x 2 pixels adds 1/16, so a level has a total variance of about 1.
 constexpr Kernel kNext = {1 / 36.0f, 8 / 36.0f, 18 / 36.0f, 8 / 36.0f, 1 / 36.0f};
 
 /// Filters along the columns, then along the rows. The pixels at the border are repeated outside.

@@ -19,14 +19,14 @@ class BlurPyramid {
 public:
     BlurPyramid() = default;
 
-    /// Reserves memory. The image is set by assign().
+    /// Reserves memory; assign() sets the image.
     /// @param widest  largest standard deviation that sample() supports, in pixels
     BlurPyramid(int width, int height, double widest);
 
     /// Computes the levels of an image [width * height]. Deterministic for any number of threads. O(pixels).
     void assign(const std::vector<float>& values, Executor& executor = inline_executor());
 
-    /// A position in a level.
+    /// Bilinear interpolation of one level at a position.
     struct LevelSample {
         std::size_t level = 0;
         std::size_t pixel = 0;  ///< upper left one of the four pixels between which the value is interpolated
@@ -34,16 +34,15 @@ public:
         float below = 0;        ///< weight of the lower pixels
     };
 
-    /// A position and a standard deviation, between two levels.
+    /// Interpolation between two levels, for a position and a standard deviation.
     struct Sample {
         LevelSample finer, coarser;
         float share = 0;  ///< weight of the coarser level
     };
 
-    /// Returns the position in the two levels from which at() computes a mean.
+    /// Returns the interpolation with which at() computes the mean around a position.
     /// @param place  in pixels from the image's upper left corner
-    /// @param sigma  approximate standard deviation in pixels; values below 1 are raised to 1, and values above that of
-    ///               the coarsest level are reduced to it
+    /// @param sigma  approximate standard deviation in pixels; clamped to the range of the levels, from 1 on
     Sample sample(Point place, double sigma) const;
 
     /// Returns the mean weighted by a Gaussian, interpolated between levels.

@@ -34,8 +34,7 @@ std::optional<std::size_t> BoundedLeastSquares::to_free(const Numbers& x, const 
     return found;
 }
 
-/// Returns the minimum over the free variables, without regard to their bounds. Since G is positive definite, the
-/// elimination needs no pivoting.
+/// Returns the unconstrained minimum over the free variables. G is positive definite, so no pivoting is needed.
 BoundedLeastSquares::Numbers BoundedLeastSquares::solve(const Numbers& x, const States& states) const {
     std::array<std::size_t, kMaxNumbers> free{};
     std::size_t n = 0;

@@ -18,9 +18,9 @@ public:
     static constexpr std::size_t kMaxNumbers = 6;
     using Numbers = std::array<double, kMaxNumbers>;
 
-    std::size_t count = 0;                        ///< n
-    std::array<Numbers, kMaxNumbers> products{};  ///< G
-    Numbers wanted{};                             ///< w
+    std::size_t count = 0;                        ///< n, number of unknowns
+    std::array<Numbers, kMaxNumbers> products{};  ///< [n][n] G
+    Numbers wanted{};                             ///< [n] w
 
     /// Returns the minimum [n]; the remaining entries are 0.
     Numbers minimize() const;

@@ -10,8 +10,7 @@ namespace ccdt {
 
 namespace {
 
-/// Weight of differences in chroma and hue, relative to differences in lightness. Where inks cannot match all of them,
-/// lightness matters more to the picture.
+/// Weight of differences in chroma and hue, relative to lightness, which matters most to the picture.
 constexpr double kColour = 0.5;
 
 }  // namespace

@@ -19,13 +19,11 @@ namespace ccdt {
 /// Quantity in which a ColourTable is linear between its nodes.
 enum class Steps { Lightness, Light };
 
-/// Approximates a function of colours by a table. Evaluates the function at a node when the node is first needed, and
-/// interpolates between nodes.
+/// Approximates a function of colours by interpolation in a table. Evaluates the function at a node on first use.
 ///
 /// Along each axis, nodes have equal steps of lightness, so they are dense in dark colours. Each cell of the table is
-/// divided into six tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron.
-/// The smallest of the three channels, which a black ink can replace, is linear in each tetrahedron as well.
-/// Thread-safe.
+/// divided into six tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron. So
+/// is the smallest of the three channels, on which the amount of black ink depends. Thread-safe.
 ///
 /// @tparam Node  an array of float
 template <class Node>
@@ -107,7 +105,7 @@ private:
     const Function function_;
     const Steps steps_;
     const std::size_t used_;
-    std::array<float, kSteps + 2> places_{};  ///< positions for equal steps of light; the last entry is beyond 1
+    std::array<float, kSteps + 2> places_{};  ///< positions on an axis, in nodes, for equal steps of light from 0
     std::array<float, kSide> light_{};        ///< light at the nodes of an axis
     std::vector<float> nodes_;                ///< [nodes][used]; red varies fastest
     std::vector<std::atomic<bool>> is_filled_;

@@ -24,7 +24,7 @@ double share_at(std::size_t entry) {
 /// Measured to 0.0001 on ten flat greys of 16,384 dots with quality standard. With draft, dots cover up to 0.006 less;
 /// with best, up to 0.003 more. Shown by CoverageCurve.MatchesPolishedDots.
 double within_reach(double dots) {
-    constexpr double kFirst = 0.6, kStep = 0.05;  // below kFirst, discs do not touch
+    constexpr double kFirst = 0.6, kStep = 0.05;  // up to kFirst, discs do not overlap
     constexpr std::array kShares = {0.6,     0.64968, 0.69899, 0.74649, 0.79030, 0.82966, 0.86439, 0.89447,
                                     0.92009, 0.94145, 0.95856, 0.97187, 0.98162, 0.98839, 0.99291, 0.99582,
                                     0.99763, 0.99872, 0.99934, 0.99965, 0.99979, 0.99987, 0.99991, 0.99993,

@@ -13,15 +13,14 @@ namespace ccdt {
 /// average the curve holds for binary rasters as well.
 class CoverageCurve {
 public:
-    /// Least area that one more dot must newly cover, relative to the dot's own area. Because of this limit, nearly
-    /// solid areas keep a few white specks. Covering these specks would take 50 % more dots and change the light by a
-    /// thousandth.
+    /// Least area that one more dot must newly cover, relative to the dot's own area. With this limit, nearly solid
+    /// areas keep a few white specks. Covering them would take 50 % more dots and change the light by 0.001.
     static constexpr double kMinGain = 0.003;
 
     CoverageCurve();
 
-    /// Returns the number of dots that is needed to cover a share of the plane, in [0, 1]. The number is the mean
-    /// number of dots in an area as large as one disc. Shares above solid() give the number for solid().
+    /// Returns the mean number of dots, per area of one disc, that cover a given share of the plane, in [0, 1]. For
+    /// shares above solid(), returns the number for solid().
     double dots(double share) const;
 
     /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.

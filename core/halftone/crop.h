@@ -5,9 +5,8 @@
 
 namespace ccdt {
 
-/// Returns the rectangle in the middle of a picture. If an odd number of columns has to be removed, one more is removed
-/// on the right than on the left. If an odd number of rows has to be removed, one more is removed at the bottom than at
-/// the top.
+/// Returns the rectangle in the middle of a picture. If an odd number of columns or rows has to be removed, the right
+/// or the bottom loses one more.
 ///
 /// @param width, height  size of the rectangle in pixels, >= 1 and at most the size of the picture
 Picture middle_of(const Picture& picture, int width, int height);

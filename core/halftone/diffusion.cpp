@@ -14,7 +14,7 @@ constexpr std::uint8_t kFull = 255;
 
 /// A pixel that receives part of an error.
 struct Neighbour {
-    int ahead;     ///< number of columns in the direction of travel
+    int ahead;     ///< number of columns ahead in the direction of travel
     int rows;      ///< number of rows below
     float weight;  ///< relative share of the error
 };

@@ -68,8 +68,7 @@ public:
         dots_.improve(bases_, draw, [this](std::size_t dot, std::size_t c) { return sign(dot, c) * gains_[dot][c]; });
     }
 
-    /// Finds the dots that the boundary of a ground crosses, and the pairs of dots that are close together, given the
-    /// current areas.
+    /// Finds the dots that the boundary of a ground crosses, and the pairs that may overlap, given the current areas.
     void find_cut() {
         if (plan_.kinds.size() > 1) {
             close_ = dots_.close_pairs();
@@ -82,7 +81,7 @@ public:
         });
     }
 
-    /// Returns the channels whose boundary crosses a dot, as bits.
+    /// Returns the channels in which the boundary of the ground crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
@@ -101,15 +100,15 @@ public:
     }
 
 private:
-    /// Returns the gain of a dot in each channel, apart from its sign; see FittedDots::improve(). The kinds around the
-    /// dot divide the correction such that the sum of their squared relative changes is least. In this sum, each kind
-    /// has the share that it covers as its weight. Let the matrix A contain, for each pair of channels, the area in
-    /// which dots flip both. If areas are nested, this is the smaller of the two channels' flipped areas. Let S be the
-    /// diagonal matrix with the signs of the channels: -1 on white ground, 1 on black ground. The relative change of a
-    /// kind that has the signs s in the channels that it flips is then -s (S A S)^-1 error.
+    /// Returns the gain of a dot in each channel, without the sign; see FittedDots::improve(). Of all corrections by
+    /// the kinds around the dot, this one has the least sum of squared relative changes of area, weighted by the share
+    /// that each kind covers. Let A_ij be the share in which dots flip both channels i and j (see areas_at()). Let S be
+    /// the diagonal matrix of signs: -1 for channels with white ground, 1 for black. Let s be these signs for the
+    /// channels that a kind flips, and 0 for the others. The relative change of this kind is then -s^T (S A S)^-1 e,
+    /// where e holds the error of each channel.
     Channels gains_of(std::size_t dot) const {
-        constexpr float kDamping =
-            0.05f;  // relative to the largest share; keeps errors that only few dots could correct
+        // Relative to the largest share; leaves errors that only few dots could correct.
+        constexpr float kDamping = 0.05f;
         const std::size_t channels = plan_.channels.size();
         if (channels == 1) return {1};
         Channels share{}, sign{}, flipped{};
@@ -133,7 +132,7 @@ private:
     }
 
     /// Returns, for each pair of channels, the share of the area around a site in which dots flip both channels.
-    /// @param share  share that is flipped in each channel
+    /// @param share  flipped share of each channel; needed only if the flipped areas are nested
     std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
         std::array<Channels, kMaxInks> areas{};
         const auto for_pairs = [&](const auto& work) {
@@ -158,8 +157,7 @@ private:
 
     bool flips(std::size_t dot, std::size_t channel) const { return (dots_.flips(dot) >> channel & 1) != 0; }
 
-    /// Division of a dot into the part on black ground, which it brightens, and the part on white ground, which it
-    /// darkens.
+    /// Parts of a dot on black ground, which it brightens, and on white ground, which it darkens.
     struct Cut {
         float brightening = 0;       ///< share of the dot's area
         float darkening = 0;         ///< share of the dot's area
@@ -177,7 +175,7 @@ private:
     }
 
     Cut cut_of(std::size_t dot, const Ground& ground) const {
-        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
+        constexpr double kMargin = 1.1;  // factor on the radius; keeps the result valid for small changes of area
         const Point site = dots_.site(dot);
         const bool white = ground.is_white(site);
         const double reach = dots_.radius(dot);
@@ -200,7 +198,7 @@ private:
         return cut;
     }
 
-    /// Adds the light of a dot to an image of the error.
+    /// Adds the light of a dot to the error image of a channel.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
         if (!flips(dot, channel)) return;
         const Cut& cut = cut_at(dot, channel);
@@ -213,7 +211,7 @@ private:
         dots_.add_light(site + reach * cut.darkened, -cut.darkening * area, image);
     }
 
-    /// Subtracts the light of the area that two dots both cover, which was added twice.
+    /// Subtracts the light of the overlap of two dots, which print() has added twice.
     void print_overlap(std::uint32_t one, std::uint32_t other, std::size_t channel, std::vector<float>& image) const {
         if (!flips(one, channel) || !flips(other, channel)) return;
         const Point way = dots_.site(other) - dots_.site(one);
@@ -229,10 +227,10 @@ private:
     const TwoSidedPlan& plan_;
     Executor& executor_;
     FittedDots dots_;
-    std::vector<std::vector<float>> bases_;            ///< [channels] error without dots
+    std::vector<std::vector<float>> bases_;            ///< [channels] error images without dots
     std::vector<Channels> gains_;                      ///< [dots] result of gains_of()
     std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
-    std::vector<Cut> cut_;  ///< [dots][channels]; default values for channels that the dot does not flip
+    std::vector<Cut> cut_;  ///< [dots][channels] default values for channels that the dot does not flip
 };
 
 }  // namespace

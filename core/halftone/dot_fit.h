@@ -16,10 +16,10 @@ namespace ccdt {
 /// picture.
 /// If the boundary of the ground crosses a dot, the two parts of the dot have opposite colours.
 ///
-/// @param sites  [kinds][dots] in cells, y down the rows
-/// @param fit    false: each dot gets the area that the plan gives for its position
+/// @param sites  [kinds][dots] centres of the dots, in cells; y points down
+/// @param fit    false: each dot gets the area that the plan has at its centre
 /// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
-/// @returns      [kinds]
+/// @returns      [kinds] sizes of the dots, and their grounds
 /// Deterministic for any number of threads. O(cells + sites).
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop = {}, Executor& executor = inline_executor());

@@ -36,7 +36,7 @@ public:
     /// Returns the sum of cover * value(around) over all pixels, where `around` is the mean coverage around the pixel.
     template <class Value>
     double sum(const Value& value) const {
-        constexpr double kFirstBin = 0.25;  // position of the first bin, whose coverage is small but not 0
+        constexpr double kFirstBin = 0.25;  // in bins; the first bin holds coverages that are small but not 0
         double total = 0;
         for (std::size_t bin = 0; bin < sums_.size(); ++bin) {
             if (sums_[bin] > 0) total += sums_[bin] * value(std::max(static_cast<double>(bin), kFirstBin) / kBins);
@@ -57,12 +57,11 @@ private:
     std::array<double, kBins + 1> sums_{};
 };
 
-/// Computes the total area of equal discs that is needed for a wanted coverage. In the total area, overlaps count for
-/// each disc.
+/// Computes the total area of equal discs for a wanted coverage. Overlaps count once for each disc.
 class DiscArea {
 public:
     /// Returns the total disc area that is needed, divided by the wanted coverage.
-    /// @param around  mean wanted coverage around the place
+    /// @param around  mean wanted coverage around the pixel, > 0
     /// @param factor  factor by which the wanted coverage is multiplied
     double per_cover(double around, double factor) const { return curve_.dots(factor * around) / around; }
 

@@ -10,14 +10,13 @@
 
 namespace ccdt {
 
-/// Lower limit of the area of a dot, in pixels of the picture, when the number of dots is computed. It keeps this
-/// number finite.
+/// Lower limit of a dot's area, in pixels of the picture. Keeps the computed number of dots finite.
 inline constexpr double kMinDotArea = 1e-12;
 
 /// Requested properties of the dots: their number, their radius, or both.
 struct DotRequest {
     std::optional<std::size_t> sites;  ///< number of dots of all inks together, >= 1
-    std::optional<double> radius;      ///< pixels of the picture, > 0
+    std::optional<double> radius;      ///< radius of the dots, in pixels of the picture, > 0
     double detail = 0;                 ///< standard deviation, in radii, of the blur that sharpening compensates; >= 0
 };
 

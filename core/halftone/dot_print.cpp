@@ -52,8 +52,7 @@ void add_light(const CellGrid& cells, Point place, float amount, std::vector<flo
 std::vector<std::array<std::uint32_t, 2>> close_pairs(const CellGrid& cells, std::span<const Point> sites,
                                                       std::span<const float> areas) {
     std::vector<std::array<std::uint32_t, 2>> close;
-    constexpr double kMargin =
-        1.15;  // factor on the distance at which dots touch, so that small changes of areas add no pairs
+    constexpr double kMargin = 1.15;  // factor on the distance; keeps pairs complete if areas change a little
     const double widest = radius(*std::ranges::max_element(areas));
     const double side = std::max(2 * kMargin * widest, 1.0);
     const auto columns = static_cast<std::size_t>(cells.columns / side) + 1;

@@ -22,8 +22,7 @@ double common_area(double first, double second, double distance);
 /// @param first, second  radii
 Point middle_of_overlap(Point one, double first, Point other, double second);
 
-/// Adds an amount of light to an image [cells] at a position. Divides the light among the four nearest cells, as in
-/// bilinear interpolation.
+/// Adds light to an image [cells] at a position, divided among the four nearest cells as in bilinear interpolation.
 void add_light(const CellGrid& cells, Point place, float amount, std::vector<float>& image);
 
 /// Finds the pairs of dots that overlap or nearly touch.

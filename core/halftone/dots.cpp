@@ -75,8 +75,7 @@ void for_pixels_within(Point centre, const Canvas& canvas, const Band& band, dou
     }
 }
 
-/// A value for each pixel of a canvas. The memory is not initialised at first, so that the drawing tasks can initialise
-/// it in parallel.
+/// One value per pixel of a canvas. Initially indeterminate, so that the drawing tasks can initialise it in parallel.
 struct Values {
     std::unique_ptr<float[]> values;
     std::size_t count = 0;
@@ -86,7 +85,7 @@ struct Values {
 };
 
 /// Dots grouped by the bands of rows that they touch. Within a band, dots keep their original order. Bands share no
-/// pixels, and each pixel receives its dots in the same order whatever the height of the bands.
+/// pixels, so each pixel receives its dots in the same order for any height of the bands.
 class Bands {
 public:
     Bands(std::span<const Point> dots, const Canvas& canvas, double reach)
@@ -135,8 +134,7 @@ private:
         return {top, std::min(top + rows_, height_)};
     }
 
-    /// Returns a height of bands in rows, at which few dots touch more than one band. If possible, there are at least
-    /// kBands bands, which can be drawn in parallel.
+    /// Returns a height of bands, in rows, at which few dots touch several bands. Prefers kBands bands or more.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
         const double preferred = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
@@ -167,8 +165,7 @@ public:
 
     /// Returns the k-th smallest squared distance, with k from 1; infinite beyond the reach.
     float smallest(std::size_t k) const {
-        // Positive floats are ordered like their bit patterns. So a radix selection finds the upper 16 bits, and then
-        // the lower 16 bits.
+        // Positive floats are ordered like their bits. So a radix selection finds the upper, then the lower 16 bits.
         const std::uint32_t upper = select(k, [](std::uint32_t bits) { return bits >> 16; });
         const std::uint32_t lower =
             select(k, [&](std::uint32_t bits) { return bits >> 16 == upper ? bits & 0xffff : kOther; });
@@ -201,8 +198,7 @@ double pixel_coverage(double inside) {
     return std::clamp(inside + 0.5, 0.0, 1.0);
 }
 
-/// Returns the radius at which antialiased dots have the mean coverage. If the mean coverage is 0, the radius is about
-/// -0.5, at which no pixel is covered.
+/// Returns the radius at which antialiased dots have the mean coverage; about -0.5 for a mean coverage of 0.
 double antialiased_radius(const Values& squared, double mean_coverage, double reach) {
     constexpr std::size_t kBins = 1 << 16;
     std::vector<std::size_t> count(kBins, 0);

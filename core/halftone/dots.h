@@ -32,9 +32,8 @@ struct DotOptions {
     std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen such that the mean is `mean_coverage`
     double mean_coverage = 0;      ///< mean of the raster, in [0, 1]; used only without `radius`
     bool antialias = false;        ///< false: a pixel is covered if its centre is
-    /// Number of samples along each side of a pixel. The value of a pixel is the mean of its samples. So the total
-    /// coverage of the dots equals the coverage of exact discs. Requires `radius`. 0: the value of an antialiased pixel
-    /// depends only on the dot nearest to it.
+    /// Number of samples along each side of a pixel. A pixel is the mean of its samples, so the total coverage is that
+    /// of exact discs. Requires `radius`. 0: an antialiased pixel depends only on the nearest dot.
     int samples = 0;
 };
 

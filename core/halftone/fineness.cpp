@@ -18,8 +18,8 @@ namespace {
 /// Sums over squares of 2 x 2 pixels.
 struct Sums {
     double lightness = 0;
-    double squares = 0;           ///< squared lightness of each pixel
-    double squares_of_means = 0;  ///< four times the squared mean lightness of each square
+    double squares = 0;           ///< sum of the squared lightness of pixels
+    double squares_of_means = 0;  ///< sum of four times the squared mean lightness of squares
 
     Sums operator+(const Sums& other) const {
         return {lightness + other.lightness, squares + other.squares, squares_of_means + other.squares_of_means};

@@ -9,7 +9,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the standard deviation of the blur in which the error at a dot is measured: the local spacing of dots.
+/// Returns the standard deviation, in cells, of the blur that averages the error at a dot: the local spacing of dots.
 double spread(float ground_per_dot) {
     return std::sqrt(static_cast<double>(ground_per_dot));
 }

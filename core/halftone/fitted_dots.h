@@ -21,14 +21,13 @@
 
 namespace ccdt {
 
-/// Dots of all kinds, whose areas are fitted in rounds. Contains the parts of the fit that do not depend on the mixing
-/// of colours.
+/// Dots of all kinds, whose areas are fitted in rounds. Leaves only the mixing of colours to the caller.
 ///
-/// The error of the drawing is measured on the dot cells of the plan: the error at a dot is a mean over the local
-/// spacing of dots, so finer detail has no effect. Positions and areas are in cells of the plan.
+/// The error is measured on the dot cells of the plan. Finer detail has no effect, because the error at a dot is a mean
+/// over the local spacing. Positions and areas are in cells of the plan.
 class FittedDots {
 public:
-    /// @param sites  [kinds][sites]; dots are numbered in this order
+    /// @param sites  [kinds][sites] centres of the dots, in cells; dots are numbered in this order
     FittedDots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, Executor& executor);
 
     std::size_t count() const { return sites_.size(); }
@@ -41,8 +40,7 @@ public:
     /// Returns the share of the ground around a dot that dots of its kind are planned to cover.
     float planned_share(std::size_t dot) const { return planned_[dot] / ground_per_dot_[dot]; }
 
-    /// Returns whether the boundary of a ground may cross a dot. If not, the dot lies on a single ground for every area
-    /// that it can get.
+    /// Returns whether the boundary of a ground may cross a dot, at some area that the dot can get.
     bool is_near_boundary(std::size_t dot) const { return near_boundary_[dot] != 0; }
 
     /// Finds the pairs of dots that may overlap, given the current areas.
@@ -50,18 +48,17 @@ public:
 
     /// Adds light to an image of the error [dot cells]. add_light() adds it at a position; add_disc() distributes it
     /// over a disc.
-    /// @param amount  light multiplied by the area that has it, in cells of the plan
+    /// @param amount  light multiplied by its area, in cells of the plan
     void add_light(Point place, float amount, std::vector<float>& image) const;
     void add_disc(Point centre, double radius, float amount, std::vector<float>& image) const;
 
-    /// Changes the area of each dot against the error of the local mean of the drawing around it. For each channel, the
-    /// change is nearly minus the error, multiplied by the area of ground per dot and by the gain of the dot. The
-    /// changes for all channels are added. One round removes errors of long wavelength. Errors whose wavelength is
-    /// about one spacing take several rounds.
+    /// Changes the area of each dot to reduce the error of the local mean of the drawing around the dot. The change is
+    /// the sum over all channels of -0.85 * error * area of ground per dot * gain of the dot. One round removes errors
+    /// of long wavelength. Errors whose wavelength is about one spacing take several rounds.
     ///
     /// @param bases  [channels][dot cells] error of the drawing without dots
     /// @param draw   draw(channel, image) adds the light of all dots to an image of the error
-    /// @param gain   gain(dot, channel) returns the gain of a dot for errors of a channel
+    /// @param gain   gain(dot, channel) returns the factor of a dot for errors of a channel
     template <class Draw, class Gain>
     void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kNoise = 0.004f;
@@ -97,8 +94,8 @@ private:
     std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels whose boundary is near, as bits
     Point scale_;                              ///< dot cells per cell, along each axis
     BlurPyramid means_;
-    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] positions in the pyramid
-    std::vector<float> image_, changes_;        ///< memory of improve()
+    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] interpolations in `means_` at the dots
+    std::vector<float> image_, changes_;        ///< buffers of improve()
 };
 
 /// Fits the areas of dots in rounds, and returns the sizes of the dots.

@@ -12,7 +12,7 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the mean light of the cells around a cell that lie completely on one ground.
+/// Returns the mean light of the cells that lie completely on one ground, within 2 columns and 2 rows of a cell.
 /// @param ground    1 for white, 0 for black
 /// @param fallback  result if there are no such cells
 float light_beside(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
@@ -56,8 +56,7 @@ void clear_thin_ground(const std::vector<float>& white, const CellGrid& cells, d
     std::vector<float> scratch, majority = white;
     blur(majority, cells.columns, cells.rows, radius, scratch, executor);
     const auto is_thin = [&](std::size_t i) { return (white[i] > 0.5f) != (majority[i] > 0.5f); };
-    // Shares that dots flip on thin ground and on the remaining ground. Ink dots count as positive, paper dots as
-    // negative.
+    // Shares that dots flip on thin ground and on other ground: positive for ink dots, negative for paper dots.
     std::vector<float> thin(share.size()), other(share.size());
     for_pixels(executor, share.size(),
                [&](std::size_t i) { (is_thin(i) ? thin : other)[i] = white[i] > 0.5f ? share[i] : -share[i]; });

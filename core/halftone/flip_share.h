@@ -10,9 +10,9 @@ namespace ccdt {
 
 /// Computes the share of each cell that dots should flip: ink dots on white ground, paper dots on black ground.
 ///
-/// For a cell that the boundary crosses, the share follows from the nearby cells that lie completely on one ground:
-/// their mean share on each side of the boundary, weighted by the area of this ground in the cell. At an edge between
-/// black and white, the result is 0. Where a smooth tone crosses 1/2, it is about 1/2.
+/// In a cell on one ground, the share is |light - ground|, where ground is 1 for white and 0 for black. In a cell that
+/// the boundary crosses, each ground has the mean share of nearby cells that lie completely on this ground. The result
+/// is the mean over the cell: 0 at an edge between black and white, about 1/2 where a smooth tone crosses 1/2.
 ///
 /// @param light  [cells] in [0, 1]
 /// @param white  [cells] share of white ground
@@ -20,8 +20,7 @@ namespace ccdt {
 std::vector<float> flip_share(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
                               Executor& executor = inline_executor());
 
-/// Removes the dots from ground that is thinner than a dot. To keep the local mean, reduces the share of the dots on
-/// the opposite ground next to the thin ground.
+/// Removes dots from ground thinner than a dot and, to keep the local mean, from the opposite ground around it.
 ///
 /// @param white   [cells] share of white ground
 /// @param radius  radius of the dots, in cells

@@ -12,14 +12,14 @@
 
 namespace ccdt {
 
-/// Division of a picture into white ground, which is the bare paper, and black ground, which is solid ink.
+/// Division of one channel of a picture into white ground (bare paper) and black ground (solid ink).
 ///
-/// The ground is white where a level is above 1/2. The level is given at the centres of cells and interpolated
-/// bilinearly between them; beyond the outermost centres it is constant. So the boundary is a smooth curve, which is
-/// more precise than the cells. Positions are in cells: x counts columns, y counts rows.
+/// The ground is white where a function, the level, exceeds 1/2. The level is stored at the centres of cells and
+/// interpolated bilinearly between them, so the boundary is more precise than the cells. Beyond the outermost centres,
+/// the level is constant. Positions are in cells: x counts columns, y counts rows.
 class Ground {
 public:
-    /// @param level  [columns * rows], finite
+    /// @param level  value at the centre of each cell [columns * rows], finite
     Ground(std::vector<float> level, const CellGrid& cells);
 
     const CellGrid& cells() const { return cells_; }
@@ -27,7 +27,7 @@ public:
 
     bool is_white(Point place) const;
 
-    /// Returns the ground that is black where this one is white.
+    /// Returns a copy in which white and black ground are exchanged.
     Ground inverse() const;
 
     /// Returns the share of each part of the picture that is white, in [0, 1]. It is exactly 0 or 1 where no boundary
@@ -39,9 +39,9 @@ public:
     /// Converts the share of each pixel that dots flip to the share that ink covers. The two shares are equal on white
     /// ground; on black ground, they add up to 1.
     ///
-    /// @param flipped    coverage by dots, on a canvas that shows the whole picture; modified
+    /// @param flipped    raster of the whole picture: coverage by dots, replaced by coverage by ink
     /// @param scale      canvas pixels per cell, across and down
-    /// @param antialias  false: a whole pixel has the ground at its centre
+    /// @param antialias  false: each pixel as a whole gets the ground at its centre
     void apply(Raster& flipped, Point scale, bool antialias, Executor& executor = inline_executor()) const;
 
 private:
@@ -49,12 +49,12 @@ private:
     std::vector<float> level_;
 };
 
-/// Divides each channel of a picture into white and black ground. The difference |light - ground| is at most about one
-/// half. The boundary is short and smooth, follows the edges of the picture, and leaves out specks that dots can draw.
+/// Divides each channel of a picture into white and black ground. The light differs from the ground (1 or 0) by at most
+/// about one half. The boundary is short and smooth, follows edges, and omits specks that dots can draw.
 ///
-/// First, the light is sharpened. Thin strokes of text then belong to the ground even if they are closer to the paper
-/// than to black. Then the light is smoothed by denoised(), more strongly for larger dots. Where red, green and blue
-/// differ little, they share one ground, so that greys have no coloured fringes.
+/// First, the light is sharpened, so that thin strokes of text become black ground even if their light exceeds 1/2.
+/// Then the light is smoothed by denoised(), more strongly for larger dots. Where red, green and blue differ little,
+/// they share one ground, so that greys have no coloured fringes.
 ///
 /// @param light   [channels][columns * rows] in [0, 1], linear light of each cell
 /// @param radius  radius of the dots, in cells, > 0

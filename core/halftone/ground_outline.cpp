@@ -10,9 +10,9 @@ namespace ccdt {
 
 namespace {
 
-/// The level at the nodes of a grid. The inner nodes are the cell centres. Around them is a ring of nodes on the
-/// picture's border, with the level of the nearest cell. The outermost ring is white and has the same positions as the
-/// ring on the border, so that every outline is closed.
+/// Levels of a Ground at the nodes of a grid. The inner nodes are the cell centres. Around them is a ring of nodes on
+/// the picture's border, with the level of the nearest cell. The outermost ring is white and has the same positions as
+/// the ring on the border, so that every outline is closed.
 class Nodes {
 public:
     explicit Nodes(const Ground& ground) : ground_(ground) {}
@@ -53,14 +53,14 @@ std::vector<Point> without_straight_points(const std::vector<Point>& ring) {
     return result;
 }
 
-/// An edge of the node grid.
+/// An edge between adjacent nodes of a grid.
 struct Edge {
     int column, row;  ///< its first node
     bool down;        ///< whether it leads to the node below; else to the node on the right
 };
 
-/// Follows the boundary through the squares between nodes. Links each edge that the boundary crosses to the edge that
-/// it crosses next, with black ground on the left.
+/// Follows the boundary through the squares between nodes. Links each crossed edge to the edge that the boundary
+/// crosses next, with black ground on the left.
 class Tracer {
 public:
     explicit Tracer(const Ground& ground)
@@ -112,8 +112,7 @@ private:
         return from + a / (a - b) * (to - from);
     }
 
-    /// Links the crossed edges of a square. Corners are numbered clockwise from the upper left. Edge k leads from
-    /// corner k to the next corner.
+    /// Links the crossed edges of a square. Corners and edges are numbered clockwise from the upper left corner.
     void link(int column, int row) {
         const std::array<bool, 4> black = {nodes_.is_black(column, row), nodes_.is_black(column + 1, row),
                                            nodes_.is_black(column + 1, row + 1), nodes_.is_black(column, row + 1)};
@@ -122,8 +121,7 @@ private:
         const bool is_joined =
             black[0] == black[2] && black[1] == black[3] && black[0] != black[1] && mean(column, row) <= 0.5f;
         for (std::size_t k = 0; k < 4; ++k) {
-            // The boundary enters the square through an edge that leads, clockwise, from a white corner to a black
-            // corner.
+            // The boundary enters the square through an edge that leads, clockwise, from white to black.
             if (black[k] || !black[(k + 1) % 4]) continue;
             std::size_t leaving = (k + 1) % 4;
             if (is_joined) {
@@ -142,7 +140,7 @@ private:
     }
 
     Nodes nodes_;
-    std::vector<std::uint32_t> next_;  ///< [edges] edge that the boundary crosses next; kNone if it does not cross
+    std::vector<std::uint32_t> next_;  ///< [edges] edge that the boundary crosses next; kNone if an edge is not crossed
 };
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 namespace ccdt {
 
-/// Traces the black ground.
+/// Traces the boundary of the black ground.
 ///
 /// @returns  closed rings in units of cells, without repetition of the first point. They enclose the black ground by
 ///           the even-odd rule. Where black ground reaches the border of the picture, the ring follows the border.
-/// The rings are straight between the lines through cell centres, so they are within a fraction of a cell of the
-/// ground's boundary. Deterministic. O(cells).
+/// Rings are straight within each square between four cell centres, so they are near the boundary. Deterministic.
+/// O(cells).
 /// Source: marching squares (Lorensen, Cline 1987, in the plane). In an ambiguous square, the mean of the four corners
 /// decides.
 std::vector<std::vector<Point>> outline_of(const Ground& ground);

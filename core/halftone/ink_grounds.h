@@ -11,21 +11,20 @@
 
 namespace ccdt {
 
-/// Chooses the grounds of inks such that dots on them can reproduce the picture. It is not sufficient to give each ink
-/// black ground where it covers more than a half: dots of several inks that each cover less than a half may together
-/// cover more than a half.
+/// Chooses the grounds of inks such that dots on them can reproduce the picture. Black ground where an ink covers more
+/// than a half does not suffice: inks that each cover less may together cover more.
 class InkGrounds {
 public:
     /// @param wanted  light of the picture; must outlive this object
     InkGrounds(const InkSet& inks, const LightPlanes& wanted, Executor& executor);
 
-    /// Changes the ground of some inks in cells of which dots would cover more than a half. Sets the bare share of
-    /// these inks to a value near one half, so that the smoothing of the grounds can still change the ground.
+    /// Exchanges white and black ground of some inks in cells of which dots would cover more than a half. Sets the bare
+    /// share of these inks to 0.35 or 0.65, so that the later smoothing can still change their ground.
     /// @param bare  [inks][cells] share of each cell that an ink leaves bare; modified
     void reduce_cover(std::vector<std::vector<float>>& bare);
 
     /// Finds cells where dots on the grounds of a plan cannot reproduce the colour, but dots on another ground can.
-    /// There, sets the bare share of each ink to 0 or 1, so that the cell gets that other ground.
+    /// Sets the bare share of each ink in such a cell to 0 or 1, so that the cell gets the better ground.
     /// @returns  whether there are such cells
     bool replace_grounds(std::vector<std::vector<float>>& bare, const TwoSidedPlan& plan);
 
@@ -33,7 +32,7 @@ private:
     /// Returns the inks that cover at least a half of a cell, as bits.
     unsigned ground_of(const std::vector<std::vector<float>>& bare, std::size_t cell) const;
 
-    /// Returns the share of a cell that all dots on a ground cover.
+    /// Returns the share of a cell that dots on a ground must cover. The ground is given as inks, as bits.
     float cover(unsigned ground, std::size_t cell);
 
     /// Returns whether dots on a ground cannot reproduce the light of a cell.

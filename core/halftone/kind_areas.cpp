@@ -10,11 +10,10 @@
 namespace ccdt {
 
 float relative_area(float cover, float visibility) {
-    // Measured on eleven photographs by mean |dL*| after a blur of half a pitch. Values from 0.03 to 0.1 are equally
-    // good.
+    // Chosen by lightness errors of photographs after a blur of half a pitch. 0.03 to 0.1 are equally good.
     constexpr float kVisibility = 0.05f, kSmall = 1e-3f;
     const float contrast = cover * visibility / kVisibility;
-    const float limit = kVisibility / visibility;  // for a cover of 0
+    const float limit = kVisibility / visibility;  // area at cover 0
     return contrast < kSmall ? limit * (1 + contrast / 2) : cover / std::log(1 + contrast);
 }
 

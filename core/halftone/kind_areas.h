@@ -8,15 +8,14 @@
 
 namespace ccdt {
 
-/// Standard deviation, in radii of dots, of a blur of the coverage. The areas of dots depend on the blurred coverage,
-/// which is called the coverage around a place.
+/// Standard deviation, in radii of dots, of the blur of coverage. The areas of dots depend on the blurred coverage.
 inline constexpr double kSurroundingsOfDots = 2;
 
-/// Lower limit of the coverage around a place, relative to the coverage of the place itself. Because of this limit, a
+/// Lower limit of the blurred coverage of a cell, relative to the coverage before the blur. Because of this limit, a
 /// small light in a dark area is drawn as one dot instead of many tiny ones.
 inline constexpr float kMinSurroundings = 0.25f;
 
-/// Returns the area of a dot, up to a common factor, for which the pattern of dots is least visible.
+/// Returns the area of a dot, up to a common factor, for which the pattern is least visible; see plan_two_sided().
 /// @param cover       share that the dots cover, in [0, 1/2]
 /// @param visibility  visibility of the dots, as computed by Visibility
 float relative_area(float cover, float visibility);

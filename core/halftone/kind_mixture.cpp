@@ -11,7 +11,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::size_t kRows = 4;  ///< lightness, chroma, hue, and the sum of the shares
+constexpr std::size_t kRows = 4;  ///< errors of lightness, chroma, hue, and of the sum of the shares
 using Row = std::array<double, kRows>;
 
 double product(const Row& a, const Row& b) {
@@ -20,7 +20,7 @@ double product(const Row& a, const Row& b) {
 
 /// Minimizes |A x - wanted|^2 / 2 + prices x + kRidge |x|^2 / 2 for x >= 0, where `columns` are the columns of A.
 ///
-/// Uses an active set (Lawson, Hanson 1974). Few entries of x are positive: about as many as A has rows.
+/// Uses the active-set method of Lawson and Hanson (1974). About as many entries of x are positive as A has rows.
 class SparseLeastSquares {
 public:
     SparseLeastSquares(std::span<const Row> columns, const Row& wanted, std::span<const double> prices)
@@ -60,7 +60,7 @@ private:
         return true;
     }
 
-    /// Moves the free variables towards their minimum, until a variable becomes 0. This variable is then held at 0.
+    /// Moves the free variables towards the minimum of the objective. If a variable becomes 0 first, holds it at 0.
     /// @returns  whether the minimum was reached
     bool move_to_minimum() {
         const std::vector<double> to = minimum();
@@ -81,7 +81,7 @@ private:
         return free_.empty();
     }
 
-    /// Returns the minimum over the free variables without regard to their signs, by Cholesky's method.
+    /// Returns the free variables at the minimum without the constraint x >= 0, by Cholesky's method.
     std::vector<double> minimum() const {
         const std::size_t n = free_.size();
         std::array<std::array<double, kMaxFree>, kMaxFree> a{};

@@ -18,16 +18,16 @@ namespace ccdt {
 ///
 /// Dots lie side by side, so the mean light is linear in the shares. Each kind adds its share multiplied by the
 /// difference between the light of a dot and the light of the ground. Of all shares with a sum of at most kMaxCover,
-/// the result has the least ColourDifference. Small penalties on coverage and contrast decide between shares that look
-/// alike. For ideal cyan, magenta and yellow, the flipped areas of the inks are nested. The results are cached in a
-/// table for each ground. Thread-safe.
+/// the result has the least ColourDifference from the wanted colour. Small penalties on coverage and contrast decide
+/// between shares that look alike. For ideal cyan, magenta and yellow, the resulting flipped areas of the inks are
+/// nested. The results are cached in a table for each ground. Thread-safe.
 class KindMixture {
 public:
     static constexpr std::size_t kMaxKinds = (std::size_t{1} << kMaxInks) - 1;
     using Shares = std::array<float, kMaxKinds>;
     using Channels = std::array<float, 3>;
 
-    /// Approximate upper limit of the sum of the shares. It is above one half, because a place may have the ground of
+    /// Approximate upper limit of the sum of the shares. It is above one half, because a cell may have the ground of
     /// its neighbourhood instead of its own best ground.
     static constexpr double kMaxCover = 0.6;
 

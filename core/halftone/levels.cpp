@@ -16,7 +16,7 @@ namespace ccdt {
 
 namespace {
 
-/// Maps light by the levels. Uses a table with equal steps of light between the black and the white point.
+/// Applies Levels to linear light. Uses a table with equal steps of light between the black and the white point.
 class LevelCurve {
 public:
     explicit LevelCurve(const Levels& levels)
@@ -50,7 +50,7 @@ public:
 
 private:
     static constexpr int kSteps = 1 << 15;
-    /// Tolerance of the white point. Because of rounding, a pixel at the white point could otherwise get dots.
+    /// Factor on the white point. Without it, a pixel at the white point could get dots because of rounding.
     static constexpr float kWhite = 1 - 1e-6F;
 
     float black_;

@@ -60,8 +60,7 @@ public:
         dots_.improve(bases_, draw, [this](std::size_t dot, std::size_t c) { return gains_[dot][c]; });
     }
 
-    /// Divides dots by the grounds under them, and finds the pairs of dots that are close together, given the current
-    /// areas.
+    /// Divides each dot into its parts on different grounds, and finds the pairs of dots that may overlap.
     void find_cut() {
         close_.clear();
         for (const auto& [one, other] : dots_.close_pairs())
@@ -69,7 +68,7 @@ public:
         for_pixels(executor_, dots_.count(), [&](std::size_t dot) { cut(dot); });
     }
 
-    /// Returns the channels whose boundary crosses a dot, as bits.
+    /// Returns the channels in which the boundary of the ground crosses a dot, as bits.
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (const Part& part : parts_[dot]) bits |= part.ground ^ parts_[dot].front().ground;
@@ -84,7 +83,7 @@ public:
 private:
     /// Part of a dot on one ground.
     struct Part {
-        unsigned ground = 0;  ///< inks, as bits
+        unsigned ground = 0;  ///< solid inks of the ground, as bits
         float share = 1;
         Point centre;  ///< centroid relative to the dot's centre, in radii
     };
@@ -92,7 +91,7 @@ private:
     /// Two dots that may overlap.
     struct ClosePair {
         std::uint32_t one = 0, other = 0;
-        unsigned ground = 0;  ///< inks of the ground between the dots, as bits
+        unsigned ground = 0;  ///< solid inks of the ground between the dots, as bits
     };
 
     unsigned ground_at(Point place) const {
@@ -102,7 +101,7 @@ private:
         return ground;
     }
 
-    /// Computes the light of the ground minus the light of the picture.
+    /// Computes the error images without dots: light of the ground minus light of the picture.
     void find_bases() {
         const auto columns = static_cast<std::size_t>(plan_.dot_cells.columns);
         const Point scale = plan_.scale();
@@ -129,7 +128,7 @@ private:
         });
     }
 
-    /// Returns the light that a dot adds to a channel on a ground, divided by the dot's area.
+    /// Returns the light that a dot adds to a channel, per area of the dot. Ground and flips are inks, as bits.
     float change(unsigned ground, unsigned flips, std::size_t channel) const {
         return plan_.colours[ground ^ flips][channel] - plan_.colours[ground][channel];
     }
@@ -148,10 +147,10 @@ private:
     }
 
     /// Returns the gain of a dot in each channel; see FittedDots::improve(). For each kind, let d be the light that its
-    /// dots add per area, and w the share that they cover. Then an error e changes the area of a kind by the share -d
-    /// (sum of w d d^T)^-1 e, where the sum is over all kinds.
+    /// dots add per area, and w the share that they cover. Let M be the sum of w d d^T over all kinds. The relative
+    /// change of a kind's area for an error e of the light is then -d^T M^-1 e.
     Colour gains_of(std::size_t dot) const {
-        constexpr float kDamping = 0.02f;  // relative to the trace; keeps errors that only few dots could correct
+        constexpr float kDamping = 0.02f;  // relative to the trace; leaves errors that only few dots could correct
         const Point site = dots_.site(dot);
         const unsigned ground = ground_at(site);
         const auto unit = static_cast<float>(kPi * plan_.radius * plan_.radius);
@@ -178,7 +177,7 @@ private:
 
     /// Divides a dot of its current size into parts, each of which lies on one ground.
     void cut(std::size_t dot) {
-        constexpr double kMargin = 1.1;  // on the radius, so that the result stays valid for small changes of the area
+        constexpr double kMargin = 1.1;  // factor on the radius; keeps the result valid for small changes of area
         const double reach = dots_.radius(dot);
         const Point site = dots_.site(dot);
         const unsigned middle = ground_at(site);
@@ -202,7 +201,7 @@ private:
         }
     }
 
-    /// Adds the light of a dot to an image of the error.
+    /// Adds the light of a dot to the error image of a channel.
     void print(std::size_t dot, std::size_t channel, std::vector<float>& image) const {
         const float area = dots_.area(dot);
         const double reach = dots_.radius(dot);
@@ -215,8 +214,7 @@ private:
                             part.share * area * change(part.ground, dots_.flips(dot), channel), image);
     }
 
-    /// Corrects the light where two dots overlap: the light of all inks that either dot flips replaces the sum of both
-    /// dots' light.
+    /// Corrects the light where two dots overlap. print() adds both, but inks that both flip are flipped only once.
     void print_overlap(const ClosePair& pair, std::size_t channel, std::vector<float>& image) const {
         const auto& colours = plan_.colours;
         const unsigned ground = pair.ground, a = dots_.flips(pair.one), b = dots_.flips(pair.other);
@@ -240,7 +238,7 @@ private:
     LightPlanes bases_;          ///< light of the ground minus light of the picture
     std::vector<Colour> gains_;  ///< [dots] result of gains_of()
     std::vector<ClosePair> close_;
-    std::vector<std::vector<Part>> parts_;  ///< [dots]
+    std::vector<std::vector<Part>> parts_;  ///< [dots] parts on different grounds
 };
 
 }  // namespace

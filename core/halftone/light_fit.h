@@ -12,15 +12,14 @@
 
 namespace ccdt {
 
-/// Chooses the radii of dots of inks such that the local mean of the printed light equals the local mean of the
-/// picture.
+/// Chooses the radii of dots of inks such that the local mean of the print equals the local mean of the picture.
 ///
-/// The light of a place depends on all inks there. So the fit corrects the errors of red, green and blue, and not the
-/// errors of the shares that the inks cover. The kinds of dots around a place divide the correction such that the sum
-/// of their squared relative changes is least. In this sum, each kind has the share that it covers as its weight. Where
-/// two dots overlap, all inks that either dot flips are flipped.
+/// The light of a place depends on all inks there. So the fit corrects errors of red, green and blue, and not errors of
+/// the coverage by each ink. Of all corrections by the kinds of dots around a place, the fit chooses the one with the
+/// least sum of squared relative changes of area, weighted by the share that each kind covers. Where two dots overlap,
+/// all inks that either dot flips are flipped.
 ///
-/// @param plan  with kinds that are not nested, and with `colours` and `wanted`
+/// @param plan  plan for inks, with `colours` and `wanted`
 /// The other parameters and the result are those of size_dots().
 std::vector<SizedDots> fit_light(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop, Executor& executor);

@@ -40,7 +40,7 @@ public:
         choose_kinds(inks);
     }
 
-    /// Adds the light that dots on the ground of a cell cannot reproduce to the surroundings of the cell.
+    /// Moves the missing light, which dots on the ground of a cell cannot reproduce, to the surroundings of the cell.
     /// @param wanted  light of the picture; modified
     /// @param radius  radius of the dots, in cells
     void distribute_missing_light(LightPlanes& wanted, double radius) {
@@ -65,8 +65,7 @@ public:
         }
     }
 
-    /// Sets the light of each channel to the share that the ink leaves bare. This share follows from the shares of the
-    /// kinds.
+    /// Sets the light of each channel to the share that the ink leaves bare, given the shares of the kinds.
     void set_light(const LightPlanes& wanted) {
         for (TwoSidedChannel& channel : plan_.channels) channel.light.resize(cells());
         for_pixels(executor_, cells(), [&](std::size_t i) {
@@ -76,8 +75,7 @@ public:
         });
     }
 
-    /// Sets the share that each kind covers. A cell that a boundary crosses gets the mean shares of the nearby cells
-    /// that no boundary crosses.
+    /// Sets the share that each kind covers. Cells that a boundary crosses get the mean shares of nearby other cells.
     void add_shares() {
         for_pixels(executor_, cells(), [&](std::size_t i) {
             if (!is_whole(i)) return;
@@ -89,12 +87,11 @@ public:
         });
     }
 
-    /// Sets the relative areas of dots. Dots that are hardly visible on their ground could be large, but they would be
-    /// blots if they extended to another ground. So the area follows from the nearby ground on which the kind is most
-    /// visible.
+    /// Sets the relative areas of dots. Dots that are hardly visible on one ground could be large, but would be blots
+    /// on the ground beside it. So the area follows from the nearby ground on which the kind is most visible.
     /// @param radius  radius of the dots, in cells
     void add_areas(double radius) {
-        constexpr float kMinVisibility = 0.02f;  // an ink below black is invisible
+        constexpr float kMinVisibility = 0.02f;  // lower limit; for example, an ink under black is invisible
         constexpr double kReach = 2, kMaxReach = 8;
         const auto reach = plan_.colours.empty()
                                ? std::size_t{0}
@@ -181,8 +178,7 @@ private:
         }
     }
 
-    /// Returns for each cell the grounds of all cells within `reach` along both axes, as bits. Bit g stands for the
-    /// ground with the set of inks g.
+    /// Returns for each cell the grounds within `reach` cells along both axes; bit g stands for the ground of inks g.
     std::vector<std::uint64_t> grounds_around(std::size_t reach) const {
         static_assert(kMaxInks <= 6);
         const auto columns = static_cast<std::size_t>(plan_.dot_cells.columns);

@@ -10,9 +10,8 @@
 namespace ccdt {
 
 /// Adds the kinds of dots to a plan that has grounds. The mean colour of ground and dots is then the colour of the
-/// picture (KindMixture). In the result, KindOfDots::area is relative to the area of the largest dot, and
-/// KindOfDots::density is the share that the dots of a kind cover. Sets the light of each channel to the share that the
-/// ink leaves bare, with these dots.
+/// picture (KindMixture). In the result, KindOfDots::area is relative to the largest dot, and KindOfDots::density is
+/// the covered share. Sets the light of each channel to the share that ground and dots of the ink leave bare.
 ///
 /// @param light   [dot cells] light of the picture
 /// @param radius  radius of the dots, in dot cells

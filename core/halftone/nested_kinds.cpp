@@ -41,7 +41,7 @@ float nested_share(std::span<const float> shares, unsigned flips) {
     return std::max(within - beyond, 0.0f);
 }
 
-/// Computes the areas and shares of nested kinds.
+/// Computes the areas and shares of kinds of dots whose flipped areas are nested.
 class KindPlan {
 public:
     /// @param share  [channels][cells] share of each cell that dots should flip

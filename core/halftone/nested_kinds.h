@@ -10,8 +10,7 @@
 namespace ccdt {
 
 /// Adds the kinds of dots to a plan that has grounds, such that the flipped areas of the channels are nested. In the
-/// result, KindOfDots::area is relative to the area of the largest dot, and KindOfDots::density is the share that the
-/// dots of a kind cover.
+/// result, KindOfDots::area is relative to the largest dot, and KindOfDots::density is the covered share.
 ///
 /// @param share   [channels][dot cells] share that dots should flip
 /// @param light   [channels][dot cells] light of the picture

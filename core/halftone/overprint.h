@@ -35,8 +35,7 @@ inline constexpr std::size_t kMaxInks = 6;
 struct InkSet {
     std::vector<Light> inks;  ///< [1 to kMaxInks] colours of full coverage on white or, if additive, on black
     Light paper{1, 1, 1};
-    /// false: each ink multiplies the light that comes from below it, as in print; true: each ink adds light, as lamps
-    /// do
+    /// false: each ink multiplies the light from below, as in print; true: each ink adds light, as lamps do
     bool additive = false;
 };
 
@@ -76,8 +75,7 @@ private:
 
     std::size_t count_;
     CoverageCurve curve_;
-    /// [2^count] light that each combination of inks adds, per share of the area; for the empty combination, the light
-    /// of the paper.
+    /// [2^count] light that each set of inks adds, per share of the area; for the empty set, the light of the paper.
     std::array<Channels, std::size_t{1} << kMaxInks> changes_{};
 };
 

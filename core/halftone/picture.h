@@ -9,7 +9,7 @@
 
 namespace ccdt {
 
-/// An immutable value for each pixel, row by row from the top. Copies share memory.
+/// An immutable image with one value per pixel, row by row from the top. Copies share memory.
 class Plane {
 public:
     Plane() = default;

@@ -12,8 +12,7 @@ namespace ccdt {
 /// Number of pixels, or equivalent work, in a parallel task.
 inline constexpr std::size_t kPixelsOfTask = std::size_t{1} << 15;
 
-/// Number of pixels in a range that is summed sequentially. The sums of the ranges are then added in order. So results
-/// do not depend on the number of threads.
+/// Number of pixels per sequential sum. These sums are added in order, so no result depends on the number of threads.
 inline constexpr std::size_t kPixelsOfSum = std::size_t{1} << 20;
 
 /// Returns the number of pixel rows in a parallel task.

@@ -26,8 +26,8 @@ constexpr std::size_t kCellsOfTask = 256;
 constexpr std::size_t kSitesOfTask = 1024;
 
 /// Returns the derivative of half the squared colour difference with respect to the light of each channel, scaled for a
-/// step of steepest descent. For that, the derivative is divided by the squared slopes of the difference and by the
-/// wanted luminance. So steps have similar lengths in light and in dark areas.
+/// step of steepest descent. Divides the derivative by the squared slopes of the difference and by the wanted
+/// luminance, so that steps have similar lengths in light and in dark areas.
 Channels gradient(const Channels& wanted, const Channels& seen) {
     constexpr double kMinLight = 0.01;
     const ColourDifference difference(lab_of(wanted));
@@ -150,7 +150,7 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     return samples;
 }
 
-/// Returns for each cell how much the cost changes per unit of light that is added to a channel.
+/// Returns for each cell the change of the squared colour difference per unit of light in each channel; see gradient().
 LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Executor& executor) const {
     const LightPlanes seen = means(
         [&](int x, int y) {
@@ -168,8 +168,7 @@ LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Exec
     return gradients;
 }
 
-/// Returns the move of a dot. Samples just outside the dot's rim tell how the cost would change if the dot moved there
-/// and covered them.
+/// Returns the move of a dot. Samples outside its rim show how the colour difference changes if the dot covers them.
 Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
                        const LightPlanes& gradients) const {
     constexpr double kStrength = 0.2;  // radii per unit of the slope

@@ -17,10 +17,9 @@ namespace ccdt {
 
 /// Simulates a print of dots in several inks and compares its local mean light with the wanted picture.
 ///
-/// The dots of each ink are spread evenly. But the overlap of inks varies from place to place, which is visible as
-/// blotches that are many dots wide. A dot that moves uncovers one area and covers another. The mean light changes if
-/// another ink lies on only one of these two areas. So moves of a few hundredths of a radius suffice to correct the
-/// light of all inks together.
+/// The dots of each ink are spread evenly. But the overlap of inks varies, which is visible as blotches many dots wide.
+/// A dot that moves uncovers one area and covers another. The mean light changes if another ink lies on only one of
+/// these two areas. So moves of a few hundredths of a radius suffice to correct the light of all inks together.
 class PrintProof {
 public:
     /// @param light          [cells] the wanted light, within the gamut of the inks
@@ -34,10 +33,9 @@ public:
     /// Computes the moves of a retouch round: one step of steepest descent. The step reduces the squared
     /// ColourDifference between print and picture, after both are blurred over about three radii.
     ///
-    /// @param sites  [inks] in pixels, y down the rows
+    /// @param sites  [inks] in pixels; y points down
     /// @param stop   polled regularly; after a stop, the remaining moves are zero
-    /// @returns      [inks][sites] moves of at most 0.15 radii; all zero on a large picture with so few dots that they
-    ///               hardly touch
+    /// @returns      [inks][sites] moves of at most 0.15 radii; all zero if dots cover less than 6 % of the picture
     ///
     /// Deterministic for any number of threads. O(sites).
     std::vector<std::vector<Point>> moves(std::span<const std::vector<Point>> sites, const std::stop_token& stop = {},

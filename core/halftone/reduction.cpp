@@ -22,8 +22,7 @@ struct Part {
     double share = 1;  ///< share of the pixel in `cell`; the remaining share is in the next cell
 };
 
-/// Returns the division of each pixel along an axis. No cell is smaller than a pixel, so a pixel lies in at most two
-/// cells.
+/// Returns the division of each pixel along an axis. A pixel lies in at most two cells, because no cell is smaller.
 std::vector<Part> parts_of(int pixels, int cells) {
     std::vector<Part> parts;
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
@@ -56,7 +55,7 @@ public:
     }
 
 private:
-    /// Writes some rows of cells. A row of pixels may lie in two rows of cells, so sums of two rows are kept.
+    /// Writes the rows [begin, end) of cells. Keeps sums of two rows, because a row of pixels may lie in both.
     template <class Value>
     void fill_rows(std::size_t begin, std::size_t end, float* to, const Value& value) const {
         std::vector<double> row(columns_ + 1), sums(columns_), next(columns_);

@@ -29,8 +29,7 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-/// Finds the cover of each ink such that the halftone is as close to a colour as possible. Among equally close covers,
-/// it chooses those with the least sum.
+/// Finds the covers of inks at which the halftone is closest to a colour; of several, those with the least sum.
 ///
 /// Minimises by Gauss and Newton's method, with covers bounded to [0, 1]. The target moves in steps from the paper's
 /// colour to the wanted colour. Each step starts from the mixture that the previous step found. So the minimisation
@@ -213,8 +212,7 @@ std::vector<std::size_t> share_sites(std::span<const double> ink_sums, std::size
         shares[ink] = 1;
         --left;
     }
-    // First, each ink gets the integer part of its quota. Then, each remaining site goes to the ink that is farthest
-    // below its quota.
+    // Each ink gets the integer part of its quota. Then each remaining site goes to the ink farthest below its quota.
     const auto quota = [&](std::size_t ink) { return ink_sums[ink] / total * static_cast<double>(sites); };
     for (const std::size_t ink : order) {
         const auto whole = static_cast<std::size_t>(quota(ink));

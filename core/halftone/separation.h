@@ -18,8 +18,7 @@ InkSet toned(const InkSet& inks, Tone tone);
 
 /// A picture separated into inks.
 struct Separation {
-    /// [inks][width * height] Share of each pixel that the dots of each ink would cover without the other inks, in [0,
-    /// 1].
+    /// [inks][width * height] Share of each pixel that the dots of an ink would cover without other inks, in [0, 1].
     std::vector<std::vector<float>> coverage;
     /// Predicted light of the halftone; equal to the light of the picture within the gamut of the inks.
     LightPlanes light;
@@ -30,8 +29,7 @@ struct Separation {
 /// Colours within the gamut of the inks are exact. Any other colour becomes the nearest colour of the gamut by
 /// ColourDifference, in which lightness counts twice. One black ink on white paper has the coverage that ink_coverage()
 /// gives for the picture's luminance. Of several mixtures with the same colour, the one with the least coverage is
-/// used. So with ideal cyan, magenta, yellow and black inks, greys consist of black alone. Dots that would be invisible
-/// are left out.
+/// used. So with ideal cyan, magenta, yellow and black inks, greys consist of black alone. Invisible dots are left out.
 ///
 /// Transparent pixels show the paper, without dots. Values outside [0, 1] are clamped, and NaN counts as 0.
 ///

@@ -10,7 +10,7 @@ namespace ccdt {
 struct SizedDots {
     std::vector<float> radii;         ///< [dots] in cells
     std::vector<std::uint8_t> white;  ///< [dots] channels whose ground is white at the dot's centre, as bits
-    std::vector<std::uint8_t> cut;    ///< [dots] channels whose boundary of grounds crosses the dot, as bits
+    std::vector<std::uint8_t> cut;    ///< [dots] channels in which the boundary of grounds crosses the dot, as bits
 };
 
 }  // namespace ccdt

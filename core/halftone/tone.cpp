@@ -52,8 +52,8 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 
 std::size_t default_sites(double ink, double fineness, std::size_t limit) {
     constexpr double kInkPerDot = 8;
-    // Dots with an area of 8 pixels blur about as much as averaging over 2 x 2 pixels. So for a picture with this
-    // fineness, they lose this share of the variance.
+    // Dots with an area of 8 pixels blur about as much as averaging over 2 x 2 pixels. So dots lose this share of the
+    // variance of a picture whose fineness has the same value.
     constexpr double kMaxLost = 0.02;
     constexpr double kFewest = 4096;
     const double by_ink = std::min(std::clamp(ink / kInkPerDot, kFewest, kMaxSites), ink);

@@ -35,8 +35,7 @@ std::vector<float> ink_coverage(const Picture& picture, Tone tone, bool invert, 
 ///
 /// The number is one dot per 8 pixels of ink. If the fineness is above 0.02, this number is multiplied by fineness /
 /// 0.02, but only up to two dots per pixel of ink. The result is at least 4,096, or one dot per pixel of ink if that is
-/// less. It is at most 100,000, at most `limit`, and at least 1. The number never decreases with more ink or finer
-/// detail.
+/// less. It is at most 100,000, at most `limit`, and at least 1. It never decreases with more ink or finer detail.
 ///
 /// @param ink       sum of the shares that dots cover, in pixels of the picture
 /// @param fineness  fineness of the picture, in [0, 1]
@@ -51,9 +50,8 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit);
 /// @param fineness  fineness of the picture, in [0, 1]
 double radius_of_drawing(double pixels, double fineness);
 
-/// Returns the number of dots with the radius radius_of_drawing() that are needed to cover the ink of a picture. The
-/// number is at most two dots per pixel of ink, which suffices for small pictures. It is also at most 100,000, at most
-/// `limit`, and at least 1.
+/// Returns the number of dots of radius radius_of_drawing() that are needed to cover the ink of a picture. It is at
+/// most two per pixel of ink, which suffices for small pictures, at most 100,000, at most `limit`, and at least 1.
 ///
 /// @param ink     sum of the shares that dots cover, in pixels of the picture
 /// @param scale   pixels of the drawing per pixel of the picture, > 0
@@ -69,7 +67,7 @@ inline constexpr double kMaxCanvasPixels = 16e6;
 /// number is limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
-/// Returns the same scale, given the ink and the number of pixels of the picture.
+/// Returns the default scale of a picture, given its ink and its number of pixels.
 /// @param ink  sum of the shares that dots cover, in pixels of the picture
 double default_scale(double ink, std::size_t pixels, std::size_t sites);
 

@@ -21,16 +21,16 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Number and sizes of dots.
+/// Number of dots and range of their areas.
 struct DotScale {
     double dots = 0;     ///< number
     double unit = 0;     ///< area of the largest dots, in cells
     float min_area = 0;  ///< area of the smallest dots, relative to the largest
 };
 
-/// Finds the number and the sizes of dots. The area of the largest dots depends on the relative area of the smallest
-/// dots, and vice versa, so both are computed repeatedly.
-/// @param plan  its kinds have relative areas, and shares in place of densities
+/// Computes the number of dots and the range of their areas. The area of the largest dots and the relative area of the
+/// smallest dots depend on each other, so the function iterates.
+/// @param plan  its kinds have areas relative to the largest dot, and covered shares in place of densities
 DotScale scale_of(const TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
     constexpr float kMinArea = 0.05f;
     constexpr int kRounds = 3;
@@ -55,13 +55,13 @@ DotScale scale_of(const TwoSidedPlan& plan, const TwoSidedOptions& options, Exec
     return scale;
 }
 
-/// Returns the radius in cells that dots would have if all dots had the same size.
+/// Returns the requested radius, or the radius of the requested number of dots of equal size, in cells.
 double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOptions& options, Executor& executor) {
     if (options.radius) return *options.radius;
     return std::sqrt(minority_area(light, executor) / (kPi * static_cast<double>(*options.sites)));
 }
 
-/// Returns a plan that has the grounds of a picture, but no dots yet. Its dot cells are its cells.
+/// Returns a plan that contains the grounds of a picture, but no dots. Its dot cells are its cells.
 TwoSidedPlan with_grounds(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
                           double detail, bool is_rgb, Executor& executor) {
     TwoSidedPlan plan;
@@ -77,8 +77,8 @@ void find_white_shares(TwoSidedPlan& plan, Executor& executor) {
         channel.white = channel.ground.white_shares(plan.dot_cells, executor);
 }
 
-/// Chooses dot cells whose side is at most half the spacing of nearly all dots. They are not larger than 1/64 of the
-/// shorter side of the picture.
+/// Chooses dot cells whose side is at most half the spacing of nearly all dots. The side is at most 1/64 of the shorter
+/// side of the picture.
 ///
 /// Measured on eleven photographs and pages with 2,000 to 60,000 dots: nine dots of ten have a spacing of at least 2.7
 /// mean radii. With 1.3 cells per spacing instead of 2, the grain of flat greys is six times as large.
@@ -96,7 +96,7 @@ std::vector<float> in_dot_cells(const TwoSidedPlan& plan, std::vector<float> lig
     return reduced(light, plan.cells.columns, plan.cells.rows, plan.dot_cells, executor);
 }
 
-/// Converts shares to densities, and relative areas to areas in cells. Sets the number and the radius of the dots.
+/// Converts covered shares to densities and relative areas to areas in cells. Sets TwoSidedPlan::dots and radius.
 void set_scale(TwoSidedPlan& plan, const TwoSidedOptions& options, Executor& executor) {
     const DotScale scale = scale_of(plan, options, executor);
     plan.dots = scale.dots;
@@ -169,8 +169,7 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
     plan.dot_cells = dot_cells_of(cells, radius);
     find_white_shares(plan, executor);
     for (std::vector<float>& channel : picture.light) channel = in_dot_cells(plan, std::move(channel), executor);
-    // With three inks, fitting the light increases some errors: a few after a blur of half a pitch, and for
-    // astronaut.png the 95th percentile after a blur of two pitches.
+    // With three inks, fit_light() increases some errors, for example of astronaut.png after a blur of two pitches.
     constexpr std::size_t kMinInksOfLightFit = 4;
     const std::size_t sets = inks.inks.size() < kMinInksOfLightFit ? 0 : std::size_t{1} << inks.inks.size();
     if (sets > 0) plan.wanted = picture.light;

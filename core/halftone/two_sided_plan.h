@@ -29,29 +29,27 @@ inline constexpr std::size_t kMaxInkKinds = 15;
 /// A channel of a picture, divided into grounds.
 struct TwoSidedChannel {
     Ground ground;
-    std::vector<float> light;  ///< [dot cells] light of the picture
+    std::vector<float> light;  ///< [dot cells] light of the picture; for an ink, the share left bare
     std::vector<float> white;  ///< [dot cells] share of white ground
 };
 
 /// Dots that flip the same channels.
 struct KindOfDots {
     unsigned flips = 0;          ///< channels, as bits
-    std::vector<float> density;  ///< [dot cells] relative density of the dots; 0 everywhere if the kind has no dots
+    std::vector<float> density;  ///< [dot cells] dots per area, up to a factor; 0 everywhere if the kind has no dots
     std::vector<float> area;     ///< [dot cells] area of a dot at this position, in cells
-    double share = 0;            ///< sum of `density` over all dot cells
+    double share = 0;            ///< sum of `density` over all dot cells; the number of dots, up to a factor
 };
 
 /// Plan of a halftone with ink dots on white ground and paper dots on black ground.
 ///
-/// A grey picture has one channel, its light Y; a picture in colour has three. White ground has all light of the
-/// channel, black ground has none. Ink dots cover the share 1 - Y of white ground, and paper dots cover the share Y of
-/// black ground. Both shares are at most about one half. So dots hardly ever overlap, and the share that they cover is
-/// their number per area multiplied by the area of a dot.
+/// White ground has the light 1 in a channel, black ground 0. Where the picture has the light Y, ink dots cover the
+/// share 1 - Y of white ground, or paper dots cover the share Y of black ground. Both shares are at most about one
+/// half. So dots hardly ever overlap, and the covered share is the number of dots per area times the area of a dot.
 ///
-/// In colour, the flipped areas of the channels are nested. A place has up to three kinds of dots. The first flips all
-/// three channels. The second flips the two channels with the larger flipped areas. The third flips the channel with
-/// the largest flipped area. So the dots of all kinds together cover only the largest of the three areas, and do not
-/// overlap.
+/// In red, green and blue, the flipped areas of the channels are nested. A place has up to three kinds of dots. The
+/// first flips all three channels. The second flips the two channels with the larger flipped areas. The third flips the
+/// channel with the largest flipped area. So all dots together cover only the largest area, without overlap.
 ///
 /// The grounds are given in small cells, because their boundaries are drawn precisely. All properties of dots are given
 /// in larger cells, the dot cells, whose side is about half the spacing of dots.
@@ -60,9 +58,9 @@ struct TwoSidedPlan {
     CellGrid dot_cells;                     ///< along each axis at most as many as `cells`
     std::vector<TwoSidedChannel> channels;  ///< grey; or red, green and blue; or one for each ink
     std::vector<KindOfDots> kinds;          ///< sorted by `flips`
-    double dots = 0;        ///< number of dots that reproduce the tone with these areas; 0: the ground alone does
-    double radius = 0;      ///< radius of the largest dots, in cells
-    bool is_nested = true;  ///< whether the flipped areas of the channels are nested; false: kinds mix in any shares
+    double dots = 0;                        ///< number of dots needed at the areas in `kinds`; 0 if the ground suffices
+    double radius = 0;                      ///< radius of the largest dots, in cells
+    bool is_nested = true;  ///< whether flipped areas of channels are nested; false: kinds mix in any shares
     /// [2^channels] light of each set of inks; empty if fit_light() is not used.
     std::vector<std::array<float, 3>> colours;
     LightPlanes wanted;  ///< [dot cells] light of the picture; empty if fit_light() is not used

@@ -30,8 +30,8 @@ Visibility::Visibility(std::span<const float> light) : channels_(light.size()) {
         float value = 0;
         for (std::size_t c = 0; c < 3; ++c) value += static_cast<float>(kLightToXyz[k][c]) * light[c];
         slope[k] = lightness_slope(value);
-        // The level is the lightness. On the linear part, it is slope * value. Above, it is 1.16 root - 0.16, where
-        // root is the cube root of the value, and root^2 is 1.16 / 3 / slope.
+        // Lightness is slope * value on the linear part, and 1.16 root - 0.16 above, where root = cbrt(value). There,
+        // slope = 1.16 / 3 / root^2, so 1.16 root = 3 * value * slope.
         level[k] = value * slope[k] < 0.08f ? value * slope[k] : 3 * value * slope[k] - 0.16f;
     }
     const float chroma = 100 * std::hypot(500.0f / 116 * (level[0] - level[1]), 200.0f / 116 * (level[1] - level[2]));

@@ -5,7 +5,7 @@
 
 namespace ccdt::test {
 
-/// Returns ideal cyan, magenta, yellow and black, in this order, on white paper. Each ink absorbs all light of its
+/// Returns ideal cyan, magenta, yellow and black, in this order, on white paper. Each absorbs all light of its
 /// channels.
 inline InkSet cmyk_inks() {
     return {{{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {0, 0, 0}}, {1, 1, 1}, false};

@@ -46,8 +46,8 @@ struct StartMesh {
     std::vector<TriangleGoal> goals;
 };
 
-/// Moves each site by a random distance towards one of its neighbours. Triangles stay counter-clockwise, but edges need
-/// not stay Delaunay.
+/// Moves each site by a random distance towards one of its neighbours. Triangles stay counter-clockwise; edges may lose
+/// the Delaunay property.
 void stir(Triangulation& mesh, Random& random);
 
 /// Returns the number of triangles that are not counter-clockwise.
@@ -56,8 +56,8 @@ std::size_t count_inverted(const Triangulation& mesh);
 /// Returns the number of half-edges that are not Delaunay.
 std::size_t count_not_delaunay(const Triangulation& mesh);
 
-/// Returns the number of half-edges, triangles and vertices of a trimmed triangulation whose links, or shifts around a
-/// torus, are inconsistent.
+/// Returns the number of half-edges, triangles and vertices of a trimmed triangulation with inconsistent links or
+/// shifts.
 std::size_t count_bad_links(const Triangulation& mesh);
 
 }  // namespace ccdt::test

@@ -32,8 +32,7 @@ Parts read_geojson(const std::string& name);
 Parts scaled(Parts parts, double factor);
 Parts moved(Parts parts, Point by);
 
-/// Whether a point is strictly inside a part: inside its outer ring and outside its holes. Uses exact predicates and
-/// the even-odd rule, so rings may cross.
+/// Whether a point is strictly inside a part. Uses exact predicates and the even-odd rule, so rings may cross.
 bool contains(const Parts& parts, Point p);
 
 /// Returns the distance from a point to the nearest edge.

@@ -51,7 +51,7 @@ Analysis measured(const Sets& sets, const Domain& domain, const AnalysisOptions&
     return std::move(analysis).value_or(Analysis());
 }
 
-/// Means over all rings except the innermost few, which have too few frequencies for a reliable variance.
+/// Means over all rings of frequencies but the innermost ten, which have too few frequencies for a reliable variance.
 struct Means {
     double power = 0;
     double anisotropy = 0;

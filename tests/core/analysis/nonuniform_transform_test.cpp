@@ -18,7 +18,7 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kError = 1e-10;        // relative to the sum of |weights|
-constexpr double kErrorOfNoise = 1e-9;  // relative to its square root
+constexpr double kErrorOfNoise = 1e-9;  // relative to the square root of that sum
 
 std::vector<WeightedPoint> noise(std::size_t count) {
     Random random(7, 0);

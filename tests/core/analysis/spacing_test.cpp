@@ -13,7 +13,7 @@
 namespace ccdt {
 namespace {
 
-/// Measures all pairs.
+/// Computes the spacing from all pairs of points.
 Spacing by_hand(const std::vector<Point>& points, Point sides, bool periodic) {
     Spacing spacing{std::numeric_limits<double>::infinity(), 0};
     for (std::size_t i = 0; i < points.size(); ++i) {

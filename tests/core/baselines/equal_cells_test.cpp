@@ -55,7 +55,7 @@ double squared(const PeriodicImages& images, Point a, Point b) {
     return dot(way, way);
 }
 
-/// Returns the gain of the best swap between two cells.
+/// Returns the gain of the best swap of two samples between two cells.
 double best_gain(const EqualCells& cells, const PeriodicImages& images, std::size_t i, std::size_t j) {
     const auto most = [&](std::size_t own, std::size_t other) {
         double gain = -1;

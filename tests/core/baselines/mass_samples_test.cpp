@@ -20,8 +20,7 @@ std::vector<Point> samples_of(const Domain& domain, const Density& density, std:
     return mass_samples(domain, sites.mesh(), density, count, seed, {});
 }
 
-/// Returns the mean squared deviation from the expected numbers in 8 x 8 cells of the unit square, relative to these
-/// numbers; 1 for independent samples.
+/// Returns the mean of (number - expected)^2 / expected over 8 x 8 cells of the unit square; 1 for independent samples.
 template <class Expected>
 double dispersion(const std::vector<Point>& samples, Expected&& expected) {
     std::vector<double> counts(64, 0);

@@ -31,7 +31,7 @@ std::vector<Baseline> baselines() {
     return {{"cvt", cvt}, {"odt", odt}, {"ccvt", ccvt}, {"random", random_sites, false}};
 }
 
-/// The contract that all methods share.
+/// Contract of all methods. The parameter is the number of a method.
 class Baselines : public testing::TestWithParam<std::size_t> {
 protected:
     Result<Distribution> run(const Domain& domain, const Density& density, const Options& options,
@@ -129,8 +129,7 @@ std::vector<double> quarters(const std::vector<Point>& points) {
 }
 
 TEST_P(Baselines, FollowTheDensity) {
-    // Methods that weight moments by the density, not by its square, would reach shares in proportion to its square
-    // root: a sixth and a third.
+    // Moments weighted by the density, not by its square, would give the shares a sixth and a third.
     const Density steps = grid_of(64, 64, [](int i, int) { return i < 16 || i >= 48 ? 1.0 : 4.0; });
     const std::vector<double> wanted{0.1, 0.4, 0.4, 0.1};
     for (const Domain& domain : {square_, torus_}) {

@@ -24,8 +24,8 @@ double doubled_area(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>
                  offset_of(mesh.vertices[t[0]], mesh.vertices[t[2]]));
 }
 
-/// Returns the error of the piecewise linear interpolation of the squared distance from a point. Over a triangle, it is
-/// a twelfth of its area times the sum of its squared edges.
+/// Returns the integrated error of the piecewise linear interpolation of |x|^2. Each triangle adds a twelfth of its
+/// area times the sum of its squared edges.
 double interpolation_error(const TriangleMesh& mesh) {
     double error = 0;
     for (const auto& t : mesh.triangles) {
@@ -84,8 +84,7 @@ TEST(Odt, Converges) {
     EXPECT_LT(result->iterations, 1000);
 }
 
-/// The number of sites near the border is between that for an empty strip and that for crowded sites. The first row is
-/// about half a row from the border.
+/// A strip of two spacings along the border holds its share of sites, because the first row is half a row inside.
 TEST(Odt, KeepsTheDensityAlongTheBorder) {
     const Domain square = Domain::rectangle(1, 1).value();
     double near = 0;

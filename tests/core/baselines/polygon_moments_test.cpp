@@ -46,7 +46,7 @@ TEST(SquaredDensity, SquaresEachCell) {
                    {first * 0.2 + second * 0.35, (first + second) * 0.125}, 1e-14);
 }
 
-/// Sums over the points of a fine grid.
+/// Computes the moments by a sum over the points of a fine grid.
 Moments sum_over(const std::vector<Point>& corners, const Density& density, Point from) {
     constexpr int kPlaces = 1500;
     Moments sum;

@@ -8,7 +8,7 @@
 namespace ccdt {
 namespace {
 
-/// Returns the variance over the mean of the points' counts in 8 x 8 cells; 1 for independent points.
+/// Returns the variance of the numbers of points in 8 x 8 cells, divided by their mean; 1 for independent points.
 double dispersion(const std::vector<Point>& points) {
     std::vector<double> counts(64, 0);
     for (const Point& p : points) {

@@ -24,7 +24,7 @@ std::vector<Setting> settings() {
             {"thin torus", PeriodicImages(Domain::torus(0.125, 1).value()), {0.125, 1}}};
 }
 
-/// Returns sites, half of them crowded into a corner.
+/// Returns random sites, half of them crowded into a corner.
 std::vector<Point> sites_in(Point sides, std::size_t count) {
     Random random(3, count);
     std::vector<Point> sites;

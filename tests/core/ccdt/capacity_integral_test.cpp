@@ -70,8 +70,7 @@ TEST(CapacityIntegral, IsTheSumOfTheCellsOverTheBox) {
     EXPECT_NEAR(CapacityIntegral(domain, noise).total(), noise.total(), 1e-12 * noise.total());
 }
 
-/// The ramp is sampled at the cells' centres; the difference from the linear function is of second order in the cell
-/// size.
+/// The ramp is sampled at cell centres, so its deviation from the linear function is of second order in the cell size.
 TEST(CapacityIntegral, FollowsALinearRamp) {
     constexpr int kCells = 512;
     const Domain domain = domain_of(kSquare);

@@ -22,7 +22,7 @@ bool same_bytes(const std::vector<Point>& a, const std::vector<Point>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Point)) == 0;
 }
 
-/// Three inks, each dense where another one is sparse.
+/// Returns the densities of three inks, each dense where another one is sparse.
 std::vector<Density> ramps() {
     const auto ramp = [](double x, double y) {
         return grid_of(64, 64, [=](int i, int j) { return 0.2 + x * i / 64 + y * j / 64; });
@@ -143,7 +143,7 @@ TEST(DistributeInks, KeepsDotsOfDifferentInksApart) {
     EXPECT_GT(distances[tenth], 1.8 * alone[tenth]);
 }
 
-/// Returns the mean power of the error of tone in waves of up to 4 periods per side; 1 for independent sites.
+/// Returns the mean power of the density error in waves of up to 4 periods per side; 1 for independent sites.
 double tone_error(const Density& density, const std::vector<Point>& points) {
     constexpr int kWaves = 8;  // in half periods
     constexpr double kPi = 3.141592653589793;

@@ -81,7 +81,7 @@ std::vector<std::pair<std::string, Density>> densities() {
 
 class Distribute : public testing::TestWithParam<std::size_t> {};
 
-/// The contract: n distinct sites, strictly inside.
+/// Tests the contract of distribute(): n distinct sites, strictly inside.
 TEST_P(Distribute, PlacesDistinctSitesStrictlyInside) {
     const Place place = places()[GetParam()];
     const Domain domain = domain_of(place.parts);
@@ -330,8 +330,8 @@ TEST(Distribute, KeepsADelaunayMesh) {
     for (const Place& place : {places()[0], places()[6], places()[12], places()[17]}) {
         std::size_t holes = 0;
         for (const PolygonPart& part : place.parts) holes += part.holes.size();
-        // Tests in the unit frame by exact predicates. Only some domains scale by powers of two; for the others,
-        // triangles are only counted.
+        // Tests in the unit frame by exact predicates. If a domain is not scaled by a power of two, only counts
+        // triangles.
         const bool exact = place.name != "South Africa";
         for (const int iterations : {0, 1, 2, 5}) {
             for (const Density& density : {Density::uniform(), picture}) {
@@ -377,7 +377,7 @@ TEST(Distribute, LowersTheVariation) {
     EXPECT_LT(run(kSquare, portrait(), {.sites = 4096, .seed = 1}).variation(), 0.085);
 }
 
-/// Neighbours are pushed apart to the local spacing of the density.
+/// Pushes use the local spacing of the density, so they do not make capacities unequal.
 TEST(Distribute, KeepsTheVariationLowInPolygonsOfVaryingDensity) {
     std::vector<double> values;
     for (int i = 0; i < 64; ++i) values.push_back(4 + 15 * i);
@@ -517,7 +517,7 @@ TEST(Distribute, StopsDuringThePolish) {
     EXPECT_EQ(result->mesh->triangles.size(), run(kSquare, Density::uniform(), draft).mesh->triangles.size());
 }
 
-/// Returns the number of sites within a distance of the border, relative to the share of the area.
+/// Returns the share of sites within each of some distances of the border, divided by the share of the area there.
 std::vector<double> crowding(const Parts& parts, std::size_t sites, const std::vector<double>& spacings, int seeds) {
     const Domain domain = domain_of(parts);
     std::vector<std::pair<Point, Point>> edges;

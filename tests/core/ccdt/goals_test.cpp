@@ -22,8 +22,7 @@ std::vector<std::pair<std::string, Domain>> domains() {
             {"ring", domain_of(test::Parts{{outer, {hole}}})}};
 }
 
-/// The goals of a uniform density equal those derived from the triangles' areas, whether or not they are stored
-/// individually.
+/// The goals of a uniform density equal those derived from the areas of triangles, stored individually or not.
 TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     for (const bool fixed : {false, true}) {
         for (auto& [name, domain] : domains()) {
@@ -42,7 +41,7 @@ TEST(EvenGoals, EqualTheGoalsOfEachTriangle) {
     }
 }
 
-/// This would take hours if each triangle summed all edges that its site faces.
+/// The test would take hours if each triangle summed all edges that its site faces.
 TEST(Goals, SumTheEdgesThatASiteFacesOnce) {
     StartMesh start(domain_of({{test::circle({0, 0}, 1, 200'000), {}}}), Density::uniform(), {.sites = 2, .seed = 5});
     start.measure();

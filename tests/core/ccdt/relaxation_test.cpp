@@ -123,8 +123,7 @@ TEST(Relaxation, MovesTwoSitesAtOnceAsInSequence) {
     }
 }
 
-/// Returns the variation after 12 iterations. If `exact`, the last 8 are exact; all others keep the triangles' mean
-/// densities fixed.
+/// Returns the variation after 12 iterations. If `exact`, the last 8 use exact passes.
 double reached(const Domain& domain, const Density& density, bool exact) {
     StartMesh start(domain, density, {.sites = 2000, .seed = 3});
     Relaxation relaxation(start.mesh, start.border.corner, false, {});
@@ -199,8 +198,7 @@ TEST(Relaxation, MovesASingleSiteToTheCentre) {
 }
 
 TEST(Relaxation, DividesASquareByItsTargets) {
-    // Triangles over opposite edges add up to half the square wherever the site is, so x and y can be chosen
-    // independently.
+    // Triangles over opposite edges always add up to half the square, so x and y can be chosen independently.
     const Domain domain = domain_of(kSquare);
     Triangulation mesh = mesh_of_border(1, triangulate(bare_border(domain)).value());
     ASSERT_TRUE(insert_site(mesh, 0, {0.5, 0.5}));

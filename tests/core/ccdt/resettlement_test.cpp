@@ -26,7 +26,7 @@ std::ptrdiff_t count_left_of(const Triangulation& mesh, double x) {
                          [x](Point p) { return p.x < x; });
 }
 
-/// Moves sites from around one place to a triangle at another place.
+/// Moves the sites nearest to `from`, one by one, into the triangle nearest to `to`.
 void crowd(Triangulation& mesh, Point from, Point to, int count) {
     const auto distance = [](Point a, Point b) { return std::sqrt(dot(a - b, a - b)); };
     for (int i = 0; i < count; ++i) {

@@ -13,7 +13,7 @@ namespace {
 using test::domain_of;
 using test::grid_of;
 
-/// Returns the variance over the mean of the sites' counts in 8 x 8 cells of the unit square; 1 for independent sites.
+/// Returns the variance of the numbers of sites in 8 x 8 cells, divided by their mean; 1 for independent sites.
 double dispersion(const Density& density, Start kind, std::size_t sites, std::uint64_t seed,
                   const std::vector<double>& expected) {
     const Domain domain = Domain::rectangle(1, 1).value();

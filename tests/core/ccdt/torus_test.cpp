@@ -212,7 +212,7 @@ TEST(TorusDistribute, HasNoSeam) {
     }
 }
 
-/// If the density is shifted by half a period, the sets are as good as before and shifted as well.
+/// A shift of the density by half a period shifts the sites and keeps their quality.
 TEST(TorusDistribute, ShiftsWithItsDensity) {
     constexpr std::uint64_t kSeeds = 4;
     for (const Quality quality : kQualities) {

@@ -15,7 +15,7 @@ std::vector<BorderEdge> closed(const std::vector<Point>& ring, double weight = 1
     return border;
 }
 
-/// A triangle of half a unit square, and above it a square with a hole, of twice the weight.
+/// Returns the borders of a triangle of area 1/2, and of a square with a hole above it, with twice the weight.
 std::vector<BorderEdge> areas() {
     auto border = closed({{1, 0}, {2, 0}, {2, 1}});
     for (const auto& ring : {closed({{4, 2}, {7, 2}, {7, 5}, {4, 5}}, 2), closed({{5, 3}, {5, 4}, {6, 4}, {6, 3}}, 2)})

@@ -78,8 +78,7 @@ TEST(PiecesWalk, CoversSegmentsCellByCell) {
     }
 }
 
-/// Segments along grid lines, through grid points, of length 0, too thin for a finite inverse, and beyond the grid by
-/// rounding.
+/// Segments along grid lines, through grid points, of length 0, too thin to invert, and outside the grid by rounding.
 TEST(PiecesWalk, CoversDegenerateSegments) {
     constexpr double kLeast = std::numeric_limits<double>::denorm_min(), kTiny = 1e-308, kOff = 1e-15;
     const std::vector<double> xs{

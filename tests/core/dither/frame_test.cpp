@@ -10,7 +10,7 @@
 namespace ccdt {
 namespace {
 
-/// A picture of three columns and two rows.
+/// Returns a picture of three columns and two rows.
 ColourPicture small() {
     return {3, 2, {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}, {0, 0, 0, 1, 1, 1}, {1, 1, 1, 0, 0, 0}, {}};
 }

@@ -89,8 +89,7 @@ TEST(DotError, LocatesASurplus) {
     }
 }
 
-/// Features account for each other's dots at the common border, whether their spacings are in one octave or in adjacent
-/// ones.
+/// Errors include the dots of neighbouring features whose spacings are in the same octave or in an adjacent one.
 TEST(DotError, IncludesNeighbouringFeatures) {
     for (const int rows : {20, 28}) {
         const Squares squares({20, rows});
@@ -107,7 +106,7 @@ TEST(DotError, IncludesNeighbouringFeatures) {
     }
 }
 
-/// The neighbour of the feature is so dense that its dots would outweigh all others, or almost empty.
+/// The neighbouring feature is almost empty, or so dense that its dots would outweigh all others.
 TEST(DotError, IgnoresFeaturesOfVeryDifferentDensity) {
     for (const int rows : {200, 3}) {
         const Squares squares({20, rows});

@@ -44,7 +44,7 @@ Result<std::vector<ClassDots>> distribute(const std::vector<MapFeature>& feature
     return distribute_dots(features, box_of(features), density, options, control);
 }
 
-/// Checks that each feature has its dots of a class, strictly inside, and in the order of the features.
+/// Checks that each feature has its dots of a class strictly inside, and that dots are in the order of features.
 void check(const std::vector<Given>& given, const ClassDots& dots, std::size_t number = 0) {
     ASSERT_EQ(dots.dots.points.size(), dots.feature_of.size());
     EXPECT_TRUE(std::ranges::is_sorted(dots.feature_of));
@@ -58,8 +58,8 @@ void check(const std::vector<Given>& given, const ClassDots& dots, std::size_t n
     EXPECT_EQ(test::count_distinct(dots.dots.points), dots.dots.points.size());
 }
 
-/// Returns the distance of each dot to the nearest dot of another feature (`across`) or of its own, relative to the
-/// mean of both hexagonal distances, in ascending order. Distances of 1.5 and more are left out.
+/// Returns the distance from each dot to the nearest dot of another feature (if `across`) or of its own, relative to
+/// the mean of both hexagonal distances, in ascending order. Omits distances of 1.5 and more.
 std::vector<double> distances(const ClassDots& dots, const std::vector<MapFeature>& features, bool across) {
     std::vector<double> found;
     const auto spacing = [&](std::size_t i) {
@@ -175,11 +175,11 @@ TEST(DistributeDots, KeepsClassesApart) {
         found.push_back(least / hexagonal_spacing(325));
     }
     std::ranges::sort(found);
-    // Independent dots would have 0.1.
+    // The fifth percentile of independent dots would be 0.1.
     EXPECT_GT(found[found.size() / 20], 0.4);
 }
 
-/// 60 random fixed points on two features, one of them twice as dense, and a hundred coincident ones.
+/// Uses 60 random fixed points on two features, of which one is twice as dense, and 100 coincident fixed points.
 TEST(DistributeDots, KeepsDistanceFromFixedPoints) {
     const std::vector<Given> given = {{{{box(0, 0, 1, 1), {}}}, {400, 30}}, {{{box(1, 0, 1, 1), {}}}, {800, 0}}};
     Options options;

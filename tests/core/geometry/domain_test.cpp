@@ -28,7 +28,7 @@ void expect_refused(const Parts& parts, const std::string& field) {
     EXPECT_FALSE(domain.error().message.empty());
 }
 
-/// Accepts any of several fields, for errors that may name either of two rings or vertices.
+/// Expects an error with one of the given fields. Some errors may name either of two rings or vertices.
 void expect_refused(const Parts& parts, const std::vector<std::string>& fields) {
     const auto domain = Domain::create(parts);
     ASSERT_FALSE(domain);

@@ -188,7 +188,7 @@ TEST(Repair, ReportsNoFaultsOfValidPolygons) {
     }
 }
 
-/// Three fans of the inside meet at one point, and a point of one ring lies on the edge of another.
+/// Three sectors of the interior meet at one point, and a corner of one ring lies on an edge of another ring.
 TEST(Repair, SeparatesFansAtACommonCorner) {
     Parts fans;
     for (int i = 0; i < 3; ++i) {
@@ -225,7 +225,7 @@ TEST(Repair, DropsDistantSpikes) {
     expect_sites_inside(result.domain, {{box(0, 0, 1, 1), {}}});
 }
 
-/// Rings cross everywhere, many of them at rounded crossings of others.
+/// Rings cross everywhere, often at rounded crossings of other rings.
 TEST(Repair, RepairsScribbles) {
     for (const int corners : {5, 8, 20, 60, 120}) {
         for (std::uint64_t seed = 0; seed < 12; ++seed) {

@@ -53,8 +53,7 @@ double area(const ChartedPart& part) {
     return sum * box.width() * box.height() / kRows / kRows / 1e6;
 }
 
-/// Returns the area in square kilometres between two longitudes and two latitudes, by Simpson's rule on the radii of
-/// the ellipsoid.
+/// Returns the area in square kilometres between two longitudes and two latitudes, by Simpson's rule on the ellipsoid.
 double area_of_box(double west, double south, double east, double north) {
     constexpr double kDegree = 3.14159265358979323846 / 180, kRadius = 6378.137, kSquare = 0.00669437999014;
     constexpr int kSteps = 1000;
@@ -88,8 +87,7 @@ TEST(Unrolled, ClosesRingsAroundAPole) {
     const Ring expected{{-120, -70}, {0, -65}, {120, -75}, {240, -70}, {240, -90}, {-120, -90}};
     EXPECT_EQ(unrolled({{south, {}}})->front().outer, expected);
     EXPECT_EQ(unrolled({{{{0, 80}, {120, 80}, {-120, 80}}, {}}})->front().outer.back(), (Point{0, 90}));
-    // The outer ring is smaller than the hole around the same pole, so they are swapped. This occurs in maps that were
-    // assembled from several pieces.
+    // The outer ring is smaller than the hole around the same pole, as in maps assembled from pieces. They are swapped.
     const Ring tip{{-120, -89}, {0, -89}, {120, -89}};
     const auto joined = unrolled({{tip, {south}}});
     EXPECT_EQ(joined->front().outer, expected);

@@ -22,7 +22,7 @@ TEST(BoundedLeastSquares, SolvesOneVariableExactly) {
     }
 }
 
-/// Returns a problem with a random G of a given rank, plus a small multiple of the identity.
+/// Returns a problem whose matrix G is random of a given rank, plus a small multiple of the identity.
 BoundedLeastSquares random_problem(Random& random, std::size_t count, std::size_t rank) {
     BoundedLeastSquares problem;
     problem.count = count;

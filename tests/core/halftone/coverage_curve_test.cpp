@@ -61,7 +61,7 @@ TEST(CoverageCurve, EndsAtSolidCoverage) {
     EXPECT_NEAR(CoverageCurve().dots(1), 1.6, 0.05) << "relative to the number of dots without overlaps";
 }
 
-/// Covers antialiased dots, and binary dots with several samples per pixel.
+/// Tests antialiased dots, and binary dots with several samples per pixel.
 TEST(DrawDots, MatchesRasterizedDiscs) {
     const std::vector<Point> dots = flat(4096, Quality::Standard);
     for (const auto& [radius, samples] : {std::pair{6.0, 1}, {3.0, 1}, {1.0, 3}, {0.5, 6}}) {

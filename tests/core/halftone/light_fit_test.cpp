@@ -57,7 +57,7 @@ Sites placed(const TwoSidedPlan& plan) {
 }
 
 /// Draws dots, and returns the mean light of each cell.
-/// @param colours  [sets of inks]
+/// @param colours  [sets of inks] printed light
 LightPlanes drawn(const TwoSidedPlan& plan, const std::vector<Colour>& colours, const Sites& sites,
                   const std::vector<SizedDots>& dots) {
     constexpr int kScale = 6, kWidth = 96 * kScale;

@@ -77,8 +77,7 @@ double mean_of(const std::vector<float>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Applies an approximate Gaussian blur in two steps. A single step would let the pattern of dots through the side
-/// lobes of its box filters.
+/// Applies an approximate Gaussian blur in two steps. The side lobes of a single step would pass the pattern of dots.
 std::vector<float> smoothed(const std::vector<float>& values, int width, int height, double sigma) {
     return blurred(blurred(values, width, height, sigma / std::sqrt(2)), width, height, sigma / std::sqrt(2));
 }

@@ -21,7 +21,7 @@ std::vector<Point> crowds(std::size_t count) {
     return places;
 }
 
-/// Returns the distance to the nearest periodic copy.
+/// Returns the distance between two points; on a torus, between their nearest copies.
 double distance(const Domain& domain, Point a, Point b) {
     Point apart = a - b;
     if (domain.is_torus()) apart = {apart.x - std::round(apart.x), apart.y - std::round(apart.y)};

@@ -12,7 +12,7 @@
 namespace ccdt {
 namespace {
 
-/// A square of 0.8 x 0.8 at the centre of the unit square.
+/// Returns the border of a square of 0.8 x 0.8 at the centre of the unit square.
 std::vector<BorderEdge> square() {
     const Point a{0.1, 0.1}, b{0.9, 0.1}, c{0.9, 0.9}, d{0.1, 0.9};
     return {{a, b}, {b, c}, {c, d}, {d, a}};

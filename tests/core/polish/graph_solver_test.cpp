@@ -17,7 +17,7 @@ namespace {
 
 using Edge = GraphSolver::Edge;
 
-/// A square grid with conductances 1.
+/// Returns the edges of a square grid, with conductance 1.
 std::vector<Edge> grid(std::uint32_t side) {
     std::vector<Edge> edges;
     for (std::uint32_t j = 0; j < side; ++j) {

@@ -29,8 +29,8 @@ using test::StartMesh;
 
 const Parts kSquare{{test::box(0, 0, 1, 1), {}}};
 
-/// Returns the domain in its unit frame as one outer ring and holes. Tests by the even-odd rule do not distinguish the
-/// two kinds of rings.
+/// Returns a domain in its unit frame, with one ring as outer ring and all others as holes, for tests by the even-odd
+/// rule.
 Parts unit_parts(const Domain& domain) {
     const auto& rings = domain.rings();
     return {{rings[0], {rings.begin() + 1, rings.end()}}};
@@ -84,7 +84,7 @@ TEST(Polish, KeepsTrianglesAndSitesInside) {
     }
 }
 
-/// Returns the standard deviation of counts in blocks of a spot of 32 x 32 cells, relative to that of random sites.
+/// Returns the standard deviation of site counts in 4 x 4 blocks of a square of side 32, relative to random sites.
 double count_error(const std::vector<Point>& sites, Point corner) {
     constexpr int kBlocks = 4;
     std::vector<double> counts(kBlocks * kBlocks);
@@ -118,7 +118,7 @@ TEST(Polish, EvensOutSmallSpots) {
     EXPECT_LT(error(Quality::Best), 0.8 * draft);
 }
 
-/// Shifted positions are exact only near the box, but few sites on a steep density drift together.
+/// Few sites on a steep density drift together, but must stay near the box: shifts are exact only there.
 TEST(Polish, KeepsPositionsNearTheBoxOfATorus) {
     const Domain torus = Domain::torus(1, 1).value();
     for (std::uint64_t seed = 3300; seed < 3340; ++seed) {
@@ -258,7 +258,7 @@ TEST(Polish, EvensOutCountries) {
     }
 }
 
-/// The capacities stay almost as equal as in drafts.
+/// Capacities stay almost as equal as in drafts.
 TEST(Polish, KeepsCountriesCapacities) {
     for (const char* name : kCountries) {
         const Domain domain = domain_of(test::read_geojson(name));
@@ -294,7 +294,7 @@ TEST(Polish, KeepsSitesApartAcrossWater) {
     }
 }
 
-/// Most islands have one to four sites: no place has more space, and neighbours are across water.
+/// Most islands have one to four sites, so neighbours are across water, and no place has more space.
 TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     const Domain domain = domain_of(test::read_geojson("Norway-islands-10m.geojson"));
     for (const std::size_t sites : {10, 20, 30, 60}) {
@@ -305,8 +305,7 @@ TEST(Polish, KeepsSitesOfSmallIslandsApart) {
     }
 }
 
-/// The density varies as slowly as on a chart of the globe. The numbers of sites in strips, some spacings wide, are
-/// compared with the expected numbers.
+/// The density varies as slowly as on a chart of the globe. Checks the numbers of sites in strips, some spacings wide.
 TEST(Polish, EvensOutSmoothDensities) {
     constexpr int kStrips = 10, kCells = 8 * kStrips;
     const Domain domain = domain_of(test::read_geojson("Switzerland-10m.geojson"));

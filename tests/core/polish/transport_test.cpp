@@ -25,7 +25,7 @@ Density waves() {
     });
 }
 
-/// Returns the amplitude of the wave cos(pi x column) in sites, or in the wanted density.
+/// Returns the amplitude of the wave cos(column pi x) in the distribution of sites, or in a density.
 double amplitude(const std::vector<Point>& sites, int column) {
     double sum = 0;
     for (const Point p : sites) sum += std::cos(kPi * column * p.x);
