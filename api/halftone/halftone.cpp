@@ -54,7 +54,7 @@ struct Draft {
     std::optional<bool> antialias;
     std::optional<Dots> dots;
     std::optional<bool> invert;
-    std::optional<Palette> color;  ///< value of the option color
+    std::optional<Palette> color;
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
@@ -101,8 +101,7 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
-/// Checks the options about colours for inks that mix: `foreground` is not available and, if inks add, neither is
-/// `background`.
+/// Checks that a request for mixing inks gives no `foreground` and, if the inks add, no `background`.
 Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray only");

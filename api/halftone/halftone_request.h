@@ -39,7 +39,7 @@ enum class Dots {
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
-    std::string image_field;           ///< for Error::field; empty if the image is the body
+    std::string image_field;           ///< field of errors about the image; empty unless the body is JSON
     std::optional<std::size_t> sites;  ///< none: chosen by the server
     std::optional<double>
         minutes;  ///< maximum drawing time of a plotter; limits the number of sites that the server chooses
