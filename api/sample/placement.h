@@ -20,7 +20,7 @@ struct PlacedPoints {
     /// grouped by them.
     std::vector<ClassDots> classes;
     std::optional<double> pitch;  ///< only on the globe: square root of the area per point, in metres
-    /// Indices into SampleArea::features: features of which the buffer on the globe leaves no area.
+    /// Indices into SampleArea::features of the features that the buffer removes completely; only on the globe.
     std::vector<std::uint32_t> lost = {};
 };
 

@@ -30,7 +30,7 @@ struct DensityGrid {
 };
 
 /// Picture of densities, stretched over the bounding box of the domain. The first row is at the largest y. Dark pixels
-/// are dense.
+/// have high densities.
 struct DensityImage {
     ImageFile file;
 };
@@ -48,7 +48,7 @@ enum class OnInvalid { Repair, Reject };
 struct SampleRegion {
     std::variant<PolygonInput, Rectangle> domain;
     PolygonInput avoid{
-        {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
+        {}, {}};  ///< areas to subtract from the domain, which must not be a torus; no parts: nothing is subtracted
     /// Picture that is stretched over the bounding box of the domain. Its dark area is subtracted.
     std::optional<ImageFile> exclude;
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
@@ -74,7 +74,7 @@ struct SampleOutput {
 struct SampleRequest {
     std::optional<ThresholdMask> threshold_mask;  ///< if set, the request is for this mask instead of points
     SampleRegion region;
-    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
+    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< std::monostate: uniform
     Options run;
     const Method* method = &methods().front();
     OnStop on_deadline = OnStop::Error;
