@@ -131,8 +131,8 @@ std::string without_chunks(std::string_view bytes, std::string_view name) {
     return kept;
 }
 
-/// Returns a copy of a JPEG without the mark that identifies the segments of a profile: overwrites every occurrence of
-/// it. It is not sufficient to change the segments that read_jpeg() finds, because OpenImageIO may find others.
+/// Returns a copy of a JPEG in which every occurrence of the mark of profile segments is overwritten. Changing only the
+/// segments that read_jpeg() finds is not sufficient, because OpenImageIO may find others.
 std::string without_marks(std::string_view bytes, std::string_view mark) {
     std::string kept(bytes);
     for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';

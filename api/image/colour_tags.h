@@ -23,7 +23,7 @@ struct ColourTags {
 
     std::string profile;                    ///< complete ICC profile; empty: none
     std::optional<CodePoints> code_points;  ///< take precedence over the profile
-    /// x, y of white, red, green, blue; used only if there is no profile.
+    /// Chromaticities x, y of white, red, green and blue; used only if there is no profile.
     std::optional<std::array<double, 8>> primaries;
 };
 

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Numbers as BMP files store them: the lowest byte first.
+/// Appends the lowest `size` bytes of a value, the lowest byte first.
 void append(std::string& bytes, std::size_t value, int size) {
     for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
 }
@@ -37,7 +37,7 @@ char reversed(char byte, int bits) {
     return static_cast<char>(to);
 }
 
-/// Calls write(row) for each row of a range.
+/// Calls write(row) for each row in [begin, end). Errors: Stopped.
 template <class Write>
 Result<void> for_rows(const DevicePixels& pixels, int begin, int end, const std::stop_token& stop, const Write& write) {
     for (int y = begin; y < end; ++y) {

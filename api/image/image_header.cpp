@@ -15,10 +15,10 @@ namespace {
 
 using std::uint64_t;
 
-constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< needed for any file
-constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< allocated by the library if samples must be converted
-constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< needed for the tables of a profile
-constexpr uint64_t kRowBytes = 48;                        ///< needed for the rows being read, per pixel of the width
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< bytes that decoding any file needs
+constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< bytes that the library allocates to convert samples
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< bytes for the tables of a profile
+constexpr uint64_t kRowBytes = 48;                        ///< bytes for the rows being read, per pixel of the width
 
 /// Returns whether all chunks up to the last one are complete. OpenImageIO leaks memory if a chunk is incomplete.
 bool is_whole_png(std::string_view bytes) {
