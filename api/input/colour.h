@@ -31,7 +31,7 @@ std::string hexadecimal(const Colour& colour);
 Result<Colour> read_colour(const Input& input);
 
 /// Reads `min` to `max` different colours: text with commas between them, or a JSON array of strings.
-/// Errors: Malformed. The field of an error in an array is that of the element.
+/// Errors: Malformed. For an array, Error::field is a JSON Pointer to the faulty element.
 Result<std::vector<Colour>> read_colours(const Input& input, std::size_t min, std::size_t max);
 
 /// Reads `#rgb`, `#rrggbb` or `transparent`.

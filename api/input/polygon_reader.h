@@ -12,9 +12,9 @@
 
 namespace ccdt::api {
 
-/// Polygons of a request, and their locations in it.
+/// Polygons of a request, and their locations in the request.
 struct PolygonInput {
-    /// Nesting of positions in the request: the JSON Pointer to a vertex or, in TopoJSON, to a ring.
+    /// Nesting of arrays in the request, which gives the JSON Pointer to a vertex or, in TopoJSON, to a ring.
     enum class Nesting {
         Members,             ///< /polygon/vertex and /holes/ring/vertex
         Rings,               ///< .../part/vertex
@@ -26,7 +26,7 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
-    /// Location of the parts of one geometry: the parts from `first_part` up to the first part of the next source.
+    /// Location of one geometry. Its parts are those from `first_part` up to the first part of the next source.
     struct Source {
         std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
