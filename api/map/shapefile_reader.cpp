@@ -33,8 +33,8 @@ struct OpenFile {
     std::size_t position = 0;
 };
 
-/// Files that open_file() may open, by their extensions; null except while a shapefile is being opened. This is a
-/// thread-local variable, because the library passes only a name to open_file().
+/// Files that open_file() may open, by their extensions; null except while a shapefile is being opened. The variable is
+/// thread-local, because the library passes only a name to open_file().
 thread_local const ShapefileParts* files_to_open = nullptr;
 
 OpenFile& file_of(SAFile file) {
