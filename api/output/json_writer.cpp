@@ -174,7 +174,7 @@ double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
 
-/// Appends members about the whole answer.
+/// Appends the computing time and, for halftones, the size of the picture and of the dots.
 void append_report(std::string& out, const Report& report) {
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (!report.picture) return;

@@ -149,7 +149,7 @@ private:
     bool is_feed_told_ = false;
 };
 
-/// Returns the index of the nearest colour in AutoCAD's palette. Colour 7 is black on a white ground.
+/// Returns the index of the nearest colour in AutoCAD's palette. Index 7 is black on a white background.
 int index_of(const Colour& colour) {
     constexpr std::array<Colour, 9> kIndexed = {{{255, 0, 0},
                                                  {255, 255, 0},

@@ -23,7 +23,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kTypicalDotBytes = 64;  // typical bytes of a dot
+constexpr std::size_t kTypicalDotBytes = 64;  // typical number of bytes of a dot
 constexpr int kDigits = 6;                    // significant digits of a coordinate at the longer side of a page
 constexpr int kMaxDecimals = 300;
 
@@ -387,8 +387,8 @@ void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& p
 }
 
 /// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
-/// the colour of a set of inks: those of its ground, except that the inks of its kind are flipped. A dot that the
-/// boundary of a ground crosses is drawn once for each ground that may lie under it, clipped to that ground.
+/// the colour of the inks of its ground, after the inks of its kind have been flipped. A dot that the boundary of a
+/// ground crosses is drawn once for each combination of grounds under it, clipped to these grounds.
 class KindLayers {
 public:
     KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
