@@ -115,7 +115,7 @@ int scaled(int length, int to, int from) {
     return static_cast<int>(std::clamp(std::round(static_cast<double>(length) * to / from), 1.0, kMaxSide));
 }
 
-/// Returns the size of the answer.
+/// Returns the size of the answer in pixels, for a picture of the given size.
 FrameSize frame_of(const DeviceRequest& request, const FrameSize& picture) {
     if (request.width && request.height) return {*request.width, *request.height};
     if (request.width) return {*request.width, scaled(picture.height, *request.width, picture.width)};

@@ -31,7 +31,7 @@ struct DeviceFormat {
 /// Request to /halftone with the option `device`: a picture that has exactly the pixels and the colours of a device.
 struct DeviceRequest {
     ImageFile image;
-    std::string image_field;  ///< field of errors about the image; empty unless the body is JSON
+    std::string image_field;  ///< Error::field of errors about the image; empty unless the body is JSON
     Device device;
     std::optional<int> width;   ///< pixels; none: follows from the height, or from the picture
     std::optional<int> height;  ///< pixels; none: follows from the width, or from the picture

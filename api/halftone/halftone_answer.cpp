@@ -154,7 +154,7 @@ private:
                 static_cast<double>(plan_.picture.height) / cells.rows};
     }
 
-    /// Draws the coverage of one channel of a halftone with dots on both sides: its ground, and the dots that flip it.
+    /// Draws the coverage of one channel for Dots::Both: the channel's ground, and the dots that flip the channel.
     Raster rasterise_both(std::size_t channel, bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
         Raster raster = rasterise_flipped(channel, antialias);

@@ -39,23 +39,23 @@ Estimate cropping_cost(const HalftoneRequest& request) {
     return {values * sizeof(float), values * kTime};
 }
 
-/// Returns whether the request is for dots on both sides of the tonal scale, in several channels.
+/// Returns whether the request is for Dots::Both in several channels.
 bool has_channels(const HalftoneRequest& request) {
     return request.dots == Dots::Both && request.palette.mixing != Mixing::Cover;
 }
 
-/// Returns the number of inks or, for dots on both sides, the number of channels, which is 3 for CMYK.
+/// Returns the number of inks or, for Dots::Both, the number of channels, which is 3 for CMYK.
 double inks_of(const HalftoneRequest& request) {
     const auto inks = static_cast<double>(request.palette.inks.size());
     return request.dots == Dots::Both && is_cmyk(request.palette.inks) ? inks - 1 : inks;
 }
 
-/// Returns whether dots on both sides have several channels that are custom inks.
+/// Returns whether the request is for Dots::Both with several channels that are custom inks.
 bool has_ink_channels(const HalftoneRequest& request) {
     return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
 }
 
-/// Returns the number of kinds of dots, for dots on both sides in several channels.
+/// Returns the number of kinds of dots, for Dots::Both in several channels.
 double kinds_of_dots(const HalftoneRequest& request) {
     const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
     return static_cast<double>(std::min(kinds, kMaxInkKinds));

@@ -79,9 +79,9 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = all_pixels(size);
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
-    // The area that dots on both sides draw is not known yet, because it is measured in cells, whose size follows from
-    // the radius. A quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these need no
-    // finer cells.
+    // For Dots::Both, the area that dots draw is not known yet, because it is measured in cells, whose size follows
+    // from the radius. A quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these
+    // need no finer cells.
     constexpr double kShare = 0.25;
     const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
     const auto canvas = settled_canvas(request, size, limits);
@@ -149,8 +149,7 @@ struct Decoded {
     int side = 1;
 };
 
-/// Returns the area that dots draw, in cells: the sum of the coverages of all inks. For dots on both sides, this is
-/// minority_area().
+/// Returns the area that dots draw, in cells: the sum of the coverages of all inks or, for Dots::Both, minority_area().
 double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
                    Executor& executor) {
     if (request.dots == Dots::Both) return minority_area(coverage, executor);
@@ -248,7 +247,7 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
-/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere, without areas of solid ink.
+/// Returns whether a picture in which dots have nothing to draw has no solid ink either.
 bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
@@ -266,9 +265,9 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
                    request.image_field);
 }
 
-/// Returns the area of ink from which default_scale() chooses a scale, in pixels of the picture. For dots on both
-/// sides, the area is doubled, because the largest dots have about twice the mean area. A lower bound keeps the scale
-/// small if dots have little to draw.
+/// Returns the area of ink from which default_scale() chooses a scale, in pixels of the picture. For Dots::Both, the
+/// area is doubled, because the largest dots have about twice the mean area. A lower bound keeps the scale small if
+/// dots have little to draw.
 double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
     constexpr double kMean = 2, kMinShare = 0.1;
     return request.dots == Dots::Both ? std::max(kMean * ink, kMinShare * static_cast<double>(pixels)) : ink;

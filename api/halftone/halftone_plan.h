@@ -33,8 +33,8 @@ struct HalftonePlan {
     std::optional<PrintProof>
         proof;  ///< simulated print for polishing several inks together; none if the polish does not need it
     std::optional<TwoSidedPlan> two_sides;  ///< only for dots on both sides of the tonal scale
-    Canvas canvas;                          ///< canvas of the drawing
-    std::vector<Warning> warnings;          ///< about the request
+    Canvas canvas;
+    std::vector<Warning> warnings;
 
     /// Returns the size of the dots, for the answer; none if `tone` is none.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }
@@ -49,9 +49,9 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
 /// Dots after placement. Kinds are those of TwoSidedPlan: the dots of a kind flip the same channels.
 struct PlacedDots {
     std::vector<Distribution> inks;  ///< [inks] or, for dots on both sides of the tonal scale, [kinds]
-    /// [kinds] For dots on both sides: the radii, in pixels of the picture, and the ground under each dot. Empty for
-    /// other dots. SizedDots::white has the bit of a channel if the ground under the dot has no ink of this channel or,
-    /// if inks add, no light of it.
+    /// [kinds] For Dots::Both: the radii, in pixels of the picture, and the ground under each dot. Empty for other
+    /// dots. SizedDots::white has the bit of a channel if the ground under the dot has no ink of this channel or, if
+    /// inks add, no light of it.
     std::vector<SizedDots> sized;
 };
 

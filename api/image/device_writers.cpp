@@ -18,7 +18,7 @@ void append(std::string& bytes, std::size_t value, int size) {
     for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
 }
 
-/// Appends a row of pixels, several to a byte, the leftmost in the highest bits.
+/// Appends a row of pixels, packed into bytes. The leftmost pixel is in the highest bits.
 void append_packed(std::string& bytes, std::span<const std::uint8_t> row, int bits) {
     const auto per_byte = static_cast<std::size_t>(8 / bits);
     for (std::size_t x = 0; x < row.size(); x += per_byte) {

@@ -259,12 +259,12 @@ uint64_t tiff_pages(std::string_view bytes) {
     return pages;
 }
 
-/// Returns the size in bytes of a GIF's colour table, from the byte that describes it.
+/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
 std::size_t gif_table(std::uint32_t packed) {
     return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
 }
 
-/// Counts the frames of a GIF, as far as its blocks are complete.
+/// Counts the frames of a GIF up to the first incomplete block.
 uint64_t gif_frames(std::string_view bytes) {
     constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
     constexpr std::size_t kScreen = 13, kDescriptor = 10;

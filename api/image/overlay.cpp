@@ -150,7 +150,7 @@ public:
 private:
     /// Adds the light of all combinations of grounds with and without the inks from `ink` on.
     /// @param ground  inks before `ink` that the ground has, as bits
-    /// @param weight  share of the pixel that has exactly these inks in its ground
+    /// @param weight  share of the pixel that has exactly the ground `ground`
     void add_grounds(std::size_t ink, std::size_t ground, float weight) {
         if (ink == inks_) return add_parts(ground, weight);
         const unsigned share = ground_[ink];

@@ -69,7 +69,7 @@ bool is_geojson(JsonValue value);
 /// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
 Result<PolygonInput> read_geometry(const Input& input);
 
-/// Reads areas: a list of rings, each of which is a part, or GeoJSON as in read_geometry(). The result may have no
+/// Reads areas: a list of rings, each of which becomes a part, or GeoJSON as in read_geometry(). The result may have no
 /// parts. Errors: those of read_geometry().
 Result<PolygonInput> read_areas(const Input& input);
 

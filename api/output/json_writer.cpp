@@ -300,7 +300,7 @@ void write_column(Body& body, std::string_view name, const PointSet& points, App
     out += ']';
 }
 
-/// Counts the points of each class in each feature [classes][features].
+/// Returns the number of points of each class in each feature, as [classes][features].
 std::vector<std::vector<std::uint64_t>> counts_of(const PointSet& points) {
     std::vector<std::vector<std::uint64_t>> counts;
     for (const InkDots& layer : points.layers) {

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Base of the writers. Appends text, and converts points to coordinates with the y axis pointing up.
+/// Base class of the writers. Appends text, and converts points to coordinates with the y axis pointing up.
 class PlotterFile {
 public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
@@ -143,7 +143,7 @@ private:
         write(command, " X", p.x, " Y", p.y);
     }
 
-    double feed_;  ///< mm per minute
+    double feed_;  ///< speed of the pen, mm per minute
     std::string down_;
     std::string up_;
     bool is_feed_told_ = false;

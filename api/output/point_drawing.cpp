@@ -149,7 +149,6 @@ public:
             centres, [&](std::size_t) { return pen.radius; }, pen.colour, stop);
     }
 
-    /// Defines a clip path.
     void define_clip(std::string_view id, std::string_view data) {
         write(R"(<clipPath id=")", id, R"("><path clip-rule="evenodd" d=")", data, "\"/></clipPath>\n");
     }
@@ -222,7 +221,7 @@ private:
 
     private:
         DotDocument& document_;
-        double touch_;  ///< length of a touch
+        double touch_;  ///< length of the stroke that stands for a touch of the pen
         const std::stop_token& stop_;
         std::size_t points_ = 0;  ///< number of points in the open path
         bool is_touch_ = false;
@@ -487,7 +486,7 @@ private:
     PageMapping place_;
     std::stop_token path_stop_, stop_;
     std::vector<std::string> curves_;  ///< [channels] path data of black ground
-    std::string border_;               ///< path data of the page
+    std::string border_;               ///< path data of the border of the page
 };
 
 }  // namespace

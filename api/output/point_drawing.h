@@ -28,10 +28,10 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
 /// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
-/// units of the points. The origin is the upper left corner of the page. The dots of each group are ordered along
-/// a short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
-/// ranks, their circles have the attribute `data-rank`. The paper is drawn as a shape only if dots are discs, because a
-/// pen would draw this shape, too.
+/// units of the points. The origin is the upper left corner of the page. Unless `page.along_path` is false, the dots of
+/// each group are ordered along a short path. The element `desc` gives the length of this path, and the length in the
+/// original order. If dots have ranks, their circles have the attribute `data-rank`. The paper is drawn as a shape only
+/// if dots are discs, because a pen would draw this shape, too.
 ///
 /// Layers with names are layers as Inkscape and programs for plotters understand them, so that pens can be changed
 /// between layers. The ids of layers are `layer1`, `layer2` and so on. The labels of layers have no digits, because

@@ -53,7 +53,7 @@ struct SampleRegion {
     std::optional<ImageFile> exclude;
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
-    Coordinates coordinates = Coordinates::Plane;  ///< LonLat only with polygons
+    Coordinates coordinates = Coordinates::Plane;  ///< LonLat requires polygons
 
     bool is_on_globe() const { return coordinates == Coordinates::LonLat; }
 
@@ -83,7 +83,7 @@ struct SampleRequest {
     SampleOutput output;
     bool is_document = false;  ///< whether the body is GeoJSON or TopoJSON; options are then given as text
 
-    /// Returns the field of errors about an option: its name or a JSON Pointer.
+    /// Returns Error::field for errors about an option: the option's name or a JSON Pointer.
     std::string field_of(std::string_view option) const {
         return is_document ? std::string(option) : pointer_below("", option);
     }
