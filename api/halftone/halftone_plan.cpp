@@ -128,8 +128,8 @@ struct Decoded {
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
     CellGrid cells() const { return {picture.width, picture.height}; }
 
-    /// Returns whether the averaged squares give the same dots as the pixels of the file would. This is so if the
-    /// separation needs no finer cells than the squares, and if the lost detail would not change the number of dots.
+    /// Returns whether the averaged squares give the same dots as the pixels of the file. This requires that the
+    /// separation needs no finer cells than the squares, and that the lost detail does not change the number of dots.
     /// @param wanted  cells of the separation
     /// @param ink     area that dots cover, in pixels of the file
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
@@ -159,7 +159,7 @@ double drawn_share(const std::vector<std::vector<float>>& coverage, const Halfto
 }
 
 /// Separates a grey picture, whose dots have a single ink.
-/// @returns  none if the averaged squares of `decoded` are too coarse
+/// @returns  none if averaging pixels during decoding lost detail that the dots need
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
                                               const Limits& limits, Executor& executor) {
     const Picture& picture = decoded.picture;
@@ -199,7 +199,7 @@ double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, c
 }
 
 /// Separates a picture in colour.
-/// @returns  none if the averaged squares of `decoded` are too coarse
+/// @returns  none if averaging pixels during decoding lost detail that the dots need
 std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
                                                  const Limits& limits, const Control& control) {
     Executor& executor = *control.executor;
@@ -218,7 +218,7 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
 /// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
 /// the memory of colours.
 /// @param reduce  side of the squares that decoding may replace with their mean
-/// @returns       none if the averaged squares are too coarse
+/// @returns       none if averaging pixels lost detail that the dots need
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
                                                          const Decode& decode, const Control& control, int reduce) {
     const ImageFile& file = request.image;

@@ -60,7 +60,7 @@ Result<Ring> read_ring(const Input& input);
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);
 
-/// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, and requests do not.
+/// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, which no request has.
 bool is_geojson(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature with one of these, or a GeometryCollection or
