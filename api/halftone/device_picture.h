@@ -56,8 +56,7 @@ Result<DeviceRequest> parse_device(const HalftoneInput& input, std::string_view 
 
 /// Decodes the picture, scales it, and shows it in the colours of the device.
 ///
-/// If a pixel of the scaled picture has exactly one of the colours in Device::sent, the pixel keeps this colour. So
-/// text and lines of screenshots stay sharp.
+/// A pixel of the scaled picture whose colour is in Device::sent keeps this colour, so that text stays sharp.
 /// Errors: those of `decode`; LimitExceeded if the answer would have more than limits.max_pixels; Stopped, unless the
 /// request accepts a partial result and the stop comes after decoding and scaling. The same request gives the same
 /// bytes.

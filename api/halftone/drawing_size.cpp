@@ -36,7 +36,6 @@ Canvas sized_canvas(const HalftoneRequest& request, PictureSize part) {
     return showing(part, to_pixels(down * part.width), *request.height);
 }
 
-/// Returns the canvas of a drawing for the screen.
 Canvas screen_canvas(PictureSize part, const Limits& limits) {
     constexpr double kWidth = 1280, kHeight = 800, kMinLength = 1000;
     const double fitting = std::min(kWidth / part.width, kHeight / part.height);

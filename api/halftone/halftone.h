@@ -37,7 +37,6 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 /// Decodes the picture, distributes the dots, and writes them in the requested format.
 ///
 /// @param control  a requested stop ends the run within one pass over the sites
-/// @param timings  receives the times of the completed stages
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body

@@ -147,7 +147,6 @@ Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options)
     return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
 }
 
-/// Estimates the cost of placing the dots of all inks.
 Estimate placing_cost(const HalftoneRequest& request, double sites) {
     Options options = request.run;
     options.sites = static_cast<std::size_t>(sites);

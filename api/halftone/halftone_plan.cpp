@@ -274,7 +274,7 @@ double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixe
 }
 
 /// Returns the canvas of the drawing. If the server chooses the size, the canvas has at most limits.max_pixels. Errors:
-/// LimitExceeded if a requested size has more pixels.
+/// LimitExceeded if the requested size of a drawing has more pixels.
 /// @param preferred_scale  scale of a canvas whose size the server chooses, unless it would have too many pixels
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
                            const Limits& limits) {

@@ -16,9 +16,8 @@ namespace ccdt::api {
 /// Errors: Unusable for a broken or truncated file, and for a file that contains a JPEG or PNG.
 /// Source: Microsoft, Windows GDI, "Bitmap Storage" and BITMAPV5HEADER.
 ///
-/// Why not OpenImageIO: version 2.4 refuses many files that browsers show, or reads wrong colours. It refuses two bits
-/// per pixel, RLE4, absolute runs, headers of 64 bytes, and palettes of more than 256 colours. It ignores most bit
-/// fields, and treats the unused byte of 32-bit pixels as alpha.
+/// Why not OpenImageIO: version 2.4 refuses 2 bits per pixel, RLE4, absolute runs, headers of 64 bytes, and palettes of
+/// more than 256 colours. It ignores most bit fields, and treats the unused byte of 32-bit pixels as alpha.
 Result<RowSource> open_bmp(std::string_view bytes);
 
 }  // namespace ccdt::api

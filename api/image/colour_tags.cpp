@@ -121,7 +121,6 @@ ColourTags read_avif(std::string_view bytes) {
     return tags;
 }
 
-/// Removes the chunks of a given name from a PNG.
 std::string without_chunks(std::string_view bytes, std::string_view name) {
     std::string kept(bytes.substr(0, kPngChunks));
     kept.reserve(bytes.size());

@@ -50,8 +50,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
 
 constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 
-/// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the whole picture. Encoders write
-/// about ten scans. libtiff has the same limit.
+/// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the picture. Encoders write about ten.
 constexpr int kMaxScans = 100;
 
 /// Returns the offset of the marker after entropy-coded data. This marker begins with the first 0xFF that is not

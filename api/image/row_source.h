@@ -33,8 +33,7 @@ struct RowSource {
 /// Function that converts the interleaved colours of pixels, 16 bits per channel, to another colour space.
 using WordTransform = std::function<void(const std::uint16_t* from, std::uint16_t* to, std::size_t pixels)>;
 
-/// Returns a source of the same rows with red, green and blue of 16 bits. Alpha is kept. The resulting colours are not
-/// premultiplied.
+/// Returns a source of the same rows with 16-bit red, green and blue, not premultiplied. Alpha is kept.
 /// @param transform  converts to red, green and blue: from red, green and blue, or from inks if the source has inks
 RowSource transform_rows(RowSource source, WordTransform transform);
 

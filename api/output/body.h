@@ -14,8 +14,7 @@
 
 namespace ccdt::api {
 
-/// Receives in pieces an answer whose body is too large to be kept in memory. After a function has returned an error,
-/// no function is called again.
+/// Receives an answer with a large body in pieces. After a function has returned an error, no function is called again.
 class BodySink {
 public:
     virtual ~BodySink() = default;

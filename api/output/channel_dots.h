@@ -39,7 +39,6 @@ inline ChannelDots dots_of_channel(const PointSet& kinds, std::size_t channel) {
 
 /// Returns the colour of the paper dots of a channel. Channels with names are mixed with each other, so the colour is
 /// then the one that does not change other channels.
-/// @param palette  palette of the inks
 inline Colour paper_dot_colour(const PointSet& kinds, const Palette& palette) {
     if (!kinds.are_named()) return palette.paper;
     return palette.mixing == Mixing::Add ? kBlack : kWhite;

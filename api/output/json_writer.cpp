@@ -140,8 +140,7 @@ void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
-/// Appends members about the run that placed the points. If there are several layers, reports the largest values of all
-/// layers.
+/// Appends members about the run that placed the points. Reports the largest values of all layers.
 void append_run(std::string& out, const PointSet& points, const Report& report) {
     append_order(out, points.size(), report);
     std::uint64_t iterations = 0;

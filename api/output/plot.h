@@ -35,7 +35,7 @@ struct Pen {
     std::vector<PenRun> runs;
 };
 
-/// All strokes of a drawing, independent of the file format. SVG, PDF and the formats of plotters are written from it.
+/// All strokes of a drawing, independent of the file format (SVG, PDF and the formats of plotters).
 struct Plot {
     const Page& page;
     DotStyle style;

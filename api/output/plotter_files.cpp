@@ -33,8 +33,7 @@ protected:
 private:
     void append(std::string_view words) { body_.text() += words; }
 
-    /// Appends a length in millimetres with four decimals. This is enough, since machines have a resolution of about a
-    /// hundredth of a millimetre.
+    /// Appends a length in millimetres with four decimals. Machines have a resolution of about 0.01 mm.
     void append(double length) { append_fixed(body_.text(), length, 4); }
 
     void append(long long whole) { body_.text() += std::to_string(whole); }

@@ -45,7 +45,6 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// kind.
 ///
 /// @param points     the radius of dots must be at most a small multiple of the page's longer side
-/// @param palette    the palette of the inks
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer; output begins after the
 ///                   search
 /// @param stop       once stopped, writing ends early and the output is incomplete

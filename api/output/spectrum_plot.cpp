@@ -78,7 +78,6 @@ struct Chart {
     }
 };
 
-/// Calls `draw(value)` for each tick.
 template <class Draw>
 void for_each_tick(const Axis& axis, Draw draw) {
     const auto first = static_cast<long>(std::ceil(axis.min / axis.step - 1e-9));

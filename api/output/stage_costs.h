@@ -26,7 +26,6 @@ inline constexpr double kGreyPlanes = 16;
 Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 
 /// Estimates the cost of computing the integrals of a density grid.
-/// @param cells  number of cells of the grid
 Estimate density_cost(double cells);
 
 /// Estimates the cost of drawing dots as pixels.
@@ -40,7 +39,6 @@ Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, do
 /// Estimates the cost of writing a drawing. If dots are shapes, a raster determines their radius, and is freed before
 /// the shapes are written. If the drawing consists of pixels, the raster is kept until they are written.
 /// @param raster  result of raster_cost()
-/// @param pixels  number of pixels of the drawing
 Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels);
 
 /// Returns the number of bytes of an image file that a request holds in memory in addition to its body; 0 if the file

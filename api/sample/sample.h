@@ -14,9 +14,7 @@ namespace ccdt::api {
 /// points of each class are distributed in each feature. A feature without area gets no points; if its count is not 0,
 /// the answer has a warning.
 ///
-/// @param decode   decodes a density image or an excluded picture
 /// @param control  a requested stop ends the run within one pass over the points
-/// @param timings  receives the times of the completed stages
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body

@@ -30,7 +30,6 @@ struct SampleArea {
 
 /// Builds the area of a request. In the plane, the area is also eroded by the buffer.
 ///
-/// @param decode  decodes the excluded picture
 /// Errors: those of run_sample() about the domain. If a feature of a dot map is invalid, the error's field is a JSON
 /// Pointer to the feature.
 Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits, const Decode& decode,

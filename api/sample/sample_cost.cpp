@@ -37,7 +37,6 @@ std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return polygon == nullptr ? 0 : polygon->corner_count();
 }
 
-/// Estimates the cost of eroding a domain by the buffer.
 Estimate buffer_cost(double corners) {
     constexpr double kBytes = 3'000, kTime = 100 * kMicrosecond;
     return {corners * kBytes, corners * kTime};

@@ -28,7 +28,6 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const 
 /// Writes the points of a sample in the requested format.
 ///
 /// @param whole  domain of the points; of a dot map, the union of all features
-/// @param page   page, for drawings
 /// @param dots   for a dot map, [classes]; otherwise one element with all points. If the request has features, the
 ///               points are grouped by feature.
 /// Errors: those of the format's writer; Stopped.
