@@ -138,8 +138,8 @@ std::string without_marks(std::string_view bytes, std::string_view mark) {
     return kept;
 }
 
-/// Removes the entries of a tag from a TIFF directory. The entries that follow move up, and so does the offset of the
-/// next directory, which is stored after them.
+/// Removes the entries of a tag from a TIFF directory. Moves later entries up, together with the offset of the next
+/// directory, which is stored after the entries.
 std::string without_entries(std::string_view bytes, std::uint32_t tag) {
     constexpr std::size_t kSize = TiffDirectory::kEntrySize;
     const TiffDirectory directory(bytes);

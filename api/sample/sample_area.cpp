@@ -72,8 +72,8 @@ private:
         }
     }
 
-    /// Converts a field of an error or repair of Domain::repair() to a JSON Pointer in the request. Domain::repair()
-    /// counts parts within the feature.
+    /// Converts the field of an error or repair of Domain::repair() to a JSON Pointer in the request. Such a field
+    /// numbers the parts within the feature.
     std::string locate(std::size_t feature, const std::string& field) const {
         if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);
