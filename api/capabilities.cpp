@@ -54,8 +54,7 @@ Json describe_all(std::span<const Row* const> formats) {
     return list;
 }
 
-/// Formats of maps that `/sample` reads. The decoder process converts shapefiles to GeoJSON before `/sample` reads
-/// them.
+/// Formats of maps that `/sample` reads. A decoding process first converts shapefiles to GeoJSON.
 constexpr std::array<FileFormat, 3> kMaps = {{
     {"geojson", "GeoJSON", "geojson", "application/geo+json", ""},
     {"topojson", "TopoJSON", "topojson", "application/json", ""},

@@ -52,9 +52,8 @@ Result<AnalyzeRequest> parse_analyze(std::string_view body, std::string_view acc
 
 /// Analyses the points, then writes JSON or draws the plot.
 ///
-/// @param control  a stop ends the analysis soon, without a result
-/// @param timings  receives the times of the completed stages
-/// Errors: those of make_domain and analyse, with a JSON Pointer as Error::field. Same request, same bytes.
+/// Errors: those of make_domain() and analyse(), with a JSON Pointer as Error::field. The same request gives the same
+/// bytes.
 Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control, Timings& timings);
 
 /// Estimates the cost of computing an answer, before the computation begins.

@@ -115,7 +115,7 @@ int scaled(int length, int to, int from) {
     return static_cast<int>(std::clamp(std::round(static_cast<double>(length) * to / from), 1.0, kMaxSide));
 }
 
-/// Returns the size of the answer.
+/// Returns the size of the answer in pixels, for a picture of the given size.
 FrameSize frame_of(const DeviceRequest& request, const FrameSize& picture) {
     if (request.width && request.height) return {*request.width, *request.height};
     if (request.width) return {*request.width, scaled(picture.height, *request.width, picture.width)};
@@ -140,7 +140,7 @@ std::vector<Light> light_of(std::span<const Colour> colours) {
     return light;
 }
 
-/// Returns the light of each pixel of the answer.
+/// Turns the picture, scales it into the frame, and returns the light of each pixel of the answer.
 LightPlanes to_frame(ColourPicture picture, const DeviceRequest& request, Executor& executor) {
     picture = turned(with_levels(picture, request.levels, executor), request.quarters);
     const FrameSize frame = frame_of(request, {picture.width, picture.height});
@@ -153,10 +153,9 @@ LightPlanes to_frame(ColourPicture picture, const DeviceRequest& request, Execut
                   executor);
 }
 
-/// Returns for each pixel the number of the sent colour that the pixel has exactly, or kAnyColour if it has none of
-/// them.
+/// Returns, for each pixel, the index in `sent` of the colour that equals the pixel, or kAnyColour if there is none.
 std::vector<std::uint8_t> exact_pixels(const LightPlanes& light, std::span<const Light> sent, Executor& executor) {
-    constexpr float kTolerance = 1e-4f;  // less than half the difference between any two sRGB values of 8 bits
+    constexpr float kTolerance = 1e-4f;  // less than half the difference in light between any two 8-bit sRGB values
     std::vector<std::uint8_t> given(light.front().size(), kAnyColour);
     for_pixels(executor, given.size(), [&](std::size_t i) {
         for (std::size_t number = 0; number < sent.size(); ++number) {
@@ -216,7 +215,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
     if (!picture) return failure(picture.error().code, picture.error().message, request.image_field);
     Answer answer;
     answer.pixels = static_cast<std::size_t>(picture->width) * static_cast<std::size_t>(picture->height);
-    // Only decoding determines the orientation of a photograph.
+    // Sizes are determined again here, because only decoding reveals the orientation of a photograph.
     const bool swaps = request.quarters % 2 == 1;
     const FrameSize frame = frame_of(
         request, swaps ? FrameSize{picture->height, picture->width} : FrameSize{picture->width, picture->height});
@@ -246,10 +245,10 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
 }
 
 Cost cost_of(const DeviceRequest& request, const Limits& limits) {
-    // Bytes per pixel of the answer: the wanted light and its copy, residuals, the levels of VisualError, and numbers.
+    // Bytes per pixel of the answer: the wanted light and its copy, residuals, the levels of VisualError, and indices.
     constexpr double kBytes = 110;
     constexpr double kTime = 0.9 * kMicrosecond, kTimePerColour = 0.05 * kMicrosecond;
-    constexpr double kPlanes = 3 * 16;  // bytes per pixel of the decoded picture, its turned copy, and its levels
+    constexpr double kPlanes = 3 * 16;  // bytes per pixel of the picture, its copy with levels, and its turned copy
     const double size =
         std::min(pixels_of(frame_of(request, size_of_picture(request))), static_cast<double>(limits.max_pixels));
     const Estimate search{size * kBytes,

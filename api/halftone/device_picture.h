@@ -31,7 +31,7 @@ struct DeviceFormat {
 /// Request to /halftone with the option `device`: a picture that has exactly the pixels and the colours of a device.
 struct DeviceRequest {
     ImageFile image;
-    std::string image_field;  ///< for Error::field; empty if the image is the body
+    std::string image_field;  ///< Error::field of errors about the image; empty unless the body is JSON
     Device device;
     std::optional<int> width;   ///< pixels; none: follows from the height, or from the picture
     std::optional<int> height;  ///< pixels; none: follows from the width, or from the picture
@@ -41,7 +41,7 @@ struct DeviceRequest {
     Levels levels;
     PixelOptions pixels;
     const DeviceFormat* format = nullptr;  ///< never null in a parsed request
-    OnStop on_deadline = OnStop::Error;    ///< a partial answer is less similar to the picture
+    OnStop on_deadline = OnStop::Error;    ///< a partial answer shows the picture less accurately
 };
 
 /// Returns the formats, in the server's order of preference.
@@ -51,15 +51,15 @@ std::span<const DeviceFormat* const> device_formats();
 std::vector<std::string_view> device_options();
 
 /// Reads the options of a request that has the option `device`.
-/// Errors: as for parse_halftone(). Options that only dots have are Malformed.
+/// Errors: as for parse_halftone(). Malformed for options that apply only to dots.
 Result<DeviceRequest> parse_device(const HalftoneInput& input, std::string_view accept, const Limits& limits);
 
 /// Decodes the picture, scales it, and shows it in the colours of the device.
 ///
-/// If a pixel of the scaled picture has exactly one of the colours in Device::sent, the pixel keeps this colour. So
-/// text and lines of screenshots stay sharp.
+/// A pixel of the scaled picture whose colour is in Device::sent keeps this colour, so that text stays sharp.
 /// Errors: those of `decode`; LimitExceeded if the answer would have more than limits.max_pixels; Stopped, unless the
-/// request accepts a partial result and the stop comes after decoding and scaling. Same request, same bytes.
+/// request accepts a partial result and the stop comes after decoding and scaling. The same request gives the same
+/// bytes.
 Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings);
 

@@ -19,7 +19,8 @@ int to_pixels(double length) {
     return static_cast<int>(std::clamp(std::round(length), 1.0, double{std::numeric_limits<int>::max()}));
 }
 
-/// Returns a canvas of the given size that shows the whole part. Its scale is the geometric mean of both directions.
+/// Returns a canvas of the given size that shows a whole part of a picture. Its scale is the geometric mean of the
+/// horizontal and the vertical scale.
 Canvas showing(PictureSize part, int width, int height) {
     return {width, height, std::sqrt(static_cast<double>(width) / part.width * height / part.height)};
 }
@@ -35,7 +36,6 @@ Canvas sized_canvas(const HalftoneRequest& request, PictureSize part) {
     return showing(part, to_pixels(down * part.width), *request.height);
 }
 
-/// Returns the canvas of a drawing for the screen.
 Canvas screen_canvas(PictureSize part, const Limits& limits) {
     constexpr double kWidth = 1280, kHeight = 800, kMinLength = 1000;
     const double fitting = std::min(kWidth / part.width, kHeight / part.height);

@@ -54,7 +54,7 @@ struct Draft {
     std::optional<bool> antialias;
     std::optional<Dots> dots;
     std::optional<bool> invert;
-    std::optional<Palette> color;  ///< value of the option color
+    std::optional<Palette> color;
     std::optional<Palette> palette;
     std::optional<Colour> foreground;
     std::optional<Colour> background;
@@ -101,8 +101,7 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
-/// Checks the options about colours for inks that mix: `foreground` is not available and, if inks add, neither is
-/// `background`.
+/// Checks that a request for mixing inks gives no `foreground` and, if the inks add, no `background`.
 Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
@@ -153,15 +152,15 @@ std::string_view obstacle_to_both(const Draft& draft) {
     return {};
 }
 
-/// Returns whether dots on both sides look better than ink dots only. With four or more custom inks, many mixtures give
-/// the same colour, and the grounds become ragged where the chosen mixture changes.
+/// Returns whether Dots::Both looks better than Dots::Ink. With four or more custom inks, many mixtures give the same
+/// colour, and the grounds become ragged where the chosen mixture changes.
 bool is_better_on_both_sides(const Draft& draft) {
     constexpr std::size_t kMaxInksOfBoth = 3;
     return !draft.palette || draft.palette->inks.size() <= kMaxInksOfBoth;
 }
 
-/// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have dots on both sides, and
-/// lists have ink dots. Must be called after the format is known.
+/// Chooses the sides of the tonal scale on which dots are drawn. By default, drawings have Dots::Both, and lists have
+/// Dots::Ink. Must be called after the format is known.
 Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     if (draft.dots && draft.invert && *draft.invert != (*draft.dots == Dots::Paper))
         return malformed(input_of("invert", inputs), "contradicts dots: invert=true means dots=paper");
@@ -178,8 +177,8 @@ Result<void> settle_sides(Draft& draft, const std::vector<Input>& inputs) {
     return {};
 }
 
-/// Checks that layers for each kind of dots are requested only if there are kinds. Must be called after the sides are
-/// settled.
+/// Checks that layers for kinds of dots are requested only for an SVG with Dots::Both. Must be called after
+/// settle_sides().
 Result<void> check_layers(const HalftoneRequest& request, const std::vector<Input>& inputs) {
     if (request.drawing.layers == Layers::Ink) return {};
     if (request.format->file.name == "svg" && request.dots == Dots::Both) return {};

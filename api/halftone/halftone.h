@@ -27,8 +27,8 @@ std::vector<std::string_view> halftone_options();
 /// expensive work: the image is not decoded.
 Result<HalftoneRequest> parse_halftone(const HalftoneInput& input, std::string_view accept, const Limits& limits);
 
-/// Reads a request by read_halftone() or read_halftone_json(), and then parses its options. Errors: those of both
-/// steps.
+/// Reads a request by read_halftone() or read_halftone_json(), and then parses its options. Errors: those of reading
+/// and of parsing.
 Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector<TextOption>& options,
                                        std::string_view accept, const Limits& limits);
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
@@ -36,15 +36,13 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
 
 /// Decodes the picture, distributes the dots, and writes them in the requested format.
 ///
-/// @param decode   decodes the picture
-/// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
-/// @param timings  receives the times of the completed stages
+/// @param control  a requested stop ends the run within one pass over the sites
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
-/// Errors: those of `decode`; Unusable for a picture without ink; LimitExceeded if the output would have more than
-/// limits.max_pixels, or a side longer than the format allows; Stopped. Same request, same bytes, except for
-/// `elapsed_ms` in JSON.
+/// Errors: those of `decode`; Unusable if dots have nothing to draw in the picture; LimitExceeded if the output would
+/// have more than limits.max_pixels, or a side longer than the format allows; Stopped, unless the request accepts a
+/// partial result. The same request gives the same bytes, except for `elapsed_ms` in JSON.
 Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
                             const Control& control, Timings& timings, BodySink* sink = nullptr);
 

@@ -92,7 +92,7 @@ private:
         return writer.write(picture, request_.drawing.width_mm, stop_);
     }
 
-    /// Draws antialiased dots on both sides of the tonal scale, in inks of a palette.
+    /// Draws antialiased dots on both sides of the tonal scale, in custom inks.
     DotImage mixed_pixels() const {
         std::vector<Raster> flipped, grounds;
         for (std::size_t ink = 0; ink < plan_.two_sides->channels.size(); ++ink) {
@@ -121,8 +121,8 @@ private:
         plates.push_back(std::move(black));
     }
 
-    /// Describes the grounds, and the dots on both sides of the tonal scale, for writers of lists and shapes. Omits
-    /// kinds without dots.
+    /// Adds to `inks_` what writers of lists and shapes need for dots on both sides of the tonal scale: the sizes of
+    /// the dots, and the outlines of the black grounds. Removes kinds without dots.
     void describe_two_sides() {
         if (!plan_.two_sides) return;
         const auto& channels = plan_.two_sides->channels;
@@ -154,7 +154,7 @@ private:
                 static_cast<double>(plan_.picture.height) / cells.rows};
     }
 
-    /// Draws the coverage of one channel of a halftone with dots on both sides: its ground, and the dots that flip it.
+    /// Draws the coverage of one channel for Dots::Both: the channel's ground, and the dots that flip the channel.
     Raster rasterise_both(std::size_t channel, bool antialias) const {
         const bool soft = antialias || plan_.samples > 1;
         Raster raster = rasterise_flipped(channel, antialias);
@@ -197,7 +197,7 @@ private:
         return draw_dots(canvas_places(inks_[ink].dots.points), plan_.canvas, options, stop_, executor_);
     }
 
-    /// Stretches points slightly, so that the scale of the canvas maps the corners of the picture exactly to the
+    /// Stretches points so that, multiplied by the scale of the canvas, the corners of the picture become exactly the
     /// corners of the canvas.
     std::vector<Point> canvas_places(std::span<const Point> points) const {
         const auto [width, height, scale] = plan_.canvas;
@@ -221,8 +221,8 @@ private:
     Executor& executor_;
 };
 
-/// Returns the inks that answers name. For dots on both sides, each kind of dots has an ink, which is named after the
-/// channels that the dots flip.
+/// Returns the names and colours under which the answer lists dots. For dots on both sides of the tonal scale, there is
+/// one entry for each kind of dots, named after the channels that the kind flips.
 std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePlan& plan) {
     const std::vector<Ink>& inks = request.palette.inks;
     if (!plan.two_sides || inks.size() == 1) return inks;

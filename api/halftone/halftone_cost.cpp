@@ -21,7 +21,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Estimates the application of levels. Its result is a second picture of the decoded size.
+/// Estimates the cost of applying levels, which creates a second picture of the decoded size.
 Estimate levels_cost(const HalftoneRequest& request) {
     if (request.levels == Levels{}) return {};
     constexpr double kTime = 0.006 * kMicrosecond;
@@ -30,7 +30,7 @@ Estimate levels_cost(const HalftoneRequest& request) {
     return {values * sizeof(float), values * kTime};
 }
 
-/// Estimates the cropping of the picture. Its result is a second picture, at most of the decoded size.
+/// Estimates the cost of cropping the picture, which creates a second picture of at most the decoded size.
 Estimate cropping_cost(const HalftoneRequest& request) {
     if (request.fit != Fit::Cover) return {};
     constexpr double kTime = 0.002 * kMicrosecond;
@@ -39,23 +39,23 @@ Estimate cropping_cost(const HalftoneRequest& request) {
     return {values * sizeof(float), values * kTime};
 }
 
-/// Returns whether the request is for dots on both sides of the tonal scale, in several channels.
+/// Returns whether the request is for Dots::Both in several channels.
 bool has_channels(const HalftoneRequest& request) {
     return request.dots == Dots::Both && request.palette.mixing != Mixing::Cover;
 }
 
-/// Returns the number of inks. For dots on both sides, the number of channels, which is 3 for CMYK.
+/// Returns the number of inks or, for Dots::Both, the number of channels, which is 3 for CMYK.
 double inks_of(const HalftoneRequest& request) {
     const auto inks = static_cast<double>(request.palette.inks.size());
     return request.dots == Dots::Both && is_cmyk(request.palette.inks) ? inks - 1 : inks;
 }
 
-/// Returns whether dots on both sides have several channels that are custom inks.
+/// Returns whether the request is for Dots::Both with several channels that are custom inks.
 bool has_ink_channels(const HalftoneRequest& request) {
     return has_channels(request) && request.palette.mixing == Mixing::Multiply && !is_cmyk(request.palette.inks);
 }
 
-/// Returns the number of kinds of dots, for dots on both sides in several channels.
+/// Returns the number of kinds of dots, for Dots::Both in several channels.
 double kinds_of_dots(const HalftoneRequest& request) {
     const std::size_t kinds = kinds_of(static_cast<std::size_t>(inks_of(request)));
     return static_cast<double>(std::min(kinds, kMaxInkKinds));
@@ -68,8 +68,8 @@ double planned_cells(const HalftoneRequest& request, double sites) {
     const ImageHeader& header = request.image.header;
     const auto pixels = static_cast<double>(header.pixels());
     if (request.fit == Fit::Cover || (request.dot && !request.sites)) {
-        // Upper bound. There are about 50 cells per dot; but where cells would be less than two pixels wide, pixels are
-        // used instead, which makes up to four times as many.
+        // Upper bound. There are about 50 cells per dot. Cells less than two pixels wide are replaced by pixels, of
+        // which there are up to four times as many.
         constexpr double kCellsPerDot = 200, kFewest = 64 * 64;
         return std::min(pixels, kCellsPerDot * sites + kFewest);
     }
@@ -78,7 +78,7 @@ double planned_cells(const HalftoneRequest& request, double sites) {
     return static_cast<double>(cells.columns) * cells.rows;
 }
 
-/// Estimates the division of the picture into white and black ground, and the planning of dots on both.
+/// Estimates the cost of dividing the picture into white and black ground, and of planning dots on both grounds.
 Estimate grounds_cost(const HalftoneRequest& request, double sites) {
     constexpr Estimate kGrey{54, 0.3 * kMicrosecond}, kColour{200, 1.2 * kMicrosecond};
     constexpr Estimate kInk{48, 0.5 * kMicrosecond}, kKind{8, 0.05 * kMicrosecond}, kInks{80, 1.5 * kMicrosecond};
@@ -93,7 +93,7 @@ Estimate grounds_cost(const HalftoneRequest& request, double sites) {
            Estimate{kReading, 0} * static_cast<double>(request.image.header.pixels());
 }
 
-/// Estimates the fitting of the sizes of dots on both sides of the tonal scale.
+/// Estimates the cost of fitting the sizes of dots on both sides of the tonal scale.
 Estimate dot_sizes_cost(const HalftoneRequest& request, double sites) {
     constexpr Estimate kPixel{36, 0.2 * kMicrosecond}, kSite{48, 5 * kMicrosecond};
     constexpr Estimate kPixelOfChannels{120, 0.6 * kMicrosecond}, kSiteOfChannels{220, 12 * kMicrosecond};
@@ -105,8 +105,8 @@ Estimate dot_sizes_cost(const HalftoneRequest& request, double sites) {
     return kPixel * planned_cells(request, sites) + kSite * sites;
 }
 
-/// Estimates the sharpening of the coverage, one ink at a time. For dots on both sides of the tonal scale, the planning
-/// of dots takes its place.
+/// Estimates the cost of sharpening the coverage, one ink at a time. For dots on both sides of the tonal scale, returns
+/// grounds_cost() instead.
 Estimate sharpening_cost(const HalftoneRequest& request, double sites) {
     if (request.dots == Dots::Both) return grounds_cost(request, sites);
     if (!(request.detail > 0)) return {};
@@ -115,8 +115,8 @@ Estimate sharpening_cost(const HalftoneRequest& request, double sites) {
     return {pixels * (inks_of(request) * 8 + 20), pixels * inks_of(request) * kTime};
 }
 
-/// Estimates decoding and separation. If inks mix, there are planes of red, green, blue and alpha, three planes of
-/// light, and the coverage of each ink.
+/// Estimates the cost of decoding and separation. If inks mix, memory holds planes of red, green, blue and alpha, three
+/// planes of light, and the coverage of each ink.
 Estimate decoding_cost(const HalftoneRequest& request) {
     if (request.palette.mixing == Mixing::Cover) return decoding_cost(request.image);
     constexpr double kSeparating = 0.2 * kMicrosecond;
@@ -130,7 +130,8 @@ Estimate decoding_cost(const HalftoneRequest& request) {
            Estimate{0, (pixels + kTable * inks_of(request) * inks_of(request)) * kSeparating};
 }
 
-/// Estimates the density grids: one for each ink or kind of dots and, if there are several, one for their sum.
+/// Estimates the cost of the density grids: one for each ink or kind of dots and, if there are several, one for their
+/// sum.
 Estimate densities_cost(const HalftoneRequest& request, double sites) {
     const auto pixels = static_cast<double>(request.image.header.pixels());
     if (has_channels(request)) return density_cost(planned_cells(request, sites) * (kinds_of_dots(request) * 1.2 + 1));
@@ -138,15 +139,14 @@ Estimate densities_cost(const HalftoneRequest& request, double sites) {
     return density_cost(pixels * (inks > 1 ? inks * 1.2 + 1 : 1));
 }
 
-/// Estimates the steps of the polish that several inks need: pushes between dots of different inks, and the comparison
-/// of the printed appearance with the picture.
+/// Estimates the cost of the polishing steps that only several inks need: pushes between dots of different inks, and
+/// the comparison of the simulated print with the picture.
 Estimate ink_polish_cost(const HalftoneRequest& request, const Options& options) {
     if (inks_of(request) < 2 || options.quality == Quality::Draft || options.iterations == 0) return {};
     const auto sites = static_cast<double>(options.sites);
     return {sites * 750, sites * (options.quality == Quality::Best ? 36 : 12) * kMicrosecond};
 }
 
-/// Estimates the placing of the dots of all inks.
 Estimate placing_cost(const HalftoneRequest& request, double sites) {
     Options options = request.run;
     options.sites = static_cast<std::size_t>(sites);
@@ -186,8 +186,8 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
     return shorter_side(request) < 2 * hexagonal_spacing(density);
 }
 
-/// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a solid
-/// picture: the total area of these dots, which overlap, is twice the area of the picture.
+/// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a picture
+/// of solid ink. The total area of these overlapping dots is twice the area of the picture.
 double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
@@ -203,7 +203,7 @@ double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.scale) return filling(ink, radius / *request.scale);
     if (request.on_screen || request.width || request.height)
         return filling(drawn_pixels(request, limits) * inks_of(request), radius);
-    // If the server chooses the scale, the usual number of dots has a radius below this limit, in output pixels.
+    // If the server chooses the number and the scale, dots have a radius below this limit, in output pixels.
     constexpr double kLargest = 6;
     return filling(std::max(usual * kLargest * kLargest * std::numbers::pi, ink), radius);
 }
@@ -216,8 +216,8 @@ std::optional<double> radius_of(const HalftoneRequest& request, double drawn_pix
     return request.dot->length / *request.drawing.width_mm * longer_side(request) * scale;
 }
 
-/// Estimates the supersampling of small dots, which is done band by band. A scale that the server chooses makes dots so
-/// large that they need no supersampling.
+/// Estimates the cost of supersampling small dots, which is done band by band. A scale that the server chooses makes
+/// dots so large that they need no supersampling.
 Estimate supersampling_cost(const HalftoneRequest& request, double sites, double pixels) {
     constexpr double kEach = 226;  // samples per dot, in a picture that is half covered
     const double samples = std::min(sites * kEach, kMaxSamples);
@@ -226,7 +226,7 @@ Estimate supersampling_cost(const HalftoneRequest& request, double sites, double
     return {sites * 16, samples * 0.02 * kMicrosecond};
 }
 
-/// Estimates the drawing of dots. The rasters of inks that mix are kept until they are combined.
+/// Estimates the cost of drawing dots. The rasters of inks that mix are kept until they are combined.
 Estimate rasters_cost(const HalftoneRequest& request, double sites, double pixels, bool antialias) {
     const Estimate one =
         raster_cost(sites, pixels, radius_of(request, pixels), antialias) + supersampling_cost(request, sites, pixels);
@@ -235,8 +235,8 @@ Estimate rasters_cost(const HalftoneRequest& request, double sites, double pixel
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }
 
-/// Returns the maximum radius of dots in millimetres. It is the radius for a solid picture: the total area of the dots,
-/// which overlap, is then twice the area of the picture.
+/// Returns the maximum radius of dots in millimetres: the radius for a picture of solid ink. The total area of these
+/// overlapping dots is twice the area of the picture.
 double largest_radius(const HalftoneRequest& request, double sites) {
     if (request.dot && request.dot->millimetres) return request.dot->length;
     const double width = request.drawing.width_mm.value_or(1);

@@ -14,12 +14,12 @@ namespace ccdt::api {
 Cost cost_of(const HalftoneRequest& request, const Limits& limits);
 
 /// Returns the number of sites for a request that gives none: sites_of_drawing() for drawings on screens,
-/// default_sites() for others. The number is at most the number of sites that can be placed in two seconds, or 4,096 if
-/// that is more. It never exceeds limits.max_sites.
+/// default_sites() for others. The result is at most the number of sites that can be placed in two seconds. This limit
+/// is at least 4,096, unless limits.max_sites is lower.
 ///
 /// @param part      size of the drawn part of the picture
-/// @param ink       area that dots cover, in pixels of the picture
-/// @param fineness  fineness of the picture, in [0, 1]
+/// @param ink       area that dots should cover, in pixels of the picture
+/// @param fineness  result of fineness() for the picture, in [0, 1]
 std::size_t usual_sites(const HalftoneRequest& request, PictureSize part, double ink, double fineness,
                         const Limits& limits);
 

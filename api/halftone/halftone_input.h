@@ -20,7 +20,7 @@ struct HalftoneInput {
     std::unique_ptr<const JsonDocument> document;  ///< holds the options of a JSON body; null for other bodies
     std::vector<Input> options;
     Result<ImageFile> image;
-    std::string image_field;  ///< for Error::field; empty if the image is the body
+    std::string image_field;  ///< Error::field of errors about the image; empty unless the body is JSON
 
     bool has(std::string_view option) const {
         return std::ranges::find(options, option, &Input::name) != options.end();

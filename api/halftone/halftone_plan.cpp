@@ -79,8 +79,8 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
                     const Limits& limits) {
     const double pixels = all_pixels(size);
     const std::size_t usual = request.sites ? *request.sites : usual_sites(request, size, ink, fineness, limits);
-    // Dots on both sides draw an area that is measured in cells, whose size follows from the radius. So this area is
-    // not known yet, and a quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these
+    // For Dots::Both, the area that dots draw is not known yet, because it is measured in cells, whose size follows
+    // from the radius. A quarter of the picture is assumed. Darker and lighter pictures have smaller dots, but these
     // need no finer cells.
     constexpr double kShare = 0.25;
     const double drawn = request.dots == Dots::Both ? kShare * pixels : ink;
@@ -91,10 +91,9 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
-/// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. The picture is not
-/// decoded yet, so the side is an estimate: if ink covers at least a quarter of the picture, the dots cannot show the
-/// difference. Returns 1, which means no replacement, if a step before the separation is not linear in the light of the
-/// pixels.
+/// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. The dots cannot
+/// show the lost detail if ink covers at least a quarter of the picture, which is not known before decoding. Returns 1,
+/// which means no replacement, if a step before the separation is not linear in the light of the pixels.
 int reducible(const HalftoneRequest& request, const Limits& limits) {
     constexpr double kMinPixels = 4e6;  // fewer pixels take little time
     constexpr double kInk = 0.25;
@@ -129,8 +128,8 @@ struct Decoded {
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
     CellGrid cells() const { return {picture.width, picture.height}; }
 
-    /// Returns whether the averaged squares give the same dots as the pixels of the file would. This is so if the
-    /// separation needs no finer cells than the squares, and if the lost detail would not change the number of dots.
+    /// Returns whether the averaged squares give the same dots as the pixels of the file. This requires that the
+    /// separation needs no finer cells than the squares, and that the lost detail does not change the number of dots.
     /// @param wanted  cells of the separation
     /// @param ink     area that dots cover, in pixels of the file
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {
@@ -140,8 +139,8 @@ struct Decoded {
         return usual_sites(request, size(), ink, 0, limits) == usual_sites(request, size(), ink, 1, limits);
     }
 
-    /// Returns the fineness of the picture. Returns 0 if averaged squares have lost detail, except for drawings on
-    /// screens, which would not show this detail.
+    /// Returns the fineness of the picture, or 0 if it is unknown because of averaged squares. For drawings on screens,
+    /// the fineness of the averaged picture is used, because screens would not show more detail.
     double detail(const HalftoneRequest& request, Executor& executor) const {
         return side > 1 && !request.on_screen ? 0 : fineness(picture, executor);
     }
@@ -150,8 +149,7 @@ struct Decoded {
     int side = 1;
 };
 
-/// Returns the area that dots draw, in cells: the sum of the coverages of all inks. For dots on both sides, this is
-/// minority_area().
+/// Returns the area that dots draw, in cells: the sum of the coverages of all inks or, for Dots::Both, minority_area().
 double drawn_share(const std::vector<std::vector<float>>& coverage, const HalftoneRequest& request,
                    Executor& executor) {
     if (request.dots == Dots::Both) return minority_area(coverage, executor);
@@ -161,7 +159,7 @@ double drawn_share(const std::vector<std::vector<float>>& coverage, const Halfto
 }
 
 /// Separates a grey picture, whose dots have a single ink.
-/// @returns  none if the averaged squares of `decoded` are too coarse
+/// @returns  none if averaging pixels during decoding lost detail that the dots need
 std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, const HalftoneRequest& request,
                                               const Limits& limits, Executor& executor) {
     const Picture& picture = decoded.picture;
@@ -178,8 +176,7 @@ std::optional<SeparatedPicture> separate_grey(const Decoded<Picture>& decoded, c
     return separated;
 }
 
-/// Returns whether dots on both sides of the tonal scale flip channels of light. The alternative is that they flip the
-/// custom inks of the option `palette`.
+/// Returns whether dots on both sides of the tonal scale flip channels of light, instead of custom inks of a palette.
 bool flips_light(const HalftoneRequest& request) {
     return request.dots == Dots::Both && (request.palette.mixing != Mixing::Multiply || is_cmyk(request.palette.inks));
 }
@@ -202,7 +199,7 @@ double rough_ink(const ColourPicture& picture, const HalftoneRequest& request, c
 }
 
 /// Separates a picture in colour.
-/// @returns  none if the averaged squares of `decoded` are too coarse
+/// @returns  none if averaging pixels during decoding lost detail that the dots need
 std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded, const HalftoneRequest& request,
                                                  const Limits& limits, const Control& control) {
     Executor& executor = *control.executor;
@@ -221,7 +218,7 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
 /// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
 /// the memory of colours.
 /// @param reduce  side of the squares that decoding may replace with their mean
-/// @returns       none if the averaged squares are too coarse
+/// @returns       none if averaging pixels lost detail that the dots need
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
                                                          const Decode& decode, const Control& control, int reduce) {
     const ImageFile& file = request.image;
@@ -250,8 +247,7 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
-/// Returns whether a picture in which dots have nothing to draw is bare paper everywhere. Otherwise, the picture has
-/// solid ink in some places.
+/// Returns whether a picture in which dots have nothing to draw has no solid ink either.
 bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
@@ -269,16 +265,16 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
                    request.image_field);
 }
 
-/// Returns the area of ink from which a scale is chosen. For dots on both sides, the area is doubled, because the
-/// largest dots have about twice the mean area. A lower bound keeps the scale from becoming large if dots have little
-/// to draw.
+/// Returns the area of ink from which default_scale() chooses a scale, in pixels of the picture. For Dots::Both, the
+/// area is doubled, because the largest dots have about twice the mean area. A lower bound keeps the scale small if
+/// dots have little to draw.
 double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
     constexpr double kMean = 2, kMinShare = 0.1;
     return request.dots == Dots::Both ? std::max(kMean * ink, kMinShare * static_cast<double>(pixels)) : ink;
 }
 
-/// Returns the canvas. If the server chooses the size, the canvas has at most limits.max_pixels. A requested size is
-/// not reduced.
+/// Returns the canvas of the drawing. If the server chooses the size, the canvas has at most limits.max_pixels. Errors:
+/// LimitExceeded if the requested size of a drawing has more pixels.
 /// @param preferred_scale  scale of a canvas whose size the server chooses, unless it would have too many pixels
 Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& plan, double preferred_scale,
                            const Limits& limits) {
@@ -293,7 +289,7 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
                    option);
 }
 
-/// Returns the radius that the request gives, or that follows from the size of the drawing, in pixels of the picture.
+/// Returns the radius that the request gives or that follows from the size of the drawing, in pixels of the picture.
 /// Returns none if the radius follows from the number of dots.
 std::optional<double> requested_radius(const HalftoneRequest& request, const HalftonePlan& plan, double fineness) {
     if (has_screen_radius(request)) return screen_radius(plan.canvas, fineness);
@@ -313,13 +309,13 @@ Result<std::size_t> sites_of(const std::optional<std::size_t>& requested, double
 }
 
 /// Returns whether the number of dots is proportional to the area that dots should cover, without regard to overlaps.
-/// This includes runs without iterations, because the overlaps of their random sites are not known.
+/// Runs without iterations are included, because the overlaps of their random sites are not known.
 bool is_proportional(const HalftoneRequest& request) {
     return request.tone == Tone::Density || request.run.iterations == 0;
 }
 
-/// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number that a plotter
-/// draws in this time.
+/// Returns the maximum number of dots: the limit of the server or, with the option `minutes`, the number of dots that a
+/// plotter draws in the given time.
 Result<std::size_t> max_dots(const HalftoneRequest& request, const SeparatedPicture& picture, const Limits& limits,
                              Executor& executor) {
     if (!request.minutes) return limits.max_sites;
@@ -357,7 +353,7 @@ Result<void> settle_dots(const HalftoneRequest& request, HalftonePlan& plan, Sep
     DotRequest wanted{request.sites, plan.radius, request.detail};
     if (!plan.radius) wanted.sites = usual;
     if (plan.radius) wanted.radius = *plan.radius / side;
-    // The number of dots if no dots overlapped. Overlaps make it larger.
+    // Number of dots if none overlapped; overlaps make the number larger.
     const double fewest =
         plan.radius ? std::reduce(ink.begin(), ink.end()) / std::numbers::pi / *plan.radius / *plan.radius : 0;
     if (request.minutes && fewest > static_cast<double>(most)) wanted.sites = most;
@@ -395,8 +391,8 @@ TwoSidedPlan plan_sides(const HalftoneRequest& request, SeparatedPicture& pictur
 }
 
 /// Determines the grounds, and the number and sizes of dots on both sides of the tonal scale.
-/// @param minority  area that dots have to draw, in pixels of the picture. It is 0 if every part of the picture is
-///                  either bare paper or solid ink. The grounds then draw the picture, and there are no dots.
+/// @param minority  area that dots have to draw, in pixels of the picture. If every part of the picture is bare paper
+///                  or solid ink, the area is 0: the grounds draw the picture, and there are no dots.
 /// @param usual     number of sites to use unless the number follows from the radius
 Result<void> settle_two_sides(const HalftoneRequest& request, HalftonePlan& plan, SeparatedPicture& picture,
                               double minority, std::size_t usual, const Limits& limits, const Control& control) {

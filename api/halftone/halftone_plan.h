@@ -20,7 +20,7 @@ namespace ccdt::api {
 
 /// Number, size and density of the dots of each ink.
 struct HalftonePlan {
-    PictureSize picture;        ///< size of the drawn part, in pixels of the picture
+    PictureSize picture;        ///< size of the drawn part of the picture, in pixels of the file
     std::vector<double> cover;  ///< [inks] share of the picture that the dots of each ink should cover
     /// Radius of the dots, in pixels of the picture. None: chosen for `cover` when the dots are drawn.
     std::optional<double> radius;
@@ -28,13 +28,13 @@ struct HalftonePlan {
     /// is proportional to the wanted area regardless of overlaps.
     std::optional<double> tone;
     int samples = 0;                 ///< samples along each side of a pixel, as in DotOptions
-    std::vector<std::size_t> sites;  ///< [inks] number of dots; for dots on both sides [kinds]
-    std::vector<Density> densities;  ///< [inks] or [kinds] density of the dots; uniform if there are no dots
+    std::vector<std::size_t> sites;  ///< [inks] or, if `two_sides` is set, [kinds]: number of dots
+    std::vector<Density> densities;  ///< [inks] or [kinds]: density of the dots; uniform if there are no dots
     std::optional<PrintProof>
         proof;  ///< simulated print for polishing several inks together; none if the polish does not need it
     std::optional<TwoSidedPlan> two_sides;  ///< only for dots on both sides of the tonal scale
-    Canvas canvas;                          ///< canvas of the drawing
-    std::vector<Warning> warnings;          ///< about the request
+    Canvas canvas;
+    std::vector<Warning> warnings;
 
     /// Returns the size of the dots, for the answer; none if `tone` is none.
     std::optional<DotSize> size() const { return tone ? std::optional(DotSize{*radius, *tone}) : std::nullopt; }
@@ -48,15 +48,16 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
 
 /// Dots after placement. Kinds are those of TwoSidedPlan: the dots of a kind flip the same channels.
 struct PlacedDots {
-    std::vector<Distribution> inks;  ///< [inks]; for dots on both sides [kinds]
-    /// [kinds] Radii of dots on both sides, in pixels of the picture, and the grounds on which the dots lie; empty for
-    /// other dots. In `white`, the bit of a channel is set if the ground at the dot has no ink of this channel or, if
+    std::vector<Distribution> inks;  ///< [inks] or, for dots on both sides of the tonal scale, [kinds]
+    /// [kinds] For Dots::Both: the radii, in pixels of the picture, and the ground under each dot. Empty for other
+    /// dots. SizedDots::white has the bit of a channel if the ground under the dot has no ink of this channel or, if
     /// inks add, no light of it.
     std::vector<SizedDots> sized;
 };
 
 /// Distributes the dots of each ink or kind. Moves the densities out of the plan, and frees their memory at the end.
-/// Errors: those of distribute_inks(), as errors about the image; Stopped, unless the request accepts a partial result.
+/// Errors: those of distribute_inks(), with the field of the image; Stopped, unless the request accepts a partial
+/// result.
 Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan, const Control& control);
 
 }  // namespace ccdt::api

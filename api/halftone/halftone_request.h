@@ -39,14 +39,14 @@ enum class Dots {
 /// Request to /halftone, with its options.
 struct HalftoneRequest {
     ImageFile image;
-    std::string image_field;           ///< for Error::field; empty if the image is the body
+    std::string image_field;           ///< Error::field of errors about the image; empty unless the body is JSON
     std::optional<std::size_t> sites;  ///< none: chosen by the server
     std::optional<double>
         minutes;  ///< maximum drawing time of a plotter; limits the number of sites that the server chooses
     Options run;  ///< seed, iterations, passes, quality
     std::optional<double> scale;   ///< output pixels per input pixel; none: chosen by the server
-    std::optional<int> width;      ///< of the drawing, in pixels; excludes `scale`
-    std::optional<int> height;     ///< of the drawing, in pixels; excludes `scale`
+    std::optional<int> width;      ///< pixels of the drawing; cannot be combined with `scale`
+    std::optional<int> height;     ///< pixels of the drawing; cannot be combined with `scale`
     Fit fit = Fit::Contain;        ///< Cover requires width and height
     bool on_screen = false;        ///< whether the drawing is for a screen; its size then determines the number of dots
     std::optional<DotRadius> dot;  ///< none: chosen by the server
@@ -62,7 +62,7 @@ struct HalftoneRequest {
     DrawingOptions drawing;
     OnStop on_deadline = OnStop::Error;
 
-    /// Returns the field of errors about an option: its name or a JSON Pointer.
+    /// Returns Error::field for errors about an option: the option's name or a JSON Pointer.
     std::string field_of(std::string_view option) const;
 };
 

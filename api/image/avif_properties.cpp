@@ -35,7 +35,7 @@ std::vector<Chunk> all_properties(std::string_view container) {
     return all;
 }
 
-/// Returns the numbers of an item's properties; empty if the box does not list the item.
+/// Returns the numbers of an item's properties, from the data of an ipma box; empty if the box does not list the item.
 std::vector<std::uint32_t> numbers_of(std::string_view associations, std::uint32_t item) {
     const ByteReader reader(associations, true);
     const std::size_t item_size = reader.read(0, 1) == 0U ? 2 : 4;

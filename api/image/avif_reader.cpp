@@ -16,8 +16,7 @@ namespace {
 
 using Decoder = std::unique_ptr<avifDecoder, decltype(&avifDecoderDestroy)>;
 
-/// Creates a decoder of the primary item, because `header` describes this item. The frames of an animation may have
-/// another size.
+/// Creates a decoder of the primary item, which `header` describes. The frames of an animation may have another size.
 Decoder make_decoder(std::string_view bytes, const ImageHeader& header) {
     Decoder decoder(avifDecoderCreate(), avifDecoderDestroy);
     decoder->codecChoice = AVIF_CODEC_CHOICE_DAV1D;

@@ -11,14 +11,13 @@ namespace ccdt::api {
 /// Opens a BMP file: with or without a palette, run-length encoded or not, with colour fields of any width. Alpha is
 /// used only if the file defines a field for it and at least one pixel has an alpha other than 0.
 ///
-/// For a run-length encoded file, needs a byte of memory per pixel.
+/// A run-length encoded file needs one byte of memory per pixel.
 /// @param bytes  must outlive the row source
 /// Errors: Unusable for a broken or truncated file, and for a file that contains a JPEG or PNG.
 /// Source: Microsoft, Windows GDI, "Bitmap Storage" and BITMAPV5HEADER.
 ///
-/// Why not OpenImageIO: version 2.4 refuses many files that browsers show, or reads wrong colours. It refuses two bits
-/// per pixel, RLE4, absolute runs, headers of 64 bytes, and palettes of more than 256 colours. It ignores most bit
-/// fields, and takes the unused byte of 32 bits for alpha.
+/// Why not OpenImageIO: version 2.4 refuses 2 bits per pixel, RLE4, absolute runs, headers of 64 bytes, and palettes of
+/// more than 256 colours. It ignores most bit fields, and treats the unused byte of 32-bit pixels as alpha.
 Result<RowSource> open_bmp(std::string_view bytes);
 
 }  // namespace ccdt::api

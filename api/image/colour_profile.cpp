@@ -18,7 +18,7 @@ using Space = ColourConversion::Space;
 using Context = std::shared_ptr<std::remove_pointer_t<cmsContext>>;
 using Curve = std::unique_ptr<cmsToneCurve, decltype(&cmsFreeToneCurve)>;
 
-/// A profile or a transform. Must be destroyed before the library's context.
+/// A profile or a transform of Little CMS. Must be destroyed before the context of the library.
 using Handle = std::shared_ptr<void>;
 
 Context make_context() {
@@ -232,7 +232,7 @@ Handle make_profile(const Context& context, const ColourTags::CodePoints& code) 
     }
 }
 
-/// Reads the primaries of a file without a profile. The curve is the curve of the file format.
+/// Creates the conversion for a file that gives primaries but no profile. The curve remains that of the file format.
 std::optional<ColourConversion> read_primaries(const Context& context, const std::array<double, 8>& xy) {
     const cmsCIExyYTRIPLE primaries{{xy[2], xy[3], 1}, {xy[4], xy[5], 1}, {xy[6], xy[7], 1}};
     const Handle profile = make_rgb(context, {xy[0], xy[1], 1}, primaries, make_srgb_curve(context));

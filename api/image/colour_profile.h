@@ -11,10 +11,10 @@
 
 namespace ccdt::api {
 
-/// Converts a sample, given as a share of the full range, to linear light, 0 to 1.
+/// Function that converts a sample, given as a share of the full range, to linear light, 0 to 1.
 using ToneCurve = std::function<float(float share)>;
 
-/// Converts linear red, green and blue to the primaries of sRGB: [row][column]. Rows add up to 1, so white stays white.
+/// Matrix [row][column] that converts linear light to the primaries of sRGB. Rows add up to 1, so white stays white.
 using LightMatrix = std::array<std::array<float, 3>, 3>;
 
 /// Steps that convert samples to linear light with the primaries of sRGB: first the transform, then the curves, then
@@ -23,7 +23,7 @@ struct ColourConversion {
     enum class Space { Grey, Rgb, Inks };
 
     Space space = Space::Rgb;  ///< colour space of the samples
-    WordTransform transform;   ///< for transform_rows(); none: the samples are used as stored
+    WordTransform transform;   ///< argument of transform_rows(); none: the samples are used as stored
     /// One curve for grey, or three for red, green and blue. None: the curve of the file format.
     std::vector<ToneCurve> curves;
     std::optional<LightMatrix> matrix;  ///< none: the primaries are those of sRGB

@@ -121,7 +121,6 @@ ColourTags read_avif(std::string_view bytes) {
     return tags;
 }
 
-/// Removes the chunks of a given name from a PNG.
 std::string without_chunks(std::string_view bytes, std::string_view name) {
     std::string kept(bytes.substr(0, kPngChunks));
     kept.reserve(bytes.size());
@@ -131,16 +130,16 @@ std::string without_chunks(std::string_view bytes, std::string_view name) {
     return kept;
 }
 
-/// Returns a copy of a JPEG without the mark that identifies the segments of a profile: overwrites every occurrence of
-/// it. It is not sufficient to change the segments that read_jpeg() finds, because OpenImageIO may find others.
+/// Returns a copy of a JPEG in which every occurrence of the mark of profile segments is overwritten. Changing only the
+/// segments that read_jpeg() finds is not sufficient, because OpenImageIO may find others.
 std::string without_marks(std::string_view bytes, std::string_view mark) {
     std::string kept(bytes);
     for (std::size_t at = kept.find(mark); at != std::string::npos; at = kept.find(mark, at)) kept[at] = '-';
     return kept;
 }
 
-/// Removes the entries of a tag from a TIFF directory. The entries that follow move up, and so does the offset of the
-/// next directory, which is stored after them.
+/// Removes the entries of a tag from a TIFF directory. Moves later entries up, together with the offset of the next
+/// directory, which is stored after the entries.
 std::string without_entries(std::string_view bytes, std::uint32_t tag) {
     constexpr std::size_t kSize = TiffDirectory::kEntrySize;
     const TiffDirectory directory(bytes);

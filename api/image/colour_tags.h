@@ -23,7 +23,7 @@ struct ColourTags {
 
     std::string profile;                    ///< complete ICC profile; empty: none
     std::optional<CodePoints> code_points;  ///< take precedence over the profile
-    /// x, y of white, red, green, blue; used only if there is no profile.
+    /// Chromaticities x, y of white, red, green and blue; used only if there is no profile.
     std::optional<std::array<double, 8>> primaries;
 };
 
@@ -38,9 +38,8 @@ ColourTags read_colour_tags(std::string_view bytes, ImageFormat format);
 /// Returns whether a file may have a profile. Does not read the profile.
 bool may_have_profile(std::string_view bytes, ImageFormat format);
 
-/// Returns a copy of the file in which OpenImageIO finds no profile. OpenImageIO does not check profiles, so it must
-/// not read them. Returns an empty string if no copy is needed, because OpenImageIO finds no profile in the file
-/// itself.
+/// Returns a copy of the file in which OpenImageIO finds no profile, because OpenImageIO does not check profiles.
+/// Returns an empty string if OpenImageIO finds no profile in the file itself.
 std::string hide_profile(std::string_view bytes, ImageFormat format);
 
 }  // namespace ccdt::api

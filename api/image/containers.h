@@ -68,10 +68,10 @@ public:
 
     explicit TiffDirectory(std::string_view bytes);
 
-    /// Returns the first number of an entry of 16-bit or 32-bit integers; none if there is no such entry.
+    /// Returns the first 16-bit or 32-bit integer in the entry of a tag; none if there is no such entry.
     std::optional<std::uint32_t> number(std::uint32_t tag) const;
 
-    /// Returns the bytes of an entry of any type; none if the file ends too early.
+    /// Returns the bytes in the entry of a tag; none if there is no entry, or if the file ends too early.
     std::optional<std::string_view> data(std::uint32_t tag) const;
 
     bool has(std::uint32_t tag) const { return find(tag).has_value(); }

@@ -3,8 +3,8 @@
 
 namespace ccdt::api {
 
-/// Decodes a picture of one pixel in each format except GIF and BMP. So the decoders do their one-time work now, such
-/// as searching the disk for plugins.
+/// Decodes a picture of one pixel in each format except GIF and BMP. The decoders then have done their one-time work,
+/// such as searching the disk for plugins.
 void warm_up_decoder();
 
 }  // namespace ccdt::api

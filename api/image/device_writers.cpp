@@ -13,12 +13,12 @@
 namespace ccdt::api {
 namespace {
 
-/// Numbers as BMP files store them: the lowest byte first.
+/// Appends the lowest `size` bytes of a value, the lowest byte first.
 void append(std::string& bytes, std::size_t value, int size) {
     for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>(value >> (8 * i) & 0xff));
 }
 
-/// Appends a row of pixels, several to a byte, the leftmost in the highest bits.
+/// Appends a row of pixels, packed into bytes. The leftmost pixel is in the highest bits.
 void append_packed(std::string& bytes, std::span<const std::uint8_t> row, int bits) {
     const auto per_byte = static_cast<std::size_t>(8 / bits);
     for (std::size_t x = 0; x < row.size(); x += per_byte) {
@@ -37,7 +37,7 @@ char reversed(char byte, int bits) {
     return static_cast<char>(to);
 }
 
-/// Calls write(row) for each row of a range.
+/// Calls write(row) for each row in [begin, end). Errors: Stopped.
 template <class Write>
 Result<void> for_rows(const DevicePixels& pixels, int begin, int end, const std::stop_token& stop, const Write& write) {
     for (int y = begin; y < end; ++y) {

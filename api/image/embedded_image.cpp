@@ -39,7 +39,7 @@ Result<std::string> decode_base64(std::string_view text) {
     std::string bytes;
     bytes.reserve(text.size() / 4 * 3 + 2);
     std::uint32_t bits = 0;
-    int count = 0;  // number of pending bits, which are the lowest ones of `bits`
+    int count = 0;  // number of the lowest bits of `bits` that are not output yet
     for (std::size_t i = 0; i < text.size(); ++i) {
         const std::uint8_t digit = kDigits[static_cast<unsigned char>(text[i])];
         if (digit == kNoDigit) return not_base64("character " + std::to_string(i + 1) + " is not a base64 digit");

@@ -16,8 +16,7 @@ namespace ccdt::api {
 /// Errors: Malformed; the message gives the position of an invalid character.
 Result<std::string> decode_base64(std::string_view text);
 
-/// Reads an image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64. The media type of the URI is
-/// ignored.
+/// Reads an image file inside JSON: base64, or a `data:` URI (RFC 2397) in base64. The media type is ignored.
 /// Errors: Malformed for text that is neither; the errors of read_image_header() for the decoded file.
 Result<ImageFile> read_embedded_image(const Input& input, const Limits& limits);
 

@@ -15,15 +15,15 @@
 namespace ccdt::api {
 namespace {
 
-/// Share of the lost light that is added.
+/// Share of the lost light that is added back.
 constexpr float kShare = 0.5F;
 
-/// Weights in the linear interpolation of one of the four pixels that a pixel becomes: of the pixel itself, of each of
-/// two neighbours at its sides, and of one neighbour at a corner. kWeights is the sum of these four weights.
+/// Weights in the linear interpolation that turns a pixel into four: of the pixel itself, of each of two neighbours at
+/// its sides, and of one neighbour at a corner. kWeights is the sum of these four weights.
 constexpr int kOwn = 9, kSide = 3, kCorner = 1, kWeights = 16;
 
-/// Returns a table of the light of means of encoded values. The index is kWeights times the mean, which is the weighted
-/// sum of four encoded values.
+/// Returns a table of the light of each possible mean of encoded values. The index is the weighted sum of four encoded
+/// values, which is kWeights times their mean.
 const std::vector<float>& light_of_sums() {
     static const std::vector<float> lights = [] {
         std::vector<float> all(255 * kWeights + 1);

@@ -19,8 +19,8 @@ struct Close {
     void operator()(GifFileType* file) const { DGifCloseFile(file, nullptr); }
 };
 
-/// Gives the library the next bytes of the text to which UserData points. If a single byte is read past the end of the
-/// text, it is 0. This is the length of the empty block that ends a frame, which viewers do not require.
+/// Gives the library the next bytes of the text to which UserData points. At the end of the text, a read of one byte
+/// gives 0, the length of the empty block that ends a frame. Viewers do not require this block.
 int read_bytes(GifFileType* file, GifByteType* to, int size) {
     auto& left = *static_cast<std::string_view*>(file->UserData);
     if (left.empty() && size == 1) {

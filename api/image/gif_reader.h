@@ -10,10 +10,10 @@ namespace ccdt::api {
 
 /// Decodes the first frame of a GIF file by giflib. Parts of the picture that the frame does not cover are transparent.
 ///
-/// Needs a byte of memory per pixel.
+/// Needs one byte of memory per pixel.
 /// @param bytes  must outlive the row source
 /// Errors: Unusable for a broken or truncated file, for a file without a frame, and for a frame that extends beyond the
-/// picture. Only the empty block after the frame, and what follows it, may be missing.
+/// picture. The empty block after the frame and all data after this block may be missing.
 /// Source: GIF89a (CompuServe, 1990).
 ///
 /// Why not OpenImageIO: version 2.4 needs four times the memory, reads wrong colours where the palette is too short,

@@ -36,9 +36,9 @@ struct Size {
 /// Maps the pixels of the file's rows to the upright picture.
 struct Placement {
     Size size;                 ///< size of the upright picture
-    std::ptrdiff_t start = 0;  ///< index of the file's first pixel
-    std::ptrdiff_t right = 0;  ///< step from a pixel to the next one in the same row of the file
-    std::ptrdiff_t down = 0;   ///< step from a pixel to the pixel below it in the file
+    std::ptrdiff_t start = 0;  ///< index of the file's first pixel in the upright picture
+    std::ptrdiff_t right = 0;  ///< index step from a pixel to the next one in the same row of the file
+    std::ptrdiff_t down = 0;   ///< index step from a pixel to the pixel below it in the file
 };
 
 /// @param orientation  orientation of EXIF, 1 to 8; other values are treated as 1, upright
@@ -355,7 +355,7 @@ Result<PictureOf<AnyDraft>> read_means(const RowSource& source, const Encoding& 
     return draft.picture();
 }
 
-/// @param reduce  see Reading
+/// @param reduce  as Reading::reduce
 template <class AnyDraft, class Sample>
 Result<PictureOf<AnyDraft>> read_samples(const RowSource& source, const Encoding& encoding, int reduce,
                                          const NewPlane& make_plane) {
@@ -418,8 +418,7 @@ Result<PictureOf<AnyDraft>> read_file(std::string_view bytes, const ImageHeader&
     return read_picture<AnyDraft>(*source, conversion ? &*conversion : nullptr, reduce, make_plane);
 }
 
-/// Returns the mutex that lets one thread at a time use OpenImageIO's TIFF reader. The reader has known bugs with
-/// several threads.
+/// Returns the mutex of OpenImageIO's TIFF reader, which has known bugs with several threads.
 std::mutex& tiff_mutex() {
     static std::mutex mutex;
     return mutex;

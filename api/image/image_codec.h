@@ -40,7 +40,6 @@ std::shared_ptr<float[]> new_plane(std::size_t size);
 /// gives a gamma. Floats are linear. A broken profile is ignored. If a file has several pictures, the first one is
 /// read; in an AVIF, the primary item is read.
 ///
-/// @param make_plane  allocates the planes of the picture
 /// Errors: the errors of read_image_header(); Unusable for a broken or truncated file, and for kinds of TIFF and AVIF
 /// that are not supported. Only one thread at a time reads a TIFF; others wait.
 /// Needs little memory in addition to the picture, with two exceptions. Some files are decoded as a whole: WebP, GIF,

@@ -15,10 +15,10 @@ namespace {
 
 using std::uint64_t;
 
-constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< needed for any file
-constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< allocated by the library if samples must be converted
-constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< needed for the tables of a profile
-constexpr uint64_t kRowBytes = 48;                        ///< needed for the rows being read, per pixel of the width
+constexpr uint64_t kReaderBytes = uint64_t{16} << 20;     ///< bytes that decoding any file needs
+constexpr uint64_t kConvertedBytes = uint64_t{64} << 20;  ///< bytes that the library allocates to convert samples
+constexpr uint64_t kProfileBytes = uint64_t{32} << 20;    ///< bytes for the tables of a profile
+constexpr uint64_t kRowBytes = 48;                        ///< bytes for the rows being read, per pixel of the width
 
 /// Returns whether all chunks up to the last one are complete. OpenImageIO leaks memory if a chunk is incomplete.
 bool is_whole_png(std::string_view bytes) {
@@ -50,8 +50,7 @@ Result<ImageHeader> read_png(std::string_view bytes) {
 
 constexpr std::uint32_t kJpegEnd = 0xD9, kJpegScan = 0xDA;
 
-/// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the whole picture. Encoders write
-/// about ten scans. libtiff has the same limit.
+/// Maximum number of scans of a JPEG. A scan of a few bytes may cost a pass over the picture. Encoders write about ten.
 constexpr int kMaxScans = 100;
 
 /// Returns the offset of the marker after entropy-coded data. This marker begins with the first 0xFF that is not
@@ -259,12 +258,12 @@ uint64_t tiff_pages(std::string_view bytes) {
     return pages;
 }
 
-/// Returns the size in bytes of a GIF's colour table, from the byte that describes it.
+/// Returns the size in bytes of a GIF's colour table, from the byte of flags that describes the table.
 std::size_t gif_table(std::uint32_t packed) {
     return (packed & 0x80) == 0 ? 0 : std::size_t{3} << ((packed & 7) + 1);
 }
 
-/// Counts the frames of a GIF, as far as its blocks are complete.
+/// Counts the frames of a GIF up to the first incomplete block.
 uint64_t gif_frames(std::string_view bytes) {
     constexpr std::uint32_t kExtension = 0x21, kImage = 0x2C;
     constexpr std::size_t kScreen = 13, kDescriptor = 10;

@@ -22,7 +22,7 @@ struct ImageHeader {
     /// Peak memory in bytes that a reader needs to decode the picture, in addition to the file and the resulting
     /// planes.
     std::uint64_t decoder_bytes = 0;
-    bool is_ink_jpeg = false;  ///< whether it is a JPEG with four channels: cyan, magenta, yellow, black
+    bool is_ink_jpeg = false;  ///< whether the file is a JPEG with four channels: cyan, magenta, yellow, black
     std::uint64_t frames = 1;  ///< number of frames, or of pages of a TIFF; only one of them is read
 
     std::uint64_t pixels() const { return width * height; }

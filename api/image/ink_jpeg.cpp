@@ -43,7 +43,6 @@ public:
         return is_sound();
     }
 
-    /// Reads the next rows.
     bool read(int count, std::uint8_t* rows) {
         if (setjmp(errors_.place) != 0) return false;
         for (int i = 0; i < count; ++i) {

@@ -28,7 +28,7 @@ const char* plugin_name(ImageFormat format) {
         case ImageFormat::Gif:
         case ImageFormat::Bmp:
         case ImageFormat::Avif:
-            break;  // these have their own readers, see there; OpenImageIO's AVIF reader starts threads
+            break;  // these formats have their own readers; OpenImageIO's AVIF reader starts threads
     }
     return "";
 }
@@ -53,8 +53,7 @@ Result<void> check_spec(const OIIO::ImageSpec& spec, const ImageHeader& header) 
     return {};
 }
 
-/// Returns whether OpenImageIO flips the rows of a TIFF, whatever orientation the file states. It does so if it
-/// converts YCbCr.
+/// Returns whether OpenImageIO flips the rows of a TIFF regardless of its orientation, because it converts YCbCr.
 bool is_converted_ycbcr(const OIIO::ImageSpec& spec) {
     constexpr int kYCbCr = 6;
     constexpr int kJpeg = 7;

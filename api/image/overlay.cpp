@@ -35,7 +35,7 @@ public:
                 static_cast<std::uint8_t>(255 * (1 - bare) + 0.5F)};
     }
 
-    /// Returns the light where the inks of a set are printed on top of each other.
+    /// Returns the light of an area on which all inks of a set are printed. Bit i stands for ink i.
     Light light_of(std::size_t inks) const {
         std::array<float, kMaxInks> cover{};
         for (std::size_t ink = 0; ink < inks_.inks.size(); ++ink) cover[ink] = static_cast<float>(inks >> ink & 1);
@@ -43,11 +43,10 @@ public:
     }
 
 private:
-    /// Number of steps of light. It is large enough that results differ from to_srgb() by rounding only.
+    /// Number of steps of light, large enough that results differ from to_srgb() by rounding only.
     static constexpr std::size_t kSteps = 1 << 16;
 
-    /// Returns a table of the results of to_srgb(). It is computed only once, because this takes as long as encoding a
-    /// small picture.
+    /// Returns a table of the results of to_srgb(), which is computed once, because this takes some time.
     static const std::vector<std::uint8_t>& table() {
         static const std::vector<std::uint8_t> values = [] {
             std::vector<std::uint8_t> stored(kSteps);
@@ -149,9 +148,9 @@ public:
     float bare() const { return bare_; }
 
 private:
-    /// Adds all combinations of grounds with and without the inks from `ink` on.
+    /// Adds the light of all combinations of grounds with and without the inks from `ink` on.
     /// @param ground  inks before `ink` that the ground has, as bits
-    /// @param weight  share of the pixel that has such a ground
+    /// @param weight  share of the pixel that has exactly the ground `ground`
     void add_grounds(std::size_t ink, std::size_t ground, float weight) {
         if (ink == inks_) return add_parts(ground, weight);
         const unsigned share = ground_[ink];
@@ -159,8 +158,8 @@ private:
         if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
     }
 
-    /// Adds the parts of a pixel over one combination of grounds, which has the inks `there`: the part where no ink is
-    /// flipped, the part where only the first ink in order is flipped, the part where the first two are flipped, and so
+    /// Adds the light of the part of a pixel whose ground has exactly the inks `there`: of the area where no ink is
+    /// flipped, the area where only order_[0] is flipped, the area where order_[0] and order_[1] are flipped, and so
     /// on.
     void add_parts(std::size_t there, float weight) {
         unsigned upper = 255;

@@ -22,7 +22,7 @@ struct DotImage {
     bool grey = false;         ///< whether all colours are grey, so that files can store grey values
     /// Number of colours in the palette. 0: pixels are red, green, blue and, if transparent, alpha.
     std::size_t colours = 0;
-    Shades palette{};                  ///< colours by pixel value
+    Shades palette{};                  ///< colour of each pixel value
     std::vector<std::uint8_t> pixels;  ///< [width * height * channels()], row by row
 
     std::size_t channels() const { return colours > 0 ? 1 : transparent ? 4 : 3; }
@@ -42,14 +42,14 @@ struct DotImage {
 /// @param rasters    [inks], all of one size
 /// @param antialias  if false, the rasters contain only 0 and 255, and the picture has a palette of all mixtures of
 ///                   inks
-/// @param stop       polled from time to time, except for Cover; after a stop, the result is useless
-/// Same input, same bytes, on any executor.
+/// @param stop       not polled for Cover; after a stop, the result is incomplete
+/// The same input gives the same bytes on any executor.
 DotImage overlay(std::vector<Raster> rasters, const Palette& palette, bool antialias, const std::stop_token& stop = {},
                  Executor& executor = inline_executor());
 
-/// Combines antialiased dots of inks that multiply. Each dot flips some inks: where the ground has such an ink, the dot
-/// does not have it, and where the ground does not have it, the dot does. All inks that a dot flips share the rim of
-/// the dot. So the parts of a pixel in which inks are flipped are assumed to be nested.
+/// Combines antialiased dots of inks that multiply. Each dot flips some inks: it removes such an ink where the ground
+/// has the ink, and adds the ink elsewhere. All inks that a dot flips share the rim of the dot. So the areas of a pixel
+/// in which different inks are flipped are assumed to be nested.
 ///
 /// @param flipped  [inks] share of each pixel in which dots flip the ink
 /// @param grounds  [inks] share of each pixel in which the ground has the ink

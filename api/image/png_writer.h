@@ -18,8 +18,8 @@ namespace ccdt::api {
 /// state.
 ///
 /// @param width_mm  width of the picture; none: the file has no physical size
-/// @param stop      polled at each row
-/// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
+/// @param stop      polled once per row
+/// The same input gives the same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_png(const DotImage& image, std::optional<double> width_mm = {},
                               const std::stop_token& stop = {});
 

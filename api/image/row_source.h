@@ -9,12 +9,12 @@ namespace ccdt::api {
 
 /// Rows of a picture as its file stores them, and the meaning of their samples.
 struct RowSource {
-    enum class Sample { Byte, Word, Float };  ///< type of samples; 1.0 as Float corresponds to the largest integer
+    enum class Sample { Byte, Word, Float };  ///< type of samples; the float 1.0 corresponds to the largest integer
     enum class Curve { Srgb, Gamma, Linear };
 
     int width = 0;
     int height = 0;
-    int channels = 1;  ///< if at least three, the first three are red, green, blue; otherwise the first is grey
+    int channels = 1;  ///< if at least 3, the first three are red, green and blue; otherwise the first one is grey
     Sample sample = Sample::Byte;
     int alpha = -1;  ///< channel of alpha; -1: none
     bool premultiplied = false;
@@ -30,11 +30,10 @@ struct RowSource {
     std::function<bool(int begin, int end, void* rows)> read;
 };
 
-/// Converts the interleaved colours of pixels, 16 bits per channel, to another colour space.
+/// Function that converts the interleaved colours of pixels, 16 bits per channel, to another colour space.
 using WordTransform = std::function<void(const std::uint16_t* from, std::uint16_t* to, std::size_t pixels)>;
 
-/// Returns a source of the same rows with red, green and blue of 16 bits. Alpha is kept. The resulting colours are not
-/// premultiplied.
+/// Returns a source of the same rows with 16-bit red, green and blue, not premultiplied. Alpha is kept.
 /// @param transform  converts to red, green and blue: from red, green and blue, or from inks if the source has inks
 RowSource transform_rows(RowSource source, WordTransform transform);
 

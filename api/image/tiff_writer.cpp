@@ -20,7 +20,6 @@ namespace {
 
 constexpr double kMillimetresPerInch = 25.4;
 
-/// A file in memory.
 struct MemoryFile {
     std::string bytes;
     std::size_t place = 0;

@@ -16,8 +16,7 @@ inline constexpr int kMaxWebPSide = 16'383;  ///< pixels
 /// ignored.
 ///
 /// @param image  each side at most kMaxWebPSide
-/// @param stop   polled from time to time
-/// Same input, same bytes. Errors: Stopped; Internal if memory runs out.
+/// The same input gives the same bytes. Errors: Stopped; Internal if memory runs out.
 Result<std::string> write_webp(const DotImage& image, std::optional<double> width_mm = {},
                                const std::stop_token& stop = {});
 

@@ -26,15 +26,14 @@ inline constexpr Colour kWhite = {255, 255, 255};
 /// Writes a colour as `#rrggbb`; a transparent colour as `#000000`.
 std::string hexadecimal(const Colour& colour);
 
-/// Reads `#rgb` or `#rrggbb`.
-/// Errors: Malformed.
+/// Reads `#rgb` or `#rrggbb`. Errors: Malformed.
 Result<Colour> read_colour(const Input& input);
 
 /// Reads `min` to `max` different colours: text with commas between them, or a JSON array of strings.
-/// Errors: Malformed. The field of an error in an array is that of the element.
+/// Errors: Malformed. For an array, Error::field is a JSON Pointer to the faulty element.
 Result<std::vector<Colour>> read_colours(const Input& input, std::size_t min, std::size_t max);
 
-/// Reads `#rgb`, `#rrggbb` or `transparent`.
+/// Reads `#rgb`, `#rrggbb` or `transparent`. Errors: Malformed.
 Result<Colour> read_colour_or_none(const Input& input);
 
 }  // namespace ccdt::api

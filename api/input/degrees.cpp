@@ -23,8 +23,8 @@ std::optional<std::string> warning_of_degrees(const Box& bounds) {
     if (bounds.min.x < -180 || bounds.max.x > 180 || south < -90 || north > 90) return std::nullopt;
     const double nearest = south <= 0 && north >= 0 ? 0 : std::min(std::abs(south), std::abs(north));
     const double farthest = std::max(std::abs(south), std::abs(north));
-    // A degree of longitude is shorter at the latitude `farthest` than at `nearest`, by this factor. So a square
-    // kilometre at `farthest` has this many times as many points.
+    // A degree of longitude is shorter at the latitude `farthest` than at `nearest`, by this factor. The number of
+    // points per square kilometre is larger by the same factor.
     const double ratio = cosine(nearest) / std::max(cosine(farthest), cosine(nearest) / kMaxRatio);
     if (ratio < kMinRatio) return std::nullopt;
     std::string text =

@@ -11,7 +11,7 @@ namespace ccdt::api {
 struct Rectangle {
     double width = 0;
     double height = 0;
-    bool periodic = false;  ///< whether it is a torus, whose opposite sides are joined
+    bool periodic = false;  ///< whether the domain is a torus, whose opposite sides are joined
 };
 
 /// Reads the member `domain`: `{"type":"rectangle"|"torus","width":w,"height":h}`.

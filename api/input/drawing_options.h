@@ -40,7 +40,7 @@ struct DrawingOptions {
     Plotter plotter = {};
     Layers layers = Layers::Ink;
 
-    /// Whether the drawing is made of pen strokes. A pen can only add ink to the paper.
+    /// Whether the drawing is made of pen strokes, which can only add ink to the paper.
     bool is_stroked() const { return style != DotStyle::Fill; }
 
     /// Whether the drawing depends on `pen_mm`.

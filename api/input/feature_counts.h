@@ -57,7 +57,6 @@ struct FeatureCounts {
 
     /// Returns the sum of a feature's counts over all classes.
     std::size_t points_of(std::size_t feature) const;
-    /// Returns the sum of all counts.
     std::size_t total() const;
 };
 

@@ -76,8 +76,7 @@ private:
         names_.push_back(name);
     }
 
-    /// Finds the number of a property. If points carry all properties, numbers a new property. Returns none if points
-    /// do not carry the property.
+    /// Finds the number of a property, or adds the property if points carry all properties. Returns none otherwise.
     std::optional<std::uint32_t> number_of(std::string_view name) {
         const std::string key(name);
         if (const auto found = numbers_.find(key); found != numbers_.end()) return found->second;

@@ -80,7 +80,7 @@ struct FeatureList {
 };
 
 /// Finds the properties of a feature; none if they are missing or null.
-/// @param pointer  to the feature
+/// @param pointer  JSON Pointer to the feature
 /// Errors: Malformed if they are neither an object nor null.
 Result<std::optional<JsonValue>> properties_of(JsonValue feature, const std::string& pointer);
 

@@ -22,7 +22,7 @@ constexpr MethodOptions kIterative = {
 constexpr MethodOptions kNone = {
     .iterations = false, .passes = false, .quality = false, .tolerance = false, .fixed = false};
 
-/// Estimates the computation, on a grid, of the areas that belong to fixed points.
+/// Estimates the cost of computing, on a grid, the areas that belong to fixed points.
 Estimate fixed_areas_cost(const Options& options) {
     if (options.fixed.empty()) return {};
     constexpr double kCellsOfEach = 16, kMaxCells = 4'194'304, kBytes = 40, kTime = 0.6 * kMicrosecond;
@@ -31,7 +31,7 @@ Estimate fixed_areas_cost(const Options& options) {
     return {cells * kBytes, cells * kTime};
 }
 
-/// Estimates the triangulation, the passes and the polish.
+/// Estimates the cost of the triangulation, the passes and the polish.
 Estimate ccdt_cost(const Options& options, bool is_uniform) {
     const auto sites = static_cast<double>(options.sites + options.fixed.size());
     const bool polished = options.quality != Quality::Draft && options.iterations > 0;

@@ -13,7 +13,7 @@
 
 namespace ccdt::api {
 
-/// A set of options, out of those that only some methods support. A member is true if its option is in the set.
+/// A subset of the options that only some methods support. A member is true if its option is in the subset.
 struct MethodOptions {
     bool iterations;
     bool passes;

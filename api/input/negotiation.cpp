@@ -29,7 +29,7 @@ struct MediaRange {
     }
 };
 
-/// Splits off the text before the first separator that is outside quotes.
+/// Removes from `rest` the text up to the first separator outside quotes. Returns this text without the separator.
 std::string_view take_item(std::string_view& rest, char separator) {
     bool quoted = false;
     std::size_t i = 0;

@@ -35,15 +35,13 @@ Result<const Row*> read_format(const Input& input, std::span<const Row* const> o
 
 /// Chooses the format that a client prefers according to its Accept header (RFC 9110, 12.5.1).
 ///
-/// @param offered  formats in the server's order of preference, which decides between formats that the client
-///                 likes equally
+/// @param offered  formats in the server's order of preference, which decides between formats of equal quality value
 /// @returns        index of the format; 0 if the header is missing, empty or has no valid media range
 /// If several media ranges match a format, the most specific one counts. Parameters of media types are not compared.
 /// Errors: NotAcceptable if the client accepts none of the formats; the message lists the media types.
 Result<std::size_t> negotiate(std::string_view accept, std::span<const FileFormat* const> offered);
 
-/// Chooses the format of an answer from an endpoint's table: the format that the option `format` names, or else one by
-/// the Accept header.
+/// Chooses the format of an answer from an endpoint's table, by the option `format` or else by the Accept header.
 ///
 /// @param offered  rows with a member `file`, in the server's order of preference
 /// @param format   in: the format that the option `format` names, or null if the option was not given; out: the chosen

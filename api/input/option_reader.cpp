@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kMaxMembers = 64;
 constexpr std::size_t kMaxExcerpt = 64;
 
-/// Maximum number of errors reported in addition to the first one. Each of them may list all possible values.
+/// Maximum number of errors reported in addition to the first one. Each message may list all possible values.
 constexpr std::size_t kMaxOthers = 9;
 
 std::optional<std::uint64_t> integer_of(const Input& input) {

@@ -21,11 +21,11 @@ namespace ccdt::api {
 /// A value of a request: the text of a query parameter or form field, or a JSON value.
 struct Input {
     std::string name;   ///< name of the value in messages
-    std::string field;  ///< for Error::field: the name of an option given as text, otherwise a JSON Pointer
+    std::string field;  ///< value of Error::field: the name of an option given as text, otherwise a JSON Pointer
     std::variant<std::string_view, JsonValue> value;
 };
 
-/// The largest integer n for which doubles, and thus JSON numbers, represent both n and n + 1.
+/// Largest integer n for which doubles, and thus JSON numbers, represent both n and n + 1 exactly.
 inline constexpr std::uint64_t kMaxInteger = (std::uint64_t{1} << 53) - 1;
 
 /// Range of finite numbers that an option may take.
@@ -38,8 +38,8 @@ struct Interval {
 /// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
-/// Reads a number. The input must be a JSON number, or a text that consists of one number. Nothing is rounded. Errors:
-/// Malformed with the input's field; the message states the allowed values.
+/// Reads a number. The input must be a JSON number, or a text that consists of one number. Fractions are not rounded to
+/// integers. Errors: Malformed; the message states the allowed values.
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);
 
@@ -56,7 +56,7 @@ Result<std::string_view> read_text(const Input& input);
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 
 /// Reads one of the given words.
-/// @returns  its index
+/// @returns  index of the word
 Result<std::size_t> read_word(const Input& input, std::span<const std::string_view> words);
 
 /// A word that an option accepts, and its value.
@@ -67,7 +67,7 @@ struct Choice {
 };
 
 /// Reads one of the given words.
-/// @returns  its value
+/// @returns  value of the word
 template <class T>
 Result<T> read_choice(const Input& input, std::span<const Choice<T>> choices) {
     std::vector<std::string_view> words;
@@ -87,7 +87,7 @@ tl::unexpected<Error> malformed(const Input& input, std::string_view what);
 /// @param pointer  JSON Pointer to the part
 Error error_below(Error error, std::string_view pointer);
 
-/// Shortens text from a client to its first few dozen bytes, for use in messages.
+/// Shortens text from a client to its first 64 bytes, for use in messages.
 std::string excerpt(std::string_view text);
 
 /// Lists options that are given as text. The inputs refer to memory of the options.
@@ -95,7 +95,7 @@ std::vector<Input> inputs_of(const std::vector<TextOption>& options);
 
 /// Lists the members of a JSON object.
 /// @param pointer  JSON Pointer to the object; empty for the whole body
-/// Errors: Malformed for a value that is not an object, and for an object with far more members than there are options.
+/// Errors: Malformed for a value that is not an object, and for an object with more than 64 members.
 Result<std::vector<Input>> inputs_of(JsonValue object, std::string_view pointer);
 
 /// Collects the errors in a request, so that one answer reports all of them.
@@ -115,7 +115,7 @@ private:
     std::optional<Error> first_;
 };
 
-/// A rule that reads an option into a target.
+/// Name of an option, and the function that reads the option into a target.
 template <class Target>
 struct OptionRule {
     std::string_view name;

@@ -10,13 +10,13 @@ namespace ccdt::api {
 /// Ways to fit a picture into a drawing whose width and height are both given.
 enum class Fit {
     Contain,  ///< the whole picture is drawn, as large as fits into both sides
-    Cover,    ///< the middle of the picture is drawn, with exactly these sides
+    Cover,    ///< the middle of the picture is drawn and fills the drawing
 };
 
 /// Reads `contain` or `cover`. Errors: Malformed.
 Result<Fit> read_fit(const Input& input);
 
-/// Reads the length of a side of a drawing, in pixels. Errors: Malformed.
+/// Reads the length of a side of a drawing, 1 to 65,535 pixels. Errors: Malformed.
 Result<int> read_side(const Input& input);
 
 /// Reads a list of two or three numbers: black point, white point, and optionally gamma. Errors: Malformed.

@@ -53,7 +53,6 @@ Result<Ring> read_positions(const Input& input, Ordinates ordinates) {
     return ring;
 }
 
-/// Reads each element of an array.
 template <class T, class Read>
 Result<std::vector<T>> read_each(const Input& input, std::string_view expected, Read read) {
     const JsonValue list = json_of(input);

@@ -12,9 +12,9 @@
 
 namespace ccdt::api {
 
-/// Polygons of a request, and their locations in it.
+/// Polygons of a request, and their locations in the request.
 struct PolygonInput {
-    /// Nesting of positions in the request: the JSON Pointer to a vertex or, in TopoJSON, to a ring.
+    /// Nesting of arrays in the request, which gives the JSON Pointer to a vertex or, in TopoJSON, to a ring.
     enum class Nesting {
         Members,             ///< /polygon/vertex and /holes/ring/vertex
         Rings,               ///< .../part/vertex
@@ -26,7 +26,7 @@ struct PolygonInput {
 
     static constexpr std::size_t kMaxCorners = 1'000'000;
 
-    /// Location of the parts of one geometry: the parts from `first_part` up to the first part of the next source.
+    /// Location of one geometry. Its parts are those from `first_part` up to the first part of the next source.
     struct Source {
         std::size_t first_part = 0;
         Nesting nesting = Nesting::Members;
@@ -60,7 +60,7 @@ Result<Ring> read_ring(const Input& input);
 /// Reads a list of rings.
 Result<std::vector<Ring>> read_rings(const Input& input);
 
-/// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, and requests do not.
+/// Returns whether a value is GeoJSON: GeoJSON objects have a member `type`, which no request has.
 bool is_geojson(JsonValue value);
 
 /// Reads GeoJSON (RFC 7946): a Polygon, a MultiPolygon, a Feature with one of these, or a GeometryCollection or
@@ -69,7 +69,7 @@ bool is_geojson(JsonValue value);
 /// Errors: Malformed, with a JSON Pointer to the faulty value; Unusable if there is no polygon.
 Result<PolygonInput> read_geometry(const Input& input);
 
-/// Reads areas: a list of rings, each of which is a part, or GeoJSON as in read_geometry(). The result may have no
+/// Reads areas: a list of rings, each of which becomes a part, or GeoJSON as in read_geometry(). The result may have no
 /// parts. Errors: those of read_geometry().
 Result<PolygonInput> read_areas(const Input& input);
 

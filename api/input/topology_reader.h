@@ -15,8 +15,7 @@ bool is_topology(JsonValue value);
 
 /// Finds an object of a TopoJSON document by name.
 /// @param name  none: the document must have exactly one object
-/// Errors: Malformed if no object has that name, or if there are several objects and no name is given. The message
-/// lists the names of the objects.
+/// Errors: Malformed unless exactly one object matches; the message lists the names of the objects.
 Result<Input> find_object(const Input& topology, const std::optional<std::string>& name);
 
 /// Reads an object of a TopoJSON document: a Polygon, a MultiPolygon, or a GeometryCollection of these. The geometries

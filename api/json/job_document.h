@@ -14,7 +14,7 @@ struct JobDocument {
     double progress = 0;  ///< 0 to 1
     int iteration = 0;
     std::optional<double> variation;
-    std::string created;  ///< this and the times below are in RFC 3339 format
+    std::string created;  ///< time in RFC 3339 format, like `started` and `finished`
     std::optional<std::string> started;
     std::optional<std::string> finished;
     std::string error;  ///< a problem document in JSON; empty: no error

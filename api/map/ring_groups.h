@@ -18,7 +18,7 @@ namespace ccdt::api {
 ///
 /// If the bounding box of a hole lies in the bounding box of only one outer ring, the hole is assigned to this ring
 /// without further tests. O(corners + rings * sqrt(outer rings)) if rings are small compared to the shape. If the boxes
-/// of several outer rings contain the box of a hole, each of these rings that is tested costs O(its corners) more.
+/// of several outer rings contain the box of a hole, each test of such a ring takes O(its corners) in addition.
 /// Source: ESRI Shapefile Technical Description, 1998, page 8.
 std::vector<std::vector<std::size_t>> group_rings(std::span<const Ring> rings);
 

@@ -33,8 +33,8 @@ struct OpenFile {
     std::size_t position = 0;
 };
 
-/// Files that open_file() may open, by their extensions; null except while a shapefile is being opened. This is a
-/// thread-local variable, because the library passes only a name to open_file().
+/// Files that open_file() may open, by their extensions; null except while a shapefile is being opened. The variable is
+/// thread-local, because the library passes only a name to open_file().
 thread_local const ShapefileParts* files_to_open = nullptr;
 
 OpenFile& file_of(SAFile file) {
@@ -99,7 +99,7 @@ using Table = std::unique_ptr<DBFInfo, CloseTable>;
 /// A shapefile that the library has open.
 struct OpenShapefile {
     Shapes shapes;
-    Table table;  ///< null: no table
+    Table table;  ///< null: the shapefile has no table of properties
 };
 
 OpenShapefile open_parts(const ShapefileParts& parts) {
@@ -113,10 +113,10 @@ OpenShapefile open_parts(const ShapefileParts& parts) {
 /// Field of the table of properties.
 struct Field {
     std::string name;  ///< name of the field, as a JSON string
-    char type = 'C';   ///< type in the file
+    char type = 'C';   ///< letter of the type in the .dbf file
 };
 
-/// Converts the texts of the table from their encoding.
+/// Converts the texts of the table from their encoding to UTF-8.
 class Texts {
 public:
     explicit Texts(const char* name) : name_(name == nullptr ? "" : name), page_(find_code_page(name_)) {}
@@ -138,7 +138,7 @@ private:
     std::optional<CodePage> page_;
 };
 
-/// Properties of the records.
+/// Properties of the records, in the .dbf file.
 class Properties {
 public:
     static Result<Properties> create(Table table, std::string_view dbf, std::size_t records) {

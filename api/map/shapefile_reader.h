@@ -11,7 +11,7 @@
 
 namespace ccdt::api {
 
-/// First bytes of a zip archive that is not empty.
+/// First bytes of each zip archive that is not empty.
 inline constexpr std::string_view kZipSignature = "PK\x03\x04";
 
 /// Receives the next piece of a text.

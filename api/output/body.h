@@ -14,8 +14,7 @@
 
 namespace ccdt::api {
 
-/// Receives in pieces an answer whose body is too large to be kept in memory. After one of the functions has returned
-/// an error, no function is called again.
+/// Receives an answer with a large body in pieces. After a function has returned an error, no function is called again.
 class BodySink {
 public:
     virtual ~BodySink() = default;
@@ -48,13 +47,14 @@ public:
     /// Returns the text to which a writer appends. The writer must call flush() from time to time.
     std::string& text() { return text_; }
 
-    /// Reserves memory for a body of `bytes` bytes. If there is a sink, reserves only what is in memory at once.
+    /// Reserves memory for a body of `bytes` bytes or, with a sink, for the part of it that is in memory at once.
     void expect(std::size_t bytes);
 
     /// Sets the time in which a plotter draws the answer. Must be called before the first piece is passed on.
     void set_plot_seconds(double seconds) { plot_seconds_ = seconds; }
 
-    /// Passes the text written so far to the sink, if there is a sink and the text is long enough.
+    /// Passes the text written so far to the sink, if there is one and the text has at least kMaxInMemory bytes or,
+    /// after the first piece, at least kPiece bytes.
     /// @returns  false if the sink failed, so that further writing has no effect
     bool flush();
 

@@ -20,7 +20,7 @@
 
 namespace ccdt::api {
 
-/// Writer of points as numbers. A stop ends the output early and makes it useless.
+/// Writer of points as numbers. After a stop, the output is incomplete.
 struct ListWriter {
     /// Whether the same points always give the same bytes. False if the output contains the computing time.
     bool repeats;
@@ -60,7 +60,7 @@ struct RasterWriter {
 /// a function does not compile.
 struct PointFormat {
     FileFormat file;
-    std::size_t least;   ///< minimum number of bytes of a site in the output
+    std::size_t least;   ///< minimum number of bytes that a site takes in the output
     Estimate per_site;   ///< cost of writing a site
     Estimate per_pixel;  ///< cost of writing a pixel, in addition to the cost of the raster
     std::variant<ListWriter, VectorWriter, RasterWriter> writer;

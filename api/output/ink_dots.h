@@ -30,7 +30,7 @@ struct TwoSidedDots {
 /// Dots of an ink, of a kind, or of a class of a dot map, as writers receive them. All objects to which this object
 /// refers must outlive it.
 struct InkDots {
-    const Ink& ink;  ///< has the name of the class; the name is empty if answers do not name it
+    const Ink& ink;  ///< name and colour of the ink, kind or class; the name is empty if answers do not name it
     const Distribution& dots;
     double radius = 0;                        ///< radius of each dot, in the units of the points; used only by drawings
     const TwoSidedDots* two_sides = nullptr;  ///< null: all dots are ink, of one size

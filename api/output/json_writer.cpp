@@ -140,8 +140,7 @@ void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (report.pitch_m) append_member(out, "pitch_m", *report.pitch_m);
 }
 
-/// Appends members about the run that placed the points. If there are several layers, reports the largest values of all
-/// layers.
+/// Appends members about the run that placed the points. Reports the largest values of all layers.
 void append_run(std::string& out, const PointSet& points, const Report& report) {
     append_order(out, points.size(), report);
     std::uint64_t iterations = 0;
@@ -174,7 +173,7 @@ double rounded_to_microseconds(double milliseconds) {
     return std::round(milliseconds * 1000) / 1000;
 }
 
-/// Appends members about the whole answer.
+/// Appends the computing time and, for halftones, the size of the picture and of the dots.
 void append_report(std::string& out, const Report& report) {
     append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
     if (!report.picture) return;
@@ -300,7 +299,7 @@ void write_column(Body& body, std::string_view name, const PointSet& points, App
     out += ']';
 }
 
-/// Counts the points of each class in each feature [classes][features].
+/// Returns the number of points of each class in each feature, as [classes][features].
 std::vector<std::vector<std::uint64_t>> counts_of(const PointSet& points) {
     std::vector<std::vector<std::uint64_t>> counts;
     for (const InkDots& layer : points.layers) {

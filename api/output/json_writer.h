@@ -55,22 +55,22 @@ std::string write_warnings(std::span<const Warning> warnings);
 /// feature. Each point has the index of its feature, and the index of its class if classes have names. The answer has a
 /// list of features, with the number of points, the id, and the carried properties of each feature.
 ///
-/// Numbers have the fewest digits that read back to the same double. Same input, same bytes. Takes about 0.1
-/// microseconds per number. A stop ends the output early and makes it useless. Like all writers of JSON, this function
-/// throws std::domain_error for a number that is not finite, which would be a bug in this project.
+/// Numbers have the fewest digits that read back to the same double. The same input gives the same bytes. Takes about
+/// 0.1 microseconds per number. After a stop, the output is incomplete. Like all writers of JSON, this function throws
+/// std::domain_error for a number that is not finite, which would be a bug in this project.
 void write_json(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points that are not grouped
 /// by features must have a single layer; they are written as a Feature whose geometry is a MultiPoint. Grouped points
 /// are written as a FeatureCollection. In this collection, the points of one class in one feature of the request are a
-/// Feature with a MultiPoint. This Feature has the id and the carried properties of the request's feature. A stop ends
-/// the output early and makes it useless.
+/// Feature with a MultiPoint. This Feature has the id and the carried properties of the request's feature. After a
+/// stop, the output is incomplete.
 void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in
 /// members of the collection. If points are grouped, each Feature has the carried properties as its properties, and in
-/// addition `feature`, the index of the feature in the request, and `feature_id` if that feature has an id. A stop ends
-/// the output early and makes it useless.
+/// addition `feature`, the index of the feature in the request, and `feature_id` if that feature has an id. After a
+/// stop, the output is incomplete.
 void write_point_features(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes only the Features of write_point_features(), one per line.
@@ -79,7 +79,7 @@ void write_point_lines(const PointSet& points, const Report& report, Body& body,
 /// Writes the lines of write_point_lines() as a sequence of JSON texts (RFC 8142), each after a record separator.
 void write_point_sequence(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
-/// Writes the JSON answer of /analyze, with the spectrum if it was requested. Same input, same bytes.
+/// Writes the JSON answer of /analyze, with the spectrum if it was requested. The same input gives the same bytes.
 std::string write_analysis(const Analysis& analysis, bool with_spectrum);
 
 }  // namespace ccdt::api

@@ -10,7 +10,7 @@ namespace ccdt::api {
 
 /// Page of a drawing. A box in the plane of the points is mapped to the whole page.
 struct Page {
-    Box box;                ///< in the units of the points; its sides are valid for a Domain
+    Box box;                ///< in the units of the points; its sides are positive and finite
     bool y_up = false;      ///< whether the points' y axis points up; on the page, it always points down
     bool periodic = false;  ///< whether the box is a torus
     Canvas canvas;          ///< size in pixels, and pixels per unit of the points

@@ -17,7 +17,7 @@ namespace ccdt::api {
 ///
 /// @param page       must have a width in millimetres
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer
-/// @param stop       once stopped, writing ends early and the output is useless
+/// @param stop       once stopped, writing ends early and the output is incomplete
 /// Throws std::bad_alloc if memory runs out.
 void write_pdf(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop, const std::stop_token& stop);

@@ -14,7 +14,7 @@ namespace ccdt::api {
 /// removed from names. An ink whose name is its colour gets the name of the nearest common colour. Equal labels are
 /// distinguished by letters.
 ///
-/// @returns  [inks]; valid UTF-8 if the names are
+/// @returns  [inks]; valid UTF-8 if the names of the inks are
 std::vector<std::string> pen_labels(std::span<const Ink> inks);
 
 }  // namespace ccdt::api

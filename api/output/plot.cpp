@@ -78,10 +78,9 @@ double length(std::span<const Point> stroke) {
     return sum;
 }
 
-/// Estimates the time in which a plotter draws a number of dots, by the model of dots_in().
+/// Estimates the seconds in which a plotter draws a number of dots, by the model of dots_in().
 double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
-    constexpr double kOverlaps =
-        1.2;  // typical sum of the areas of all dots, divided by the area that they cover together
+    constexpr double kOverlaps = 1.2;  // typical total area of dots, divided by the area that they cover together
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);
     const double each = radius.value_or(fitting);
     if (drawing.has_turns() && each > kMaxTurns * drawing.pen_mm) return std::numeric_limits<double>::infinity();

@@ -35,7 +35,7 @@ struct Pen {
     std::vector<PenRun> runs;
 };
 
-/// All strokes of a drawing, independent of the file format. SVG, PDF and the formats of plotters are written from it.
+/// All strokes of a drawing, independent of the file format (SVG, PDF and the formats of plotters).
 struct Plot {
     const Page& page;
     DotStyle style;
@@ -86,7 +86,7 @@ Result<void> check_sides(const Page& page, const std::string& field);
 /// Plans the strokes of dots. Each layer has a pen. The dots of a layer are one run or, if they are grouped by
 /// features, one run for each feature. `page` and `points` must outlive the plot.
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer
-/// @param stop       once stopped, runs are missing and the plot is useless
+/// @param stop       once stopped, planning ends early and runs are missing
 Plot plot_of(const PointSet& points, const Page& page, const DrawingOptions& drawing, const std::stop_token& path_stop,
              const std::stop_token& stop = {});
 

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Base of the writers. Appends text, and converts points to coordinates with the y axis pointing up.
+/// Base class of the writers. Appends text, and converts points to coordinates with the y axis pointing up.
 class PlotterFile {
 public:
     PlotterFile(const Plot& plot, Body& body, const std::stop_token& stop)
@@ -33,8 +33,7 @@ protected:
 private:
     void append(std::string_view words) { body_.text() += words; }
 
-    /// Appends a length in millimetres with four decimals. This is enough, since machines have a resolution of about a
-    /// hundredth of a millimetre.
+    /// Appends a length in millimetres with four decimals. Machines have a resolution of about 0.01 mm.
     void append(double length) { append_fixed(body_.text(), length, 4); }
 
     void append(long long whole) { body_.text() += std::to_string(whole); }
@@ -143,13 +142,13 @@ private:
         write(command, " X", p.x, " Y", p.y);
     }
 
-    double feed_;  ///< mm per minute
+    double feed_;  ///< speed of the pen, mm per minute
     std::string down_;
     std::string up_;
     bool is_feed_told_ = false;
 };
 
-/// Returns the index of the nearest colour in AutoCAD's palette. Colour 7 is black on a white ground.
+/// Returns the index of the nearest colour in AutoCAD's palette. Index 7 is black on a white background.
 int index_of(const Colour& colour) {
     constexpr std::array<Colour, 9> kIndexed = {{{255, 0, 0},
                                                  {255, 255, 0},

@@ -23,7 +23,7 @@ namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kChunk = 10'000;  // dots between two checks of the stop token; libxml2 reads paths of up to 10 MB
-constexpr std::size_t kTypicalDotBytes = 64;  // typical bytes of a dot
+constexpr std::size_t kTypicalDotBytes = 64;  // typical number of bytes of a dot
 constexpr int kDigits = 6;                    // significant digits of a coordinate at the longer side of a page
 constexpr int kMaxDecimals = 300;
 
@@ -149,7 +149,6 @@ public:
             centres, [&](std::size_t) { return pen.radius; }, pen.colour, stop);
     }
 
-    /// Defines a clip path.
     void define_clip(std::string_view id, std::string_view data) {
         write(R"(<clipPath id=")", id, R"("><path clip-rule="evenodd" d=")", data, "\"/></clipPath>\n");
     }
@@ -222,7 +221,7 @@ private:
 
     private:
         DotDocument& document_;
-        double touch_;  ///< length of a touch
+        double touch_;  ///< length of the stroke that stands for a touch of the pen
         const std::stop_token& stop_;
         std::size_t points_ = 0;  ///< number of points in the open path
         bool is_touch_ = false;
@@ -387,8 +386,8 @@ void draw_two_sides(const PointSet& kinds, const Palette& palette, const Page& p
 }
 
 /// Draws dots on both sides of the tonal scale. The ground is a layer, and the dots of each kind are a layer. A dot has
-/// the colour of a set of inks: those of its ground, except that the inks of its kind are flipped. A dot that the
-/// boundary of a ground crosses is drawn once for each ground that may lie under it, clipped to that ground.
+/// the colour of the inks of its ground, after the inks of its kind have been flipped. A dot that the boundary of a
+/// ground crosses is drawn once for each combination of grounds under it, clipped to these grounds.
 class KindLayers {
 public:
     KindLayers(const PointSet& kinds, const Palette& palette, const Page& page, Body& body,
@@ -487,7 +486,7 @@ private:
     PageMapping place_;
     std::stop_token path_stop_, stop_;
     std::vector<std::string> curves_;  ///< [channels] path data of black ground
-    std::string border_;               ///< path data of the page
+    std::string border_;               ///< path data of the border of the page
 };
 
 }  // namespace

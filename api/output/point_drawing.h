@@ -28,10 +28,10 @@ bool fits(const Canvas& canvas, std::size_t max_pixels);
 double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 
 /// Writes dots as SVG. If the page has a width in millimetres, user units are millimetres; otherwise they are the
-/// units of the points. The origin is the upper left corner of the page. The dots of each group are ordered along
-/// a short path. The element `desc` gives the length of this path, and the length in the original order. If dots have
-/// ranks, their circles have the attribute `data-rank`. The paper is drawn as a shape only if dots are discs. In
-/// drawings for pens, a pen would draw this shape, too.
+/// units of the points. The origin is the upper left corner of the page. Unless `page.along_path` is false, the dots of
+/// each group are ordered along a short path. The element `desc` gives the length of this path, and the length in the
+/// original order. If dots have ranks, their circles have the attribute `data-rank`. The paper is drawn as a shape only
+/// if dots are discs, because a pen would draw this shape, too.
 ///
 /// Layers with names are layers as Inkscape and programs for plotters understand them, so that pens can be changed
 /// between layers. The ids of layers are `layer1`, `layer2` and so on. The labels of layers have no digits, because
@@ -45,10 +45,9 @@ double fitting_scale(const Box& box, double wished, std::size_t max_pixels);
 /// kind.
 ///
 /// @param points     the radius of dots must be at most a small multiple of the page's longer side
-/// @param palette    the palette of the inks
 /// @param path_stop  once stopped, the search for short paths ends early, so paths are longer; output begins after the
 ///                   search
-/// @param stop       once stopped, writing ends early and the output is useless
+/// @param stop       once stopped, writing ends early and the output is incomplete
 void write_svg(const PointSet& points, const Palette& palette, const Page& page, const DrawingOptions& drawing,
                Body& body, const std::stop_token& path_stop = {}, const std::stop_token& stop = {});
 
@@ -56,7 +55,7 @@ void write_svg(const PointSet& points, const Palette& palette, const Page& page,
 /// tiles.
 ///
 /// @param radius  radius of the dots, in the units of the points; at most a small multiple of the page's longer side
-/// @param stop    once stopped, drawing ends early and the result is useless
+/// @param stop    once stopped, drawing ends early and dots are missing
 Raster draw_points(std::span<const Point> points, const Page& page, double radius, const std::stop_token& stop = {});
 
 }  // namespace ccdt::api

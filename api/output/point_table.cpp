@@ -32,7 +32,6 @@ void write_lines(Body& body, std::span<const Point> points, std::span<const std:
     }
 }
 
-/// Writes the header of an NPY file.
 void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
     static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
     constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);

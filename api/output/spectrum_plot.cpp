@@ -29,7 +29,7 @@ constexpr std::string_view kReference = R"(stroke="#888" stroke-dasharray="5 4")
 constexpr std::string_view kCurve = R"(fill="none" stroke="#1f5fa8" stroke-width="1.5" stroke-linejoin="round")";
 
 constexpr double kMaxShown = 2500;  // maximum number of points that are drawn; more points would look like a grey area
-constexpr double kWhitest = 3;      // smallest power that is drawn white
+constexpr double kWhitest = 3;      // smallest power that is drawn white, relative to white noise
 
 std::string decimal(double value) {
     char digits[32];
@@ -78,7 +78,6 @@ struct Chart {
     }
 };
 
-/// Calls `draw(value)` for each tick.
 template <class Draw>
 void for_each_tick(const Axis& axis, Draw draw) {
     const auto first = static_cast<long>(std::ceil(axis.min / axis.step - 1e-9));

@@ -18,7 +18,7 @@ namespace ccdt::api {
 ///                       are drawn
 /// @param domain         domain that was analysed
 /// @param max_frequency  last frequency on the frequency axes
-/// Same input, same bytes. Errors: Internal if memory runs out.
+/// The same input gives the same bytes. Errors: Internal if memory runs out.
 Result<std::string> plot_spectrum(const Analysis& analysis, std::span<const Point> points, const Domain& domain,
                                   double max_frequency);
 

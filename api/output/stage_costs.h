@@ -21,26 +21,24 @@ Cost total_cost(const Estimate& estimate);
 /// Bytes per pixel of a decoded grey picture: luminance, alpha, coverage and a vertically flipped copy, 4 bytes each.
 inline constexpr double kGreyPlanes = 16;
 
-/// Estimates the decoding of an image.
+/// Estimates the cost of decoding an image.
 /// @param planes  memory of all planes that are made from the image, in bytes per pixel
 Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 
-/// Estimates the computation of the integrals of a density grid.
-/// @param cells  number of cells of the grid
+/// Estimates the cost of computing the integrals of a density grid.
 Estimate density_cost(double cells);
 
-/// Estimates the drawing of dots as pixels.
-/// @param radius  radius of the dots, in pixels, however large; none: chosen for a mean coverage
+/// Estimates the cost of drawing dots as pixels.
+/// @param radius  radius of the dots in pixels, may exceed the picture; none: chosen for a mean coverage
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias);
 
-/// Estimates the writing of the circles or spirals that fill dots.
+/// Estimates the cost of writing the circles or spirals that fill dots.
 /// @param radius  radius of the dots, in millimetres
 Estimate turns_cost(const PointFormat& format, const DrawingOptions& drawing, double sites, double radius);
 
-/// Estimates the writing of a drawing. If dots are shapes, a raster determines their radius, and is freed before the
-/// shapes are written. If the drawing consists of pixels, the raster is kept until they are written.
+/// Estimates the cost of writing a drawing. If dots are shapes, a raster determines their radius, and is freed before
+/// the shapes are written. If the drawing consists of pixels, the raster is kept until they are written.
 /// @param raster  result of raster_cost()
-/// @param pixels  number of pixels of the drawing
 Estimate drawing_cost(const PointFormat& format, const Estimate& raster, double sites, double pixels);
 
 /// Returns the number of bytes of an image file that a request holds in memory in addition to its body; 0 if the file

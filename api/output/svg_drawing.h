@@ -11,8 +11,8 @@ namespace ccdt::api {
 
 enum class Anchor { Start, Middle, End };
 
-/// Builder of an SVG document. Lengths are in user units; y points down. Coordinates are written with two decimals.
-/// Same calls, same bytes.
+/// Builder of an SVG document. Lengths are in user units; y points down. Coordinates are written with two decimals. The
+/// same calls give the same bytes.
 class SvgDrawing {
 public:
     /// Begins a document with a white background.

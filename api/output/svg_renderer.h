@@ -12,11 +12,10 @@ namespace ccdt::api {
 /// and not by a client.
 ///
 /// @param scale  pixels per user unit
-/// Same input, same bytes, with the same fonts installed. Errors: Internal if the text is not SVG or memory runs out.
+/// The same input gives the same bytes with the same fonts. Errors: Internal if the text is not SVG or memory runs out.
 ///
-/// Why librsvg, although /analyze also answers SVG: clients may request the plot as PNG. Without this function, the
-/// container image would not be smaller: OpenImageIO needs OpenCV and FFmpeg, which need librsvg, Pango, cairo and the
-/// font anyway.
+/// Why librsvg: clients may request the plot of /analyze as PNG. The container image would not be smaller without
+/// librsvg, because OpenImageIO needs OpenCV and FFmpeg, which need librsvg, Pango, cairo and the font.
 Result<std::string> render_svg(std::string_view svg, double scale);
 
 }  // namespace ccdt::api

@@ -14,7 +14,7 @@ enum class OnStop { Error, Partial };
 /// Checks that no stop was requested. Errors: Stopped.
 Result<void> check_stop(const std::stop_token& stop);
 
-/// Checks that a distribution is complete, or that a partial one is accepted. Errors: Stopped.
+/// Checks that a distribution is complete, or that partial results are accepted. Errors: Stopped.
 Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
 
 /// Returns the token that stops the writing of an answer. If partial results are accepted, the token never stops,

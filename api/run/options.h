@@ -35,14 +35,14 @@ struct Timings {
     double optimise = 0;   ///< distribution or analysis of points
     double encode = 0;     ///< writing of the answer
     double processor = 0;  ///< processor time of all threads, without decoding; set by the caller that runs the threads
-    /// Maximum number of threads that worked at the same time; set by the same caller. 0: nothing was computed.
+    /// Maximum number of simultaneous threads, set by the caller that runs them. 0: nothing was computed.
     std::uint32_t threads = 0;
 };
 
 /// Size of the dots of a halftone, for clients that draw the dots.
 struct DotSize {
     double radius = 0;  ///< pixels of the picture
-    double tone = 1;    ///< area that the dots cover over the area that they should cover
+    double tone = 1;    ///< area that the dots cover, divided by the area that they should cover
 };
 
 /// Answer to a request, as sent to the client.
@@ -55,7 +55,7 @@ struct Answer {
     std::size_t pixels = 0;     ///< number of pixels that were decoded
     std::string repaired = {};  ///< repairs of polygons, as JSON; empty if there are none or the body lists them
     std::string warnings = {};  ///< warnings about the request, as JSON; empty if there are none or the body lists them
-    bool partial = false;       ///< whether the run was stopped early, as the request allows
+    bool partial = false;       ///< whether the run was stopped early and the result is partial
     bool repeats = true;        ///< whether the same request always gets the same bytes
     std::optional<DotSize> dots = {};         ///< size of the dots of a halftone
     std::optional<double> plot_seconds = {};  ///< estimated time in which a plotter draws the answer

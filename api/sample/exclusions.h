@@ -28,21 +28,19 @@ struct Exclusions {
 
 /// Computes the areas that the options `avoid` and `exclude` subtract.
 /// @param box     bounding box of the domain, over which the excluded picture is stretched
-/// @param decode  decodes the excluded picture
-/// @param stop    polled from time to time
 /// Errors: Unusable for avoided areas that cannot be repaired, or that need a repair although the request rejects
 /// invalid polygons; LimitExceeded for a picture whose outline has more than kMaxExcludedCorners corners; those of
 /// `decode`; Stopped. Fields are JSON Pointers.
 Result<Exclusions> find_exclusions(const SampleRequest& request, const Box& box, const Limits& limits,
                                    const Decode& decode, const std::stop_token& stop);
 
-/// Subtracts exclusions from a domain, or from the area of a feature. The bounding box stays the same.
+/// Subtracts exclusions from a domain, or from the area of a feature. The result keeps the bounding box of `domain`.
 /// Errors: Unusable if the remaining domain is empty; Stopped. Fields are JSON Pointers.
 Result<Domain> without(const Domain& domain, const Exclusions& exclusions, const SampleRequest& request,
                        const std::stop_token& stop);
 
-/// Erodes a domain in the plane by the buffer of a request. The bounding box stays the same.
-/// Errors: Unusable if the remaining domain is empty; Stopped. The field is that of the option `buffer`.
+/// Erodes a domain in the plane by the buffer of a request. The result keeps the bounding box of `domain`.
+/// Errors: Unusable if the remaining domain is empty; Stopped.
 Result<Domain> without_buffer(const Domain& domain, const SampleRequest& request, const std::stop_token& stop);
 
 }  // namespace ccdt::api

@@ -17,8 +17,8 @@
 namespace ccdt::api {
 namespace {
 
-/// Returns the order to establish before writing. A path in a drawing of shapes is not included, because the writers of
-/// shapes find paths themselves.
+/// Returns the order to establish before writing: the requested order, except for paths in drawings of shapes, whose
+/// writers find the paths.
 PointOrder order_of(const SampleRequest& request) {
     const PointOrder order = request.output.order.value_or(PointOrder::None);
     const bool is_vector = std::holds_alternative<VectorWriter>(request.output.format->writer);

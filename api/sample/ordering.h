@@ -8,11 +8,9 @@
 
 namespace ccdt::api {
 
-/// Puts points into the order that a request asks for. Points that are grouped by features stay grouped. A path is
-/// found for each group separately. A progressive order is computed for all points, and also gives them ranks; the
-/// points of each group are sorted by rank. Does nothing for a path in SVG, PDF and other drawings of shapes, whose
-/// writers find the path themselves.
-/// @param whole  domain of the points
+/// Puts points into the order that a request asks for. Points that are grouped by features stay grouped: each group has
+/// its own path. A progressive order is computed for all points together; it gives each point a rank, and the points of
+/// each group are sorted by rank. Does nothing for paths in drawings of shapes, whose writers find the paths.
 /// Errors: Stopped, unless the request accepts partial results. After a stop, the order is arbitrary.
 Result<void> order_points(const SampleRequest& request, const Domain& whole, ClassDots& dots, const Control& control);
 

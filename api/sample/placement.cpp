@@ -25,8 +25,6 @@ PlacedPoints single_class(Distribution points, std::optional<double> pitch) {
     return placed;
 }
 
-// Each of the following functions places points in one kind of area.
-
 Result<PlacedPoints> place_in_plane(const SampleRequest& request, const SampleArea& area, const Density& density,
                                     const Control& control) {
     return request.method->run(area.whole, density, request.run, control).map([](Distribution&& points) {

@@ -14,13 +14,12 @@
 
 namespace ccdt::api {
 
-/// Placed points.
 struct PlacedPoints {
-    /// [classes] of a dot map; for other requests, one element with all points. If the request has features, points are
-    /// grouped by them.
+    /// For a dot map, [classes]; for other requests, one element with all points. If the request has features, points
+    /// are grouped by feature.
     std::vector<ClassDots> classes;
     std::optional<double> pitch;  ///< only on the globe: square root of the area per point, in metres
-    /// Indices into SampleArea::features: features of which the buffer on the globe leaves no area.
+    /// Indices into SampleArea::features of the features that the buffer removes completely; only on the globe.
     std::vector<std::uint32_t> lost = {};
 };
 

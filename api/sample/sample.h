@@ -14,17 +14,15 @@ namespace ccdt::api {
 /// points of each class are distributed in each feature. A feature without area gets no points; if its count is not 0,
 /// the answer has a warning.
 ///
-/// @param decode   decodes a density image or an excluded picture
-/// @param control  a stop ends the run within a pass; there is no result unless the request accepts a partial one
-/// @param timings  receives the times of the completed stages
+/// @param control  a requested stop ends the run within one pass over the points
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
 /// Errors: Unusable if the domain has no area, or none after exclusions and buffer; Unusable for an invalid polygon if
 /// the request rejects invalid polygons; Unusable if the density is zero everywhere in the domain or, in a dot map, in
 /// a feature that has points; those of `decode`; LimitExceeded if a drawing would have more than limits.max_pixels;
-/// Stopped. Error::field is a JSON Pointer or an option's name. Same request, same bytes, except for `elapsed_ms` in
-/// JSON.
+/// Stopped, unless the request accepts a partial result. Error::field is a JSON Pointer or an option's name. The same
+/// request gives the same bytes, except for `elapsed_ms` in JSON.
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings, BodySink* sink = nullptr);
 

@@ -20,9 +20,9 @@ std::string points(std::size_t count) {
     return std::to_string(count) + (count == 1 ? " point" : " points");
 }
 
-/// Leaves out the points of a feature, and adds a warning if there are any. Errors: `error` if the request rejects
-/// invalid polygons.
-/// @param error  the reason; its field is a JSON Pointer
+/// Adds a warning that the points of a feature are left out, if the feature should have points. Errors: `error` if the
+/// request rejects invalid polygons and the feature should have points.
+/// @param error  reason for leaving out the points; its field is a JSON Pointer
 Result<void> omit_points(const SampleRequest& request, std::size_t feature, const Error& error,
                          std::vector<Warning>& warnings) {
     const std::size_t count = request.counts->points_of(feature);
@@ -72,8 +72,8 @@ private:
         }
     }
 
-    /// Converts a field of an error or repair of Domain::repair() to a JSON Pointer in the request. In such a field,
-    /// parts are counted within the feature.
+    /// Converts the field of an error or repair of Domain::repair() to a JSON Pointer in the request. Such a field
+    /// numbers the parts within the feature.
     std::string locate(std::size_t feature, const std::string& field) const {
         if (field.empty()) return features_.locate(feature);
         const std::size_t slash = field.find('/', 1);

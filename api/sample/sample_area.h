@@ -30,19 +30,18 @@ struct SampleArea {
 
 /// Builds the area of a request. In the plane, the area is also eroded by the buffer.
 ///
-/// @param decode  decodes the excluded picture
 /// Errors: those of run_sample() about the domain. If a feature of a dot map is invalid, the error's field is a JSON
 /// Pointer to the feature.
 Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits, const Decode& decode,
                              const std::stop_token& stop);
 
-/// Adds a warning for each feature of a dot map that lost its points because exclusions or the buffer leave no area of
-/// it.
+/// Adds a warning for each feature of a dot map that gets no points because exclusions or the buffer remove its whole
+/// area.
 /// @param lost  indices into area.features
-/// Errors: Unusable if the request rejects invalid polygons.
+/// Errors: Unusable if the request rejects invalid polygons and such a feature should have points.
 Result<void> warn_of_lost(const SampleRequest& request, std::span<const std::uint32_t> lost, SampleArea& area);
 
-/// Returns the parts of a feature of a request. On the globe, the parts are made continuous by unrolled().
+/// Returns the parts of a feature of a request. On the globe, unrolled() makes the longitudes of each part continuous.
 /// Errors: those of unrolled().
 Result<std::vector<PolygonPart>> parts_of(const SampleRequest& request, std::size_t feature);
 

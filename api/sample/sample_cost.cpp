@@ -18,15 +18,15 @@
 namespace ccdt::api {
 namespace {
 
-/// Estimates the validation of a polygon.
+/// Estimates the cost of validating a polygon.
 Estimate domain_cost(std::size_t corner_count) {
     constexpr double kBytes = 420, kPieceBytes = 160;
     constexpr double kTime = 2.5 * kMicrosecond;
     if (corner_count == 0) return {};
     const auto corners = static_cast<double>(corner_count);
-    // It is not known yet how many edges cross. In the worst case, each edge crosses all others, but few polygons are
-    // like that, so the time is limited. The limit is just large enough that a polygon that may have many crossings is
-    // not treated as a short request.
+    // The number of crossings of edges is not known yet. The worst case, in which each edge crosses all others, is
+    // rare, so the time is limited. The limit is just large enough that a polygon that may have many crossings does not
+    // count as a short request.
     constexpr double kPieceTime = 6 * kMicrosecond, kMaxTime = 25'000 * kMicrosecond;
     const double pieces = std::min(2 * corners * corners, static_cast<double>(max_pieces(corner_count)));
     return {corners * kBytes + pieces * kPieceBytes, corners * kTime + std::min(pieces * kPieceTime, kMaxTime)};
@@ -37,7 +37,6 @@ std::size_t corners_of(const std::variant<PolygonInput, Rectangle>& domain) {
     return polygon == nullptr ? 0 : polygon->corner_count();
 }
 
-/// Estimates the erosion of a domain by the buffer.
 Estimate buffer_cost(double corners) {
     constexpr double kBytes = 3'000, kTime = 100 * kMicrosecond;
     return {corners * kBytes, corners * kTime};
@@ -49,7 +48,7 @@ std::size_t dark_corners(const SampleRequest& request) {
     return request.region.exclude ? std::min(kMaxExcludedCorners, 4 * request.region.exclude->header.pixels()) : 0;
 }
 
-/// Estimates the creation of the domain: validating the polygons, validating the avoided areas, and subtracting the
+/// Estimates the cost of creating the domain: validating the polygons and the avoided areas, and subtracting the
 /// exclusions.
 Estimate domain_cost(const SampleRequest& request) {
     const std::size_t corners = corners_of(request.region.domain), avoided = request.region.avoid.corner_count();
@@ -60,7 +59,7 @@ Estimate domain_cost(const SampleRequest& request) {
     return request.region.buffer > 0 ? then(seen, buffer_cost(static_cast<double>(corners + avoided + dark))) : seen;
 }
 
-/// Estimates the projection of a region onto the charts of the globe, and the densities on the charts.
+/// Estimates the cost of projecting a region onto the charts of the globe, and of the densities on the charts.
 Estimate charts_cost(const SampleRequest& request) {
     if (!request.region.is_on_globe()) return {};
     constexpr double kCells = 1'024 * 1'024, kCellsOfDensity = 2'048 * 2'048, kTime = 0.2 * kMicrosecond;
@@ -72,8 +71,8 @@ Estimate charts_cost(const SampleRequest& request) {
            density_cost(cells) + Estimate{cells * sizeof(double), cells * kTime};
 }
 
-/// Estimates the subtraction of exclusions from each feature of a dot map. With a buffer, each feature is intersected
-/// with an area that has the corners of all features.
+/// Estimates the cost of subtracting exclusions from each feature of a dot map. With a buffer, each feature is
+/// intersected with an area that has the corners of all features.
 Estimate exclusions_cost(const SampleRequest& request) {
     if (!request.region.has_exclusions()) return {};
     constexpr double kFeature = 60 * kMicrosecond, kCornerSeen = 0.01 * kMicrosecond, kBytes = 420;
@@ -83,13 +82,13 @@ Estimate exclusions_cost(const SampleRequest& request) {
     return {corners * kBytes, features * (kFeature + corners * kCornerSeen)};
 }
 
-/// Estimates the computation of the areas that fixed points take in the features.
+/// Estimates the cost of computing the areas that fixed points take in the features.
 Estimate fixed_areas_cost(const SampleRequest& request) {
     constexpr double kFeature = 900 * kMicrosecond;
     return {0, kFeature * static_cast<double>(std::min(request.run.fixed.size(), request.counts->features()))};
 }
 
-/// Estimates the areas of the features of a dot map, and the steps that keep dots inside their features.
+/// Estimates the cost of computing the areas of the features of a dot map, and of keeping dots inside their features.
 Estimate dot_map_cost(const SampleRequest& request) {
     if (!request.counts) return {};
     constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{600, 2.5 * kMicrosecond};
@@ -101,7 +100,7 @@ Estimate dot_map_cost(const SampleRequest& request) {
            kDot * static_cast<double>(request.run.sites);
 }
 
-/// Estimates the search for the feature of each point, and the sorting of points by feature.
+/// Estimates the cost of finding the feature of each point, and of sorting points by feature.
 Estimate features_cost(const SampleRequest& request) {
     if (!request.features || request.counts) return {};
     constexpr Estimate kFeature{4'096, 25 * kMicrosecond}, kCorner{300, 0.5 * kMicrosecond};
@@ -111,8 +110,8 @@ Estimate features_cost(const SampleRequest& request) {
            kCorner * static_cast<double>(corners) + kSite * static_cast<double>(request.run.sites);
 }
 
-/// Estimates the removal of long waves in a polygon, on the polygon's mesh. Returns an empty estimate for dot maps,
-/// since dot_map_cost() includes this step.
+/// Estimates the cost of removing long waves in a polygon, on the mesh of the polygon. Returns an empty estimate for
+/// dot maps, because dot_map_cost() includes this step.
 Estimate long_waves_cost(const SampleRequest& request) {
     const Options& run = request.run;
     const bool is_polygon = std::holds_alternative<PolygonInput>(request.region.domain) && !request.counts;
@@ -145,8 +144,8 @@ double drawn_pixels(const SampleRequest& request, const Box& box, const Limits& 
     return std::min({chosen, kMaxCanvasPixels, most});
 }
 
-/// Estimates the ordering of points by the option `order`. Without this option, drawings of shapes have a path, which
-/// the estimate of writing includes.
+/// Estimates the cost of ordering points by the option `order`. The estimate does not include the path that drawings of
+/// shapes have without this option; writing_cost() includes it.
 Estimate ordering_cost(const SampleRequest& request) {
     constexpr Estimate kPath{500, 3.5 * kMicrosecond}, kProgressive{290, 6 * kMicrosecond};
     const PointOrder order = request.output.order.value_or(PointOrder::None);
@@ -214,7 +213,7 @@ Cost cost_of_parsing(std::string_view body) {
     const double values = 1 + count(',') + count(':') + count('[') + count('{');
     const double quotes = count('"');
     const auto size = static_cast<double>(body.size());
-    // Rings of TopoJSON may use the same arcs many times.
+    // Rings of TopoJSON may use the same arcs many times, so a short body can have many corners.
     const double corners = body.find("\"Topology\"") == std::string_view::npos ? 0 : PolygonInput::kMaxCorners;
     return total_cost({corners * 2 * sizeof(Point) + size * 2 +
                            std::min(values, static_cast<double>(JsonDocument::kMaxValues)) * 64 + quotes / 2 * 96,

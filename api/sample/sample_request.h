@@ -30,7 +30,7 @@ struct DensityGrid {
 };
 
 /// Picture of densities, stretched over the bounding box of the domain. The first row is at the largest y. Dark pixels
-/// are dense.
+/// have high densities.
 struct DensityImage {
     ImageFile file;
 };
@@ -48,12 +48,12 @@ enum class OnInvalid { Repair, Reject };
 struct SampleRegion {
     std::variant<PolygonInput, Rectangle> domain;
     PolygonInput avoid{
-        {}, {}};  ///< subtracted from the domain, which must then not be a torus; no parts: nothing is subtracted
+        {}, {}};  ///< areas to subtract from the domain, which must not be a torus; no parts: nothing is subtracted
     /// Picture that is stretched over the bounding box of the domain. Its dark area is subtracted.
     std::optional<ImageFile> exclude;
     double buffer = 0;  ///< minimum distance of points from the border: in units of the domain, or in metres for LonLat
     OnInvalid on_invalid = OnInvalid::Repair;
-    Coordinates coordinates = Coordinates::Plane;  ///< LonLat only with polygons
+    Coordinates coordinates = Coordinates::Plane;  ///< LonLat requires polygons
 
     bool is_on_globe() const { return coordinates == Coordinates::LonLat; }
 
@@ -74,7 +74,7 @@ struct SampleOutput {
 struct SampleRequest {
     std::optional<ThresholdMask> threshold_mask;  ///< if set, the request is for this mask instead of points
     SampleRegion region;
-    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< none: uniform
+    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< std::monostate: uniform
     Options run;
     const Method* method = &methods().front();
     OnStop on_deadline = OnStop::Error;
@@ -83,7 +83,7 @@ struct SampleRequest {
     SampleOutput output;
     bool is_document = false;  ///< whether the body is GeoJSON or TopoJSON; options are then given as text
 
-    /// Returns the field of errors about an option: its name or a JSON Pointer.
+    /// Returns Error::field for errors about an option: the option's name or a JSON Pointer.
     std::string field_of(std::string_view option) const {
         return is_document ? std::string(option) : pointer_below("", option);
     }

@@ -35,7 +35,7 @@ Palette palette_of(const SampleRequest& request) {
     return palette;
 }
 
-/// Returns the distance of neighbouring dots in a square grid, in units of the domain.
+/// Returns the distance that neighbouring sites would have in a square grid, in units of the domain.
 double pitch_of(const Domain& domain, std::size_t sites) {
     return std::sqrt(domain.area() / static_cast<double>(sites));
 }

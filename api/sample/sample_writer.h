@@ -28,9 +28,8 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const 
 /// Writes the points of a sample in the requested format.
 ///
 /// @param whole  domain of the points; of a dot map, the union of all features
-/// @param page   page, for drawings
-/// @param dots   [classes] of a dot map; otherwise one element with all points. If the request has features, the points
-///               are grouped by them.
+/// @param dots   for a dot map, [classes]; otherwise one element with all points. If the request has features, the
+///               points are grouped by feature.
 /// Errors: those of the format's writer; Stopped.
 Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
                           std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);

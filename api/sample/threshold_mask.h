@@ -31,17 +31,18 @@ inline constexpr int kMaxMaskSide = 1'024;
 /// Request to /sample for a threshold mask.
 struct ThresholdMask {
     const MaskFormat* format;
-    Rectangle torus = {};  ///< its sides are the size in pixels
+    Rectangle torus = {};  ///< its sides are the width and the height of the mask in pixels
     std::uint64_t seed = 0;
 };
 
 /// Checks that the domain of a mask is a torus whose sides are integers within the limits.
 /// @param domain        domain of the request; null if it is a polygon
 /// @param format_field  field of the option `format`, for errors
-/// Errors: Malformed, with a JSON Pointer.
+/// Errors: Malformed.
 Result<void> check_mask(const Rectangle* domain, const std::string& format_field);
 
-/// Answers a request for a mask. Errors: Stopped; Internal if memory runs out. Same request, same bytes.
+/// Computes a mask and encodes it as PNG. Errors: Stopped; Internal if memory runs out. The same request gives the same
+/// bytes.
 Result<Answer> run_mask(const ThresholdMask& mask, const Control& control, Timings& timings);
 
 /// Estimates the cost of run_mask().
