@@ -9,7 +9,8 @@
 
 namespace ccdt::server {
 
-/// A limit for the memory of all requests together. Amounts are estimates made in advance; nothing is measured.
+/// A limit for the memory of all requests together. Callers reserve estimated amounts in advance; real use is not
+/// measured.
 ///
 /// Thread-safe; must outlive its leases.
 class MemoryBudget {
