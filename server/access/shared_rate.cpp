@@ -8,7 +8,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Prefix of the keys. The number is the version of the stored layout.
+/// Prefix of the Redis keys. The number is the version of the stored layout.
 constexpr std::string_view kPrefix = "ccdt:1:rate:";
 
 /// Script that applies the rules of RateLimiter by the clock of Redis. The key of a bucket expires once the bucket is
