@@ -44,9 +44,7 @@ WorkerPool::WorkerPool(std::size_t workers, std::size_t capacity, std::size_t me
     : worker_count_(workers), capacity_(capacity), memory_(memory) {
     assert(workers >= 1);
     memory_.on_release([this] {
-        {
-            const std::lock_guard lock(mutex_);
-        }  // otherwise, a worker that is about to wait would miss the notification
+        { const std::lock_guard lock(mutex_); }  // otherwise a worker about to wait would miss the notification
         job_waits_.notify_all();
     });
     workers_.reserve(workers + 1);
