@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// An HttpServer on a free port, which serves in a separate thread until `stop` or the destructor is called.
+/// An HttpServer on a free port. It serves in a separate thread until `stop` or the destructor is called.
 class RunningServer {
 public:
     RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger);
