@@ -25,7 +25,7 @@ test("the document is valid, and has no unused components", async () => {
 });
 
 /**
- * Returns the types of the API made by openapi-typescript; binary data is a Blob, and members with defaults are
+ * Returns the types that openapi-typescript generates for the API. Binary data is a Blob, and members with defaults are
  * optional.
  */
 async function generatedTypes() {
