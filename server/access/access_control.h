@@ -53,8 +53,7 @@ public:
 
     /// @param key_file  file of the API keys; empty: no key is needed
     /// @param rate      limit for each key or address
-    /// @param shared    Redis in which several servers share the counts; must outlive this object; null: counts are
-    ///                  local
+    /// @param shared    Redis in which servers share the counts; must outlive this object; null: counts are local
     AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,
                   SigningKeys signing = {})
         : key_file_(std::move(key_file)), signing_(std::move(signing)), limiter_(rate) {

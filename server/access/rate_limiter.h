@@ -12,8 +12,7 @@ namespace ccdt::server {
 
 /// A token bucket for each client. A request takes one token; tokens are refilled at a constant rate.
 ///
-/// Stores the buckets of the `max_clients` clients with the most recent requests. Other clients start with a full
-/// bucket. Thread-safe.
+/// Stores buckets of the `max_clients` most recent clients. Other clients start with a full bucket. Thread-safe.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;

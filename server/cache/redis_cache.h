@@ -25,8 +25,7 @@ public:
 
     std::optional<api::Answer> find(const std::string& name);
 
-    /// Stores an answer, unless its body exceeds `kLargest` bytes. Larger answers would delay other calls of the
-    /// client.
+    /// Stores an answer, unless its body exceeds `kLargest` bytes, which would delay other calls.
     void store(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;

@@ -107,8 +107,7 @@ struct ComputeBox::Process {
     UniqueFd events;
     int nice = 0;
 
-    /// Whether an idle process still runs. Such a process sends nothing, so its channel becomes readable only when it
-    /// ends.
+    /// Whether an idle process still runs. Its channel becomes readable only when the process ends.
     bool is_there() const {
         pollfd polled{channel.get(), POLLIN, 0};
         return poll(&polled, 1, 0) == 0;
@@ -249,8 +248,7 @@ private:
         end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
-    /// Receives a message from the events socket: an order, which is passed to the decoder, or the report that the
-    /// process has ended.
+    /// Receives an event: an order, which is passed to the decoder, or the report that the process has ended.
     void take_event() {
         Order order;
         Order::Files files;

@@ -57,9 +57,8 @@ public:
     /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
-    /// Computes an answer, as specified for Compute. The process gets the nice value of the calling thread. If the
-    /// computation does not stop in time, its process is ended, and is counted as overdue if a client still waits for
-    /// the answer.
+    /// Computes an answer, as specified for Compute. The process gets the nice value of the calling thread. A process
+    /// that does not stop in time is ended. It is counted as overdue if a client still waits for the answer.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 

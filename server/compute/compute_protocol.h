@@ -19,8 +19,7 @@ namespace ccdt::server {
 ///
 /// Two sockets connect a computation process to the server. The channel is a stream of calls and replies. The events
 /// socket carries single messages: orders of the process to the decoder (see decoder_protocol.h) and, at the end of the
-/// process, the fork server's report. Memory shared with the server holds the number of threads that the process may
-/// use.
+/// process, the fork server's report. Shared memory holds the number of threads that the process may use.
 
 /// Files that the server sends to a computation process.
 struct ComputeFiles {
@@ -57,8 +56,7 @@ struct Call {
 /// and any number of Pieces of the body.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Head, Piece, Answer, Failure };
-    /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field, three
-    /// empty texts.
+    /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field.
     static constexpr std::size_t kTexts = 5;
 
     Kind kind = Kind::Step;

@@ -47,8 +47,7 @@ public:
                            std::chrono::milliseconds longest_wait = kLongestWait)
         : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
 
-    /// Decodes a picture. The result equals that of decoding in the calling process. A stop request ends the decoding
-    /// at once.
+    /// Decodes a picture, with the same result as in the calling process. A stop request ends the decoding at once.
     ///
     /// Errors: those of the picture readers; Unusable if the child crashed, exceeded its memory or processor time, or
     /// wrote an invalid reply; Stopped; Unavailable if the machine is too busy, so that no helper is available or a

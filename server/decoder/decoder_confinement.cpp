@@ -92,8 +92,7 @@ std::string Confinement::describe() const {
 
 void enter_namespaces(Confinement& confinement) {
     confinement.user = geteuid();
-    // An unprivileged process cannot create these namespaces, but may create a user namespace, and then the others
-    // inside.
+    // An unprivileged process may create these namespaces only inside a new user namespace.
     if (unshare(CLONE_NEWUTS) != 0 && errno == EPERM) {
         leave_root(confinement);
         static_cast<void>(unshare(CLONE_NEWUSER));

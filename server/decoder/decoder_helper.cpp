@@ -47,8 +47,7 @@ bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Closes inherited files, and redirects the standard streams to /dev/null. Builds with sanitizers keep the standard
-/// error for reports.
+/// Closes inherited files, and redirects the standard streams to /dev/null, except sanitizers' standard error.
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -160,9 +159,8 @@ private:
         });
     }
 
-    /// Decodes a file and ends the process. From here on, the child has only the two mapped files and the socket for
-    /// its outcome. It reports the outcome before it ends, because ending a process with many libraries takes
-    /// milliseconds.
+    /// Decodes a file and ends the process. From here on, the child has only the two mapped files and a socket. The
+    /// child reports its outcome before it ends, because ending a process with many libraries takes milliseconds.
     /// @param decode_bytes  decodes the file and writes the reply; returns false on failure
     template <class Reply, class DecodeBytes>
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {

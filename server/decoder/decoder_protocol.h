@@ -94,9 +94,8 @@ public:
     /// @returns  false if the planes were not allocated by new_plane() in the order of the picture's members
     bool write(const Result<AnyPicture>& result);
 
-    /// Reads the result. Called by the server once the child is done. The planes always have the size of the picture,
-    /// and the size never exceeds the limit. The values are not checked, and a child under an attacker's control could
-    /// still change them.
+    /// Reads the result. Called by the server once the child is done. The planes have the size of the picture, within
+    /// the limit. The values are not checked, and a child under an attacker's control could still change them.
     /// @returns  none if the reply is invalid
     std::optional<Result<AnyPicture>> read() const;
 
@@ -129,8 +128,7 @@ public:
     /// Ends the text or replaces it by an error. Called by the child.
     void write(const Result<void>& result);
 
-    /// Reads the result. Called by the server once the child is done. Copies the text, because the child could still
-    /// change it.
+    /// Reads the result. Called by the server. Copies the text, because the child could still change it.
     /// @returns  none if the reply is invalid
     std::optional<Result<std::string>> read() const;
 

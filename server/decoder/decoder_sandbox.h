@@ -13,8 +13,7 @@ struct DecoderLimits {
     std::chrono::seconds time{};  ///< processor time; at least 1 s
 };
 
-/// A sandbox for a decoding process. Inside, the process can only compute, allocate memory and write to its standard
-/// output.
+/// A sandbox in which a decoding process can only compute, allocate memory and write to its standard output.
 ///
 /// In builds with sanitizers, memory and files are not limited and system calls are not filtered, because sanitizers
 /// reserve terabytes of address space, open files and make further system calls.
@@ -40,8 +39,7 @@ public:
     Sandbox(const Sandbox&) = delete;
     Sandbox& operator=(const Sandbox&) = delete;
 
-    /// Returns 0 if the kernel can filter system calls, otherwise the errno of the attempt. In that case, `enter` omits
-    /// the filter.
+    /// Returns 0 if the kernel can filter system calls, otherwise errno. After an error, `enter` omits the filter.
     int filter_error() const {
         return filter_error_;
     }

@@ -309,8 +309,7 @@ HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     return part.copy(target, size);
 }
 
-/// Reads the lines before the next chunk: the line end of the previous chunk, and the size. Skips trailers after the
-/// last chunk.
+/// Reads the line end of the previous chunk and the size of the next one. Skips trailers after the last chunk.
 HttpResult<void> Connection::begin_chunk() {
     Body& body = *body_;
     const auto passed = body.progress.bytes;

@@ -21,8 +21,7 @@ namespace ccdt::server {
 /// Time-outs of a client. They are shorter while Capacity::is_pressed() or the server shuts down.
 struct Patience {
     std::chrono::milliseconds header{10'000};  ///< limit for the whole head of a request
-    /// Maximum pause within a body or an answer. A transfer may also exceed its duration at the minimum rate, 32 KiB/s,
-    /// by this time.
+    /// Maximum pause within a transfer, and maximum delay compared with a transfer at the minimum rate, 32 KiB/s.
     std::chrono::milliseconds body{30'000};
     std::chrono::milliseconds idle{60'000};  ///< between requests; also for idle threads
 };
@@ -56,8 +55,7 @@ public:
 
     /// Takes a piece of a body; returns false to stop.
     using Receive = std::function<bool(std::string_view piece)>;
-    /// Decodes a body that it takes from read_content(), and passes the pieces to `receive`. Returns false after a
-    /// failure or a stop.
+    /// Decodes a body from read_content(), and passes the pieces to `receive`. Returns false if this failed.
     using Decode = std::function<bool(const Receive& receive)>;
 
     /// Sets the function that decodes the body of the current request; null: the body cannot be read.
@@ -72,8 +70,7 @@ public:
 
     /// Copies the next bytes of the body that read_body() is reading, for the decoder. Chunked bodies stay chunked, but
     /// without extensions and trailers. Every line between chunks has been checked.
-    /// @returns  number of bytes, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not
-    ///           running
+    /// @returns  number of bytes; 0: the body has ended; -1: a problem, or read_body() is not running
     ssize_t read_content(char* target, std::size_t size);
 
     const Patience& patience() const { return patience_; }

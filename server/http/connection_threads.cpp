@@ -55,8 +55,7 @@ void ConnectionThreads::work(Threads::iterator self) {
         idle_.splice(idle_.end(), busy_, self);
     }
     if (closing_) return;
-    // A thread cannot join itself, so the next thread that ends joins it. At most one ended thread waits for this and
-    // keeps its stack.
+    // A thread cannot join itself, so the next thread that ends joins it. At most one ended thread keeps its stack.
     const auto before = std::exchange(ended_, std::move(self->handle));
     idle_.erase(self);
     const bool last = idle_.empty();

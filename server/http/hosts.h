@@ -22,8 +22,7 @@ bool is_loopback(std::string_view host);
 /// @returns  none if the authority is malformed
 std::optional<std::string_view> host_of_authority(std::string_view authority);
 
-/// Whether requests with this authority (`host` or `host:port` in Host or the target) are answered. An empty authority
-/// is always allowed.
+/// Whether requests with an authority (`host` or `host:port`) are answered. An empty authority is always allowed.
 ///
 /// Prevents DNS rebinding: a foreign page can reach a server on loopback by a name of the page's own domain that
 /// resolves to 127.0.0.1. The browser treats the request as same-origin, but Host contains the foreign name.

@@ -128,8 +128,7 @@ HttpResult<Header> parse_header(std::string_view line) {
     return Header{std::string(line.substr(0, colon)), std::string(value)};
 }
 
-/// Whether a field may be a trailer. RFC 9110, section 6.5.1, forbids fields of framing, routing, authentication and
-/// content format.
+/// Whether a field may be a trailer. RFC 9110, 6.5.1, forbids fields of framing, routing, authentication and format.
 bool may_be_trailer(std::string_view name) {
     constexpr std::string_view kForbidden[] = {
         "Authorization", "Connection",        "Content-Encoding", "Content-Length",

@@ -28,8 +28,7 @@ HttpResult<std::uint64_t> parse_chunk_size(std::string_view line);
 HttpResult<void> check_trailer(std::string_view line);
 
 /// Checks a parsed head for errors after which the client can still get an answer that suits its request.
-/// Problems: no Host (400), a repeated field that takes one value, such as Authorization (400), an unsupported
-/// expectation (417).
+/// Problems: no Host (400), a repeated field that must be single (400), an unsupported expectation (417).
 HttpResult<void> check_request(const Request& request);
 
 /// Whether a Prefer header (RFC 7240) contains a preference, regardless of its value.

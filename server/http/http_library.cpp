@@ -50,8 +50,7 @@ void append_header(std::string& head, const Header& header) {
     } while (!rest.empty());
 }
 
-/// Returns a head that the library parses as parse_head() does, without the query. A request without a method becomes
-/// an empty line.
+/// Returns a head, without the query, that the library parses as parse_head() does; an empty line without a method.
 std::string head_for_library(const Request& request) {
     if (request.method.empty()) return "\r\n";
     std::string head = request.method + ' ';
@@ -174,8 +173,7 @@ private:
         fill(theirs);
     }
 
-    /// Answers requests that the library refuses: requests without a valid head, and requests with methods that it does
-    /// not dispatch.
+    /// Answers requests that the library refuses because of an invalid head or an unknown method.
     HandlerResponse answer_refused(httplib::Response& theirs) {
         if (answered_) return HandlerResponse::Unhandled;
         const bool expected = std::ranges::find(kMethods, request_.method) == kMethods.end();

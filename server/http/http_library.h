@@ -46,8 +46,7 @@ using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 /// @param request   request whose head the connection has read; its method is empty if the head is invalid. The
 ///                  library's method and headers replace those of `request` before `handle` is called
 /// @param response  set by `handle`. Its body is moved out. If sending fails, its status becomes kClientGone or 500
-/// @param last      whether the connection serves no further request, as set by `handle`; true if memory ran out and a
-///                  500 was written
+/// @param last      whether the connection serves no further request; set by `handle`, or if memory ran out
 /// @returns         false if the client did not receive the whole answer
 bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);
 

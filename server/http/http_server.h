@@ -40,16 +40,14 @@ struct Exchange {
 /// then not read and write with blocking calls.
 class HttpServer {
 public:
-    /// Answers a request. If the request is incomplete or malformed, `received` has the problem, and the request has
-    /// the parts that could be parsed. Called on many threads at once. If the handler throws, the client gets a 500
-    /// without a body.
+    /// Answers a request. If the request is incomplete or malformed, `received` has the problem, and the request the
+    /// parsed parts. Called on many threads at once. If the handler throws, the client gets a 500 without a body.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
     using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  socket on which clients wait until `serve` is called
-    /// @param proxies   trusted proxies; limits count a connection through such a proxy by the address of the proxy's
-    ///                  client
+    /// @param proxies   trusted proxies; their connections count for the addresses of their clients
     /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
@@ -58,8 +56,7 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain` is called. Then answers requests on all existing connections, and returns once these are
-    /// closed.
+    /// Serves until `drain` is called. Then answers requests on existing connections until all are closed.
     /// @returns  false if accepting connections failed permanently
     bool serve();
 

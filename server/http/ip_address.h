@@ -17,15 +17,13 @@ public:
     explicit IpAddress(const in_addr& address);
     explicit IpAddress(const in6_addr& address);
 
-    /// Parses an address such as `192.0.2.1` or `2001:db8::1`; none if the text has another form or a bracket, port or
-    /// zone.
+    /// Parses an address such as `192.0.2.1` or `2001:db8::1`; none if malformed or with a bracket, port or zone.
     static std::optional<IpAddress> parse(std::string_view text);
 
     bool is_version_4() const;
     std::string text() const;
 
-    /// Returns the text by which limits identify a client: the IPv4 address, or the first address of the IPv6 /64
-    /// network.
+    /// Returns the text by which limits identify a client: the IPv4 address, or the IPv6 /64 network.
     std::string of_one_client() const;
 
     /// Whether the first `bits` of 128 bits are equal in both addresses. IPv4 addresses are compared in IPv4-mapped

@@ -71,8 +71,7 @@ struct Record {
 using Send = std::function<bool(std::string_view piece)>;
 
 /// Produces a body and sends it piece by piece. Adds the outcome to the record.
-/// @returns  false if the body is incomplete although the client still receives; closing the connection then tells the
-///           client
+/// @returns  false if the body is incomplete; closing the connection then tells the client
 using Stream = std::function<bool(const Send& send, Record& record)>;
 
 /// Status for the log if the client has closed the connection. It is never sent.

@@ -69,8 +69,7 @@ std::string_view unquote(std::string_view value) {
     return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
-/// Parses the `for` address of a Forwarded element, such as `for="[2001:db8::1]:80";proto=https`; none if malformed or
-/// repeated.
+/// Parses the `for` address of a Forwarded element such as `for="[2001:db8::1]:80";proto=https`; none if malformed.
 std::optional<IpAddress> forwarded_for(std::string_view element) {
     std::optional<IpAddress> found;
     for (bool seen = false; !element.empty();) {

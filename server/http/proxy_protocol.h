@@ -24,8 +24,7 @@ struct ProxyHeader {
 
 /// Parses the PROXY header from the first bytes of a connection.
 ///
-/// Supports versions 1 and 2, for TCP over IPv4 and IPv6. Skips further fields of version 2, such as the client's
-/// certificate.
+/// Supports versions 1 and 2, for TCP over IPv4 and IPv6. Skips further fields of version 2.
 /// Problem (400): a header that begins like one of these versions and then violates it.
 /// Source: The PROXY protocol, versions 1 & 2 (HAProxy Technologies, 2020), sections 2.1 and 2.2.
 HttpResult<ProxyHeader> parse_proxy_header(std::string_view received);

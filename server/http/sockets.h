@@ -32,8 +32,7 @@ Peer describe_peer(const IpAddress& address, std::optional<std::uint16_t> port =
 /// Returns the peer of a connected socket.
 Peer peer_of(int socket);
 
-/// A socket that listens on an address or on a path (`unix:/path`). The destructor closes the socket and removes the
-/// path.
+/// A socket that listens on an address or a path (`unix:/path`). The destructor closes it and removes the path.
 class ListeningSocket {
 public:
     /// @param port  0: any free port; ignored for a path
@@ -54,9 +53,8 @@ public:
     /// Refuses new connections; connections made before can still be accepted. May be called from any thread.
     ///
     /// The socket is not shut down, because that would reset the connections in the backlog. Their requests may have
-    /// arrived, and a load balancer could not know that no server has read them. A TCP client that tries to connect
-    /// tries again after a second, and is refused after `shut_down`. On Unix sockets, new clients wait until
-    /// `shut_down`.
+    /// arrived, and a load balancer could not know that no server has read them. New TCP clients try again after a
+    /// second, and are refused after `shut_down`. New Unix clients wait until `shut_down`.
     void refuse_newcomers() const;
 
     /// Resets connections that still wait to be accepted. Further attempts to connect fail.

@@ -40,8 +40,7 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// A request that is computed while its client does not wait. The job does not contain the request, which is stored
-/// separately.
+/// The state of a request that is computed while its client does not wait. The request is stored separately.
 struct Job {
     std::string id;
     std::string owner;        ///< name of the API key of the request; empty: none

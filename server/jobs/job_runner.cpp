@@ -20,8 +20,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 /// crash the server, so this limit only guards against unforeseen faults.
 constexpr int kMaxStarts = 3;
 
-/// Bounds of the interval between deletions of expired jobs. Clients cannot find an expired job even before its
-/// deletion.
+/// Bounds of the interval between deletions of expired jobs, which clients cannot find even before.
 constexpr std::chrono::milliseconds kMinRemovalInterval{100};
 constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
@@ -63,8 +62,7 @@ JobEnd not_stored(Job job, const Error& error) {
 
 }  // namespace
 
-/// Stores a result in pieces while it is computed, except for the last piece. While the store cannot be reached, the
-/// computation waits.
+/// Stores all but the last piece of a result while it is computed. The computation waits for a store in an outage.
 class JobRunner::ResultWriter : public api::BodySink {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
@@ -293,8 +291,7 @@ void JobRunner::requeue(const Run& run) {
     runs_.erase(run);
 }
 
-/// Stores the end of a job, informs followers, and writes the log. Requires the right that JobRun::start_settling()
-/// gives.
+/// Stores the end of a job, informs followers, and writes the log. Call JobRun::start_settling() before.
 void JobRunner::settle(const Run& run, JobRun::End end) {
     const auto stored = store_end(end);
     if (!stored && stored.error().code == ErrorCode::Stopped) return run->keep_end(std::move(end));

@@ -26,8 +26,7 @@ class JobRunner {
 public:
     using Logger = std::function<void(const JobEnd&)>;
 
-    /// Maximum time until this server notices that the lease of another server has expired, or that the store can be
-    /// reached again.
+    /// Maximum time until this server notices an expired lease of another server, or the end of an outage of the store.
     static constexpr std::chrono::milliseconds kPollInterval{1000};
 
     /// Takes the same parameters as the constructor of Jobs; `followed` receives the states of the jobs.

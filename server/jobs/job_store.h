@@ -25,8 +25,7 @@ public:
     virtual void missed() = 0;                        ///< notifications may have been lost
 };
 
-/// Stores jobs, their requests, and their results. Also has the queue of waiting jobs, and the claims of servers to
-/// jobs.
+/// Stores jobs, their requests and results, the queue of waiting jobs, and the claims of servers to jobs.
 ///
 /// A server claims a job before it runs the job. The claim holds for a limited time, the lease, which `renew` extends.
 /// After the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
@@ -103,8 +102,8 @@ public:
     virtual Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) = 0;
 
     /// Stores the end of a claimed job: deletes its request, and stores its result. Frees space for the result as add()
-    /// does. Error: LimitExceeded if there is not enough space. An end without a result needs no space. May be repeated
-    /// after an error.
+    /// does. Error: LimitExceeded if there is not enough space. Needs no space without a result. May be repeated after
+    /// an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) = 0;

@@ -49,8 +49,7 @@ public:
     ///
     /// @param job  job with its owner, client and cost; its memory must not exceed the limit of the pool
     /// Problems: 413 the request or the result is larger than the store; 429 the queue is full, or waiting jobs fill
-    /// the store; 503 the server is shutting down, or the store cannot be reached; 507 the disk or Redis is full; 500
-    /// the store fails.
+    /// the store; 503 during a shutdown or an outage of the store; 507 the disk or Redis is full; 500 the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
     /// Finds a job.

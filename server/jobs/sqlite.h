@@ -43,8 +43,7 @@ public:
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
-    /// Writes `body` to the blob column `body` of a row, without an intermediate copy. The blob must already have the
-    /// size of `body`.
+    /// Overwrites the blob column `body` of a row without an intermediate copy. The blob must have the size of `body`.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
     /// Reads the blob column `body` of a row.

@@ -115,8 +115,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
     return added;
 }
 
-/// Frees space: deletes the oldest results and then, if needed, the jobs that finished first. Returns whether `bytes`
-/// are free.
+/// Deletes the oldest results and then, if needed, the oldest finished jobs. Returns whether `bytes` are free.
 bool SqliteJobStore::free_space(std::size_t bytes) {
     const auto is_enough = [&] { return tables_.bytes() + bytes <= limits_.bytes; };
     const auto drop = [&] {

@@ -41,8 +41,7 @@ std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);
 
-/// Escapes a text for one log line and for a JSON string: quotes, backslashes, control characters and bytes beyond
-/// ASCII.
+/// Escapes quotes, backslashes, control characters and bytes beyond ASCII, for one log line and JSON strings.
 std::string escape(std::string_view text);
 
 }  // namespace ccdt::server

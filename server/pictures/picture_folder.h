@@ -12,8 +12,7 @@
 
 namespace ccdt::server {
 
-/// Whether a text may name a picture: a single path component of 1 to 255 bytes, without control characters, that does
-/// not begin with a dot.
+/// Whether a text may name a picture: 1 to 255 bytes without slashes, control characters and a leading dot.
 bool is_picture_name(std::string_view name);
 
 /// An open picture file.
@@ -45,8 +44,7 @@ public:
     /// Opens a picture.
     ///
     /// @param largest  size limit of a picture, in bytes
-    /// Problems: 404 for every name that is not a picture; 413; 503 if too many files are open; 500. No message
-    /// contains a path.
+    /// Problems: 404 for names of other files, 413, 503 if too many files are open, 500. No message contains a path.
     HttpResult<PictureFile> open(std::string_view name, std::size_t largest) const;
 
 private:

@@ -35,8 +35,7 @@ public:
 
     int orders() const { return orders_.get(); }
 
-    /// Waits for an order. Meanwhile, reports the ends of children, kills children that nobody waits for, and replies
-    /// to probes.
+    /// Waits for an order. Meanwhile, reports ends of children, kills abandoned children, and replies to probes.
     /// @param order    receives the bytes of the order
     /// @param prepare  prepares for the order; called once, when there is no child or nothing has happened for 5 ms
     /// @returns        files of the order, any of which may be empty; none when the server has ended

@@ -13,8 +13,7 @@
 
 namespace ccdt::server {
 
-/// Messages between processes of one machine, through sockets. No function raises SIGPIPE. Interrupted calls are
-/// repeated.
+/// Messages between processes, through sockets. No function raises SIGPIPE. Interrupted calls are repeated.
 
 /// A pair of connected sockets.
 struct SocketPair {
@@ -37,8 +36,7 @@ bool send_message(int socket, std::span<const std::byte> bytes, std::span<const 
 /// @returns      number of bytes received; 0: the other end is closed
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files = {});
 
-/// Size of a probe: a message by which the server asks a program whether it is alive. It carries a socket for the
-/// reply.
+/// Size of a probe: a message, with a socket for the reply, by which the server asks whether a program is alive.
 inline constexpr std::size_t kProbeSize = 1;
 
 /// Sends a probe without waiting.

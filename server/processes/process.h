@@ -9,16 +9,14 @@ namespace ccdt::server {
 /// Resident memory of this process in bytes; 0 if unknown.
 std::size_t resident_bytes();
 
-/// Memory limit of this process in bytes: the memory of the machine, or a lower limit of its control group or an
-/// enclosing one.
+/// Memory limit of this process in bytes: the memory of the machine, or a lower limit of its control groups.
 std::size_t available_memory();
 
 /// Limit of the address space in bytes (ulimit -v); none if there is no limit.
 std::optional<std::size_t> address_space_limit();
 
 /// Makes the allocator return freed blocks of 1 MiB or more to the system. By default, glibc raises its thresholds for
-/// mapping and trimming to up to 32 and 64 MiB when large blocks are freed. An idle process would then keep most of its
-/// peak memory.
+/// mapping and trimming when large blocks are freed. An idle process would then keep most of its peak memory.
 void give_back_freed_memory();
 
 /// Makes all threads allocate from one heap. By default, glibc gives most threads separate arenas, which keep freed

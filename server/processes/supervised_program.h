@@ -23,8 +23,7 @@ namespace ccdt::server {
 /// sends a probe (send_probe), to which the program must reply even while it is busy.
 ///
 /// A socket that preserves message boundaries connects the server and the program. The program's first message reports
-/// that it is ready. If this message or the reply to a probe is late, the program counts as not responding.
-/// Thread-safe.
+/// that it is ready. If this message or a reply is late, the program counts as not responding. Thread-safe.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;

@@ -17,8 +17,7 @@ struct RedisAddress {
     std::string password;    ///< empty: none
     int database = 0;
 
-    /// Parses redis://[[user]:password@]host[:port][/database], or rediss:// for TLS. User and password may be
-    /// percent-encoded.
+    /// Parses redis://[[user]:password@]host[:port][/database], or rediss:// for TLS. %XX is decoded.
     /// Errors (Malformed): another form, or an address of Redis Sentinel. The message does not contain the password.
     static Result<RedisAddress> parse(std::string_view text);
 

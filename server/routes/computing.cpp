@@ -79,8 +79,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A request with its memory reservation. Shared with the worker, which may still read it after the connection has
-/// ended.
+/// A request with its memory reservation. Shared with the worker, because the connection may end earlier.
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
@@ -145,8 +144,7 @@ private:
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection, and copies the body for the cache, unless it is too
-/// large.
+/// Passes a large body from its computation to the connection, and copies it for the cache, if it is not too large.
 class Computing::TeeWriter : public api::BodySink {
 public:
     /// @param largest  maximum size of cached bodies, in bytes
@@ -238,8 +236,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     return respond(*accepted, incoming);
 }
 
-/// Answers with a 304 if the client already has the answer, otherwise with a cached answer or with a new one, for which
-/// the client waits.
+/// Answers with a 304 if the client has the answer, with a cached answer, or with a new one.
 HttpResult<Response> Computing::respond(const AcceptedPointer& accepted, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, accepted->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
@@ -406,8 +403,7 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
     return *found;
 }
 
-/// Runs a task in a worker, and waits for the result. Adds the task's time in the queue to the record, and replaces the
-/// other stages.
+/// Runs a task in a worker, and waits for the result. Adds the time in the queue to the record's stages.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {

@@ -29,8 +29,7 @@ namespace ccdt::server {
 /// Answers requests that need a computation: while the client waits or, if the client prefers, as a job. Thread-safe.
 class Computing {
 public:
-    /// @param waiting_memory  budget for requests until they are answered; the pool has a separate budget for
-    ///                        computations
+    /// @param waiting_memory  budget for requests until they are answered; the pool's budget is separate
     /// @param answers         Redis in which servers share answers; null: none
     /// `pool`, `waiting_memory`, `jobs` and `answers` must outlive this object.
     Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
@@ -51,8 +50,7 @@ public:
     /// From now on, answers all waiting clients that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
-    /// Makes a problem for a refused request. Retry-After is the estimated time until the waiting requests are
-    /// computed.
+    /// Makes a problem whose Retry-After is the estimated time until the waiting requests are computed.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
@@ -76,8 +74,7 @@ private:
         Clock::duration grace = Clock::duration();  ///< extra time for the stopped computation to return a result
     };
 
-    /// A task for a worker. It may deliver its result through the PendingResult before it returns. The returned result
-    /// is then ignored.
+    /// A task for a worker. If it sets the PendingResult before it returns, the returned result is ignored.
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
 

@@ -195,8 +195,7 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
     return response;
 }
 
-/// Finds the route of a request: the row with its path and method, or else with its path. All files of the page share
-/// one route.
+/// Finds the row with the path and, if possible, the method of a request. Files of the page share one route.
 Routes::Found Routes::find(const Request& request) {
     Found found;
     for (const Route& route : Table::kRows) {
@@ -243,8 +242,7 @@ HttpResult<void> Routes::check_host(const Found& found, const Request& request) 
     return problem(421, "this server does not answer for the host " + host + " (allowed-host)");
 }
 
-/// Checks the credentials and the rate of a request. Stores the client's name in the connection, and the signer in the
-/// record.
+/// Checks the credentials and the rate of a request. Stores the client's name in the connection.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
     auto verdict = access_control_.check(request, connection.client().address, required_credential(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));

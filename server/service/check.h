@@ -20,12 +20,10 @@ struct Finding {
     std::string words;
 };
 
-/// Checks everything that the server needs to start with a configuration: the programs that it starts and their
-/// sandbox, the key files, the folder of pictures, memory, descriptors, the folder of jobs, each Redis, the listening
-/// address.
+/// Checks everything that the server needs to start with a configuration: its programs and their sandbox, the key
+/// files, the folder of pictures, memory, descriptors, the folder of jobs, each Redis, the listening address.
 ///
-/// Serves, claims and writes nothing, and ends the programs that it starts. Does not detect another server that uses
-/// the folder of jobs.
+/// Serves, claims and writes nothing. Does not detect another server that uses the folder of jobs.
 std::vector<Finding> check(const Config& config);
 
 /// Whether the server would start.

@@ -28,8 +28,7 @@ private:
     sigset_t signals_;
 };
 
-/// Ends the program after a time-out, even if requests are not answered. Shortly before, calls `abandon`, which answers
-/// waiting clients.
+/// Ends the program after a time-out, even if clients still wait. Calls `abandon` before, which answers them.
 class ShutdownDeadline {
 public:
     /// Creates the thread of the timer. Called early, because memory may be lacking at the shutdown.

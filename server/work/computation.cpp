@@ -13,8 +13,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Compresses a body, unless a stop was requested. A partial answer at the deadline is sent uncompressed, without
-/// delay.
+/// Compresses a body, unless a stop was requested: partial answers are sent without delay.
 void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& timings) {
     if (!is_worth_compressing(answer.media_type, answer.body)) return;
     const auto start = std::chrono::steady_clock::now();

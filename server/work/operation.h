@@ -69,8 +69,7 @@ Result<void> check(const Operation& operation, const ComputeRequest& request);
 /// Whether the body is a zipped shapefile. Only the decoder process may read such a body.
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
-/// Whether the request can be parsed in the thread of a connection without a noticeable delay: JSON up to 8 KiB, or a
-/// picture.
+/// Whether the thread of a connection may parse the request without a noticeable delay: JSON up to 8 KiB, or a picture.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
 /// Estimates the cost of parsing.

@@ -19,8 +19,7 @@ constexpr double kNewestWeight = 0.2;
 
 constexpr double kLongestBacklog = 3600;
 
-/// Bounds of actual / estimated duration. A ratio beyond them means that the job failed early or its worker was
-/// delayed.
+/// Bounds of actual / estimated duration. Beyond them, the job has failed early or was delayed.
 constexpr double kLeastPace = 0.1, kMaxPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
@@ -31,8 +30,7 @@ bool is_short(const api::Cost& cost) {
     return cost.seconds <= WorkerPool::kShort;
 }
 
-/// Lowers the priority of the calling thread, so that it does not delay threads that read requests, answer at once or
-/// run short jobs.
+/// Lowers the priority of the calling thread below that of threads for connections and short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -159,8 +157,7 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-/// Whether a queue accepts another job of this client. The limit grows by the number of idle threads, which take jobs
-/// at once.
+/// Whether a queue accepts another job of this client. Idle threads take jobs at once and increase the limit.
 bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));

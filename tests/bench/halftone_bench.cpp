@@ -45,8 +45,8 @@ std::string enlarged_png(int factor) {
 
 /// Measures the stages of a photograph's halftone, in milliseconds. `core_over_delaunay` is the time from the picture
 /// to the sites, divided by the time of one CGAL Delaunay triangulation of these sites (medians of the same run).
-/// Arguments: side of the picture, number of sites, quality (0 draft, 1 standard, 2 best). Stages 3 to 7 are measured
-/// in a draft.
+/// Arguments: side of the picture, number of sites, quality (0 draft, 1 standard, 2 best). Stages 3 to 7 are those of a
+/// draft.
 void Halftone(benchmark::State& state) {
     const std::string file = enlarged_png(static_cast<int>(state.range(0)) / 512);
     Options options;

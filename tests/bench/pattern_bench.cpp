@@ -108,8 +108,8 @@ public:
         }
     }
 
-    /// Returns the squared error of the dots' tone after a blur, relative to the error of the same number of random
-    /// dots, in dB.
+    /// Returns the squared error of the dots' tone after a blur, relative to that of the same number of random dots, in
+    /// dB.
     /// @param blur  in mean spacings of the dots
     double of(const std::vector<Point>& sites, double blur) const {
         const auto count = static_cast<double>(sites.size());
@@ -149,7 +149,7 @@ private:
     std::vector<double> column_factors_, row_factors_;  ///< ratios of the spectrum of cells to that of their centres
 };
 
-/// Measures the error of tone for a shaded body on white ground, for 10 sets of 4,096 dots, after blurs by 1, 2 and 4
+/// Measures the error of tone for a shaded body on white, for 10 sets of 4,096 dots, after blurs by 1, 2 and 4
 /// spacings.
 void PictureTone(benchmark::State& state) {
     const Domain domain = *Domain::rectangle(1, 1);

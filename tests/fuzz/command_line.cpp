@@ -46,8 +46,7 @@ void check_config(const server::Config& config) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses arguments and environment variables. The input has one argument per line, an empty line, and one variable
-/// (NAME=value) per line.
+/// Parses arguments and variables. The input has a line for each argument, an empty line, and lines NAME=value.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto text = fuzz::text_of(data, size);

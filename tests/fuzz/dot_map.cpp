@@ -19,8 +19,7 @@ struct Map {
     std::vector<MapFeature> features;
 };
 
-/// Reads polygons, one for each feature, on a grid of 16 x 16 points with one of several spacings. Their borders touch,
-/// overlap and coincide.
+/// Reads polygons, one for each feature, on a grid of 16 x 16 points, so that they touch, overlap and share borders.
 std::vector<PolygonPart> read_polygons(Bytes& input) {
     constexpr std::array<double, 6> kSpacings = {1, 0.1, 1e-100, 1e-9, 1e9, 1e100};
     const double spacing = kSpacings[input.take<std::uint8_t>() % kSpacings.size()];

@@ -20,8 +20,7 @@ with PIL.Image.open(name) as picture:
                       "light": light.mean(), "grey": grey.mean()}))`;
 
 /**
- * Python programs by file extension, which print the content of a file as JSON. For other formats, the test prints the
- * length of the file.
+ * Python programs, by file extension, that print the content of a file as JSON. For others, the test prints its length.
  */
 const readers = {
   json: "print(json.dumps(json.load(open(name))))",

@@ -45,8 +45,7 @@ public:
     /// @returns  false if the server has closed the connection
     bool say(std::string_view request) const;
 
-    /// Sends a request, and receives until the server closes or resets the connection, or sends nothing for
-    /// test::kPatience.
+    /// Sends a request, and receives until the connection ends or the server sends nothing for test::kPatience.
     /// @returns  the received bytes
     std::string ask(std::string_view request) const;
 

@@ -10,10 +10,7 @@ export function readAddress() {
   return { panel, settings: Object.fromEntries(new URLSearchParams(query)) };
 }
 
-/**
- * Writes a panel and its settings to the address. Adds an entry to the history if `isStep`, otherwise replaces the
- * current entry.
- */
+/** Writes a panel and its settings to the address. Adds an entry to the history only if `isStep`. */
 export function writeAddress(panel, settings, isStep) {
   const query = new URLSearchParams(settings).toString();
   const hash = `#${panel}${query && `?${query}`}`;

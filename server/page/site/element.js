@@ -53,8 +53,7 @@ function follow(job, signal, onProgress) {
 }
 
 /**
- * Requests dots from the server as a job. Even after an abort, waits for the address of the job, which is needed to
- * cancel it.
+ * Requests dots from the server as a job. An abort waits for the job's address, which is needed to cancel it.
  * @param onProgress  called with the progress, from 0 to 1
  */
 async function askForDots(picture, query, signal, onProgress) {
@@ -122,10 +121,7 @@ function lightOf(bitmap, width, height) {
   };
 }
 
-/**
- * Returns the radius, in pitches, of dots on a square grid with a given coverage. From a coverage of pi / 4 on, the
- * dots overlap.
- */
+/** Returns the radius, in pitches, of dots on a square grid with a given coverage. Above pi / 4, they overlap. */
 function radiusOf(covered) {
   const alone = Math.PI / 4;
   if (covered < alone) return Math.sqrt(covered / Math.PI);
@@ -150,10 +146,7 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
   context.fill();
 }
 
-/**
- * Draws the screens of all inks in linear light, so that antialiased edges mix light. Finally converts the pixels to
- * sRGB.
- */
+/** Draws the screens of all inks in linear light, so that antialiased edges mix light, and converts to sRGB. */
 function draw(canvas, width, bitmap, options) {
   canvas.width = width;
   canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
@@ -263,10 +256,7 @@ class Halftone extends HTMLElement {
     }, resizeDelay);
   }
 
-  /**
-   * Returns the options of a request, with the width of the element and `dot` in device pixels. Does not change options
-   * that contain `scale`.
-   */
+  /** Returns the options of a request, with width and `dot` in device pixels unless they contain `scale`. */
   #sized(options) {
     const query = new URLSearchParams(options);
     this.#pixels = this.#pixelsNow;

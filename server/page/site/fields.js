@@ -5,10 +5,7 @@ import { make } from "./dom.js";
 
 let made = 0;
 
-/**
- * Creates a slider and a number input. The number input also accepts numbers outside the range of the slider, which the
- * server validates.
- */
+/** Creates a slider and a number input, which accepts numbers outside the range of the slider, too. */
 function numberInputs(field, id) {
   const number = make("input", { id, type: "number", value: field.value, step: field.step ?? "any" });
   const toSlider = field.log ? Math.log : (x) => x;
@@ -252,7 +249,7 @@ export function explain(element, text) {
 
 /**
  * The fields of a form. `change` is called with true while a slider moves, and with false when a value is final. Each
- * field has `name`, `label`, `kind`, `value` (initial value), `standard` (default of the server, which requests omit)
+ * field has `name`, `label`, `kind`, `value` (initial value), `standard` (default of the server, omitted in requests)
  * and optionally `help`.
  */
 export class Fields {

@@ -17,8 +17,7 @@ function greysOf(image, width, height) {
  * Draws a mask and its effect.
  *
  * @param blob  a mask, as the server returns it
- * @returns     {width, height, canvas}: size of the mask in pixels, and the drawing, with the first copy of the mask in
- *              its upper left corner
+ * @returns     {width, height, canvas}: size of the mask in pixels, and the drawing, with the mask at the upper left
  */
 export async function showing(blob) {
   const mask = await createImageBitmap(blob);

@@ -51,8 +51,7 @@ function fillLength(style, width, pen) {
 
 /**
  * Measures the path of the pen through a layer of an SVG drawing.
- * @returns  {dots, strokes, path}: `path` is the length of the path, including that with the pen raised, in units of
- *           the drawing
+ * @returns  {dots, strokes, path}: `path` is the length of all moves, in units of the drawing
  */
 function pathOf(part, style) {
   let [strokes, corners, path, before] = [0, 0, 0, null];

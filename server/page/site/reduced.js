@@ -10,8 +10,7 @@ export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.heig
  * Reduces a picture to at most 300,000 pixels.
  *
  * @param bitmap  a decoded large picture
- * @returns       {blob, factor}: the reduced picture as a WebP file, and width of the original / width of the reduced
- *                picture
+ * @returns       {blob, factor}: the reduced picture as WebP, and original width / reduced width
  */
 export async function reduced(bitmap) {
   const share = Math.sqrt(maxPixels / (bitmap.width * bitmap.height));

@@ -294,8 +294,7 @@ export class Sample extends Panel {
   /**
    * Loads a GeoJSON document. Throws if it contains no polygons.
    *
-   * @param file     {name, text}; also `path` if it is a file of the server, and `archive` if the text comes from a
-   *                 shapefile
+   * @param file     {name, text}; also `path` for a file of the server, and `archive` for a shapefile
    * @param counted  names of the properties that points count
    */
   #takeDocument(file, counted = []) {
@@ -446,10 +445,7 @@ export class Sample extends Panel {
     return { x: left + (x - this.view.minX) * scale, y: top + (this.view.maxY - y) * scale };
   }
 
-  /**
-   * Returns the position in the shape at a point of the canvas. Rounds it, by less than a pixel, to keep requests
-   * short.
-   */
+  /** Returns the position in the shape at a point of the canvas, rounded to a fraction of a pixel. */
   #toShape(at) {
     const { x, y } = this.viewport.toContent(at);
     const digits = Math.max(0, Math.ceil(Math.log10(this.viewport.scale)));
@@ -511,10 +507,7 @@ export class Sample extends Panel {
     return Number(this.iteration.max);
   }
 
-  /**
-   * Returns the options of the request for an iteration. Only the last iteration is polished; the others are
-   * intermediate.
-   */
+  /** Returns the options of the request for an iteration. Only the last iteration is polished. */
   options(iteration = Number(this.iteration.value)) {
     const { coordinates, format } = this.shapeFields.values();
     if (this.isMask) return { format, ...this.fields.values() };
@@ -601,10 +594,7 @@ export class Sample extends Panel {
     return this.#frames.get(key);
   }
 
-  /**
-   * Requests the result for the current settings, in the form of `result`. Drafts are not polished, unless the polished
-   * answer is cached.
-   */
+  /** Requests the result for the current settings. Drafts are not polished, unless the polished answer is cached. */
   async fetch(signal, { draft = false, onProgress } = {}) {
     this.#isBegun = true;
     const shape = this.shape.file ? this.shape : structuredClone(this.shape);

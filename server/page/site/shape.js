@@ -78,10 +78,7 @@ export function isInside([x, y], rings) {
   return odd;
 }
 
-/**
- * Computes the total area of parts. Overlaps count for each part. The largest ring of a part is assumed to be the outer
- * ring.
- */
+/** Computes the total area of parts, overlaps included. Assumes that the largest ring of a part is the outer one. */
 export function areaOf(parts) {
   const area = (part) => {
     const areas = part.map((ring) => Math.abs(signedArea(ring)));

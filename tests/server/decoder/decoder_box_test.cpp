@@ -756,8 +756,7 @@ TEST(DecoderBox, IgnoresSignalsToItsGroup) {
     EXPECT_EQ(box->restarts(), 0U);
 }
 
-/// Counts the processes with the highest oom_score_adj, which the kernel kills first when the machine runs out of
-/// memory.
+/// Counts the processes with the highest oom_score_adj, which the kernel kills first if memory runs out.
 std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     return std::ranges::count_if(processes, [](pid_t process) {
         int score = 0;

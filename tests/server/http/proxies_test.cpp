@@ -12,8 +12,7 @@ Peer peer(std::string_view address) {
     return describe_peer(IpAddress::parse(address).value());
 }
 
-/// Returns the name of the client of a request with given headers. The peer is 10.0.0.1 by default; 10.0.0.0/8 and
-/// fd00::/8 are trusted.
+/// Returns the name of the client of a request with given headers. Trusts the peers 10.0.0.0/8 and fd00::/8.
 std::string client(const std::string& headers, const Peer& from = peer("10.0.0.1")) {
     const TrustedProxies proxies{{*IpNetwork::parse("10.0.0.0/8"), *IpNetwork::parse("fd00::/8")}};
     return client_of(parse_head("GET / HTTP/1.1\r\n" + headers + "\r\n").value(), from, proxies).name;
