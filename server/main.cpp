@@ -32,13 +32,13 @@ void reload_keys(Service& service, const Config& config, const Log& log) {
         log.error("the keys stay as they were: " + read.error().message);
 }
 
-/// Ends this program as a signal from outside would.
+/// Ends the server like SIGTERM from outside.
 void end_serving() {
     kill(getpid(), SIGTERM);
 }
 
-/// Serves until a signal arrives, accepting fails, or the sibling programs do not start.
-/// @returns  false if serving or a program failed
+/// Serves until a signal arrives, accepting connections fails, or a program of the server does not start.
+/// @returns  false after a failure
 bool serve_until_signal(Service& service, const ServerSignals& signals, const Config& config, const Log& log) {
     ShutdownDeadline deadline(
         config.drain_timeout, [&] { service.abandon(); }, log);
@@ -50,7 +50,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
         log.error(ready.error().message);
         end_serving();
     });
-    // This thread must be created last: if the creation of a later thread failed, nothing would stop this one.
+    // Creates this thread last, because nothing would stop it if the creation of a later thread failed.
     bool served = false;
     std::jthread acceptor([&] {
         served = service.serve();

@@ -87,7 +87,7 @@ AccessControl::Verdict AccessControl::check_signature(const KeyRing& ring, const
     return verdict;
 }
 
-/// Counts a request, and refuses it if the rate limit is exceeded.
+/// Counts a request of a client, and refuses it if the rate limit is exceeded.
 HttpResult<void> AccessControl::count(const std::string& client) {
     const auto wait = client.empty() ? std::chrono::seconds(0) : take(client);
     if (wait.count() == 0) return {};

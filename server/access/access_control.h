@@ -17,17 +17,17 @@
 
 namespace ccdt::server {
 
-/// Checks the credentials and the rate of requests before they are handled.
+/// Checks the credentials of requests, and limits the rate of each client.
 ///
-/// Requests are counted by API key. Requests without a valid key are counted by address, so that a client cannot guess
-/// keys quickly. Clients of a Unix socket have no address; without a key their rate is not limited. Browsers send
-/// preflights without keys, so preflights need none and are counted by address. Requests with a signed URL are also
-/// counted by address, because all visitors of a page have URLs signed by the same key. Thread-safe.
+/// The rate is counted by API key. Requests without a valid key are counted by address, so that a client cannot guess
+/// keys quickly. Clients of a Unix socket have no address; without a key, their rate is not limited. CORS preflights
+/// need no key, because browsers send none, and are counted by address. Requests with a signed URL are also counted by
+/// address, because all visitors of a page use URLs signed with the same key. Thread-safe.
 class AccessControl {
 public:
     /// Credential that a request needs.
     enum class Credential {
-        None,      ///< no credential; the request is not counted
+        None,      ///< no credential; the rate is not limited
         Key,       ///< an API key, if any are configured
         Signature  ///< a signed URL, if signing keys are configured; otherwise the same as Key
     };
@@ -40,36 +40,35 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Minimum length of a signing key, in characters. Signing keys must be longer than API keys, because whoever has a
-    /// signed URL can try keys offline.
+    /// Minimum length of a signing key, in characters. Longer than for API keys, because the owner of a signed URL can
+    /// test guessed keys offline.
     static constexpr std::size_t kMinSigningKeyLength = 32;
 
     struct Verdict {
-        std::string key;             ///< name of the API key that the request has; empty: none
-        std::string client;          ///< key or address by which the request is counted
-        HttpResult<void> admission;  ///< success, or the reason to refuse the request
+        std::string key;             ///< name of the request's API key; empty: none
+        std::string client;          ///< key or address for which the rate is counted
+        HttpResult<void> admission;  ///< success, or the reason for the refusal
         std::string signer;          ///< name of the key that signed the URL; empty: none
     };
 
     /// @param key_file  file of the API keys; empty: no key is needed
     /// @param rate      limit for each key or address
-    /// @param shared    Redis in which several servers share their counts; must outlive this object; null: counts are
-    ///                  local
+    /// @param shared    Redis in which servers share the counts; must outlive this object; null: counts are local
     AccessControl(std::string key_file, const RateLimiter::Rate& rate, RedisClient* shared = nullptr,
                   SigningKeys signing = {})
         : key_file_(std::move(key_file)), signing_(std::move(signing)), limiter_(rate) {
         if (shared != nullptr) shared_.emplace(*shared, rate);
     }
 
-    /// Reads the configured keys. After an error, the keys stay as they were.
+    /// Reads the configured keys. An error leaves the present keys in use.
     Result<void> read_keys();
 
-    /// Counts a request, and checks that it has the credential that it needs.
-    /// @param address  address of the client, by which a request without a valid key is counted; empty: none
+    /// Counts a request for its client's rate, and checks its credential.
+    /// @param address  address of the client, used to count requests without a valid key; empty: none
     Verdict check(const Request& request, const std::string& address, Credential needed = Credential::Key);
 
 private:
-    /// The keys of both kinds; null: none are configured.
+    /// API keys and signing keys; null: not configured.
     struct Keys {
         std::shared_ptr<const KeyRing> api;
         std::shared_ptr<const KeyRing> signing;

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxKeyLength = 256;
 constexpr std::size_t kMaxNameLength = 64;
 constexpr std::string_view kBlanks = " \t\r";
 
-/// Compares in constant time: the time reveals neither where two keys differ nor how long the real one is.
+/// Compares two keys in constant time. The time reveals neither the first difference nor the length of the real key.
 bool is_same(std::string_view real, std::string_view shown) {
     unsigned difference = real.size() == shown.size() ? 0 : 1;
     for (std::size_t i = 0; i < kMaxKeyLength; ++i) {

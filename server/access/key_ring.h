@@ -12,29 +12,29 @@
 
 namespace ccdt::server {
 
-/// The keys that clients may use.
+/// A set of named keys: API keys, or keys that sign URLs.
 class KeyRing {
 public:
     static constexpr std::size_t kMinKeyLength = 16;
 
-    /// Parses lines of `name:key` or `name key`. Empty lines and lines that begin with # are ignored. A name may have
-    /// several keys, so that a key can be replaced while the old one is still valid.
-    /// Errors (Malformed): a line of any other form; a key of fewer than `shortest` or more than 256 characters; a key
-    /// that is listed under two names; a text without any key. The message names the line, never the key.
+    /// Parses lines of `name:key` or `name key`. Ignores empty lines and lines that begin with #. A name may have
+    /// several keys, so that the old key stays valid while clients change to the new one.
+    /// Errors (Malformed): a line of another form; a key shorter than `shortest` or longer than 256 characters; a key
+    /// with two names; a text without keys. The message names the line, never the key.
     static Result<KeyRing> parse(std::string_view text, std::size_t shortest = kMinKeyLength);
 
-    /// Errors: those of parse(); Unusable if the file cannot be read.
+    /// Parses a file. Errors: those of parse(); Unusable if the file cannot be read.
     static Result<KeyRing> read(const std::string& file, std::size_t shortest = kMinKeyLength);
 
     /// Makes a ring of one key. Errors: those of parse(), without a line number.
     static Result<KeyRing> of(std::string name, std::string key, std::size_t shortest = kMinKeyLength);
 
-    /// Finds the name of a key. Returns none if the key is unknown. The time taken depends neither on the keys nor on
-    /// how much of `key` is correct.
+    /// Returns the name of a key; none if the key is unknown. Takes the same time for any `key`, so that the time does
+    /// not reveal a correct prefix.
     std::optional<std::string> find(std::string_view key) const;
 
-    /// Finds the name of the key that signed `text`: with this key, sign() returns `signature`. Returns none if there
-    /// is no such key. The time taken does not depend on how much of the signature is correct.
+    /// Returns the name of the key with which sign() computes `signature` for `text`; none if there is no such key. The
+    /// time does not reveal a correct prefix of the signature.
     std::optional<std::string> find_signer(std::string_view text, std::string_view signature) const;
 
 private:

@@ -12,8 +12,7 @@ namespace ccdt::server {
 
 /// A token bucket for each client. A request takes one token; tokens are refilled at a constant rate.
 ///
-/// Only the `max_clients` clients with the most recent requests have a stored bucket. Any other client starts with a
-/// full bucket. Thread-safe.
+/// Stores buckets of the `max_clients` most recent clients. Other clients start with a full bucket. Thread-safe.
 class RateLimiter {
 public:
     using Clock = std::chrono::steady_clock;
@@ -25,7 +24,8 @@ public:
 
     explicit RateLimiter(const Rate& rate, std::size_t max_clients = 65'536) : rate_(rate), max_clients_(max_clients) {}
 
-    /// @returns  0 if the request may pass, otherwise the number of seconds until a token is available
+    /// Takes a token for a request.
+    /// @returns  0 if a token was available, otherwise the number of seconds until one is
     std::chrono::seconds take(const std::string& client, Clock::time_point now = Clock::now());
 
     std::size_t size() const;

@@ -8,11 +8,10 @@
 namespace ccdt::server {
 namespace {
 
-/// Prefix of the keys. The number is the version of the stored layout.
+/// Prefix of the Redis keys. The number is the version of the stored layout.
 constexpr std::string_view kPrefix = "ccdt:1:rate:";
 
-/// Script that applies the rules of RateLimiter by the clock of Redis. The key of a bucket expires once the bucket is
-/// full.
+/// Script that applies the rules of RateLimiter by the clock of Redis. The key of a full bucket expires.
 const RedisScript kTake("allow-oom", {R"lua(
 -- (tokens per second, capacity of a bucket) -> seconds until a token is available, or 0 if one was taken; 1 if the
 -- bucket was damaged and therefore counts as full, otherwise 0

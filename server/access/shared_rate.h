@@ -17,9 +17,8 @@ public:
     /// `client` must outlive this object.
     SharedRate(RedisClient& client, const RateLimiter::Rate& rate) : client_(client), rate_(rate) {}
 
-    /// Takes a token. A damaged bucket is reported and replaced by a full one.
-    /// @returns  0 if the request may pass, otherwise the number of seconds until a token is available; none if Redis
-    ///           does not reply
+    /// Takes a token. Reports a damaged bucket, and replaces it by a full one.
+    /// @returns  0 if a token was available, otherwise the number of seconds until one is; none if Redis does not reply
     std::optional<std::chrono::seconds> take(const std::string& client);
 
 private:

@@ -15,12 +15,12 @@ namespace ccdt::server {
 /// The path and query of a URL that may be signed, such as
 /// `/halftone/cat.jpg?sites=500&expires=1800000000&signature=...`. The views point into the text that was parsed.
 ///
-/// The signature is the value of the last parameter. sign() computes it from everything before that parameter, byte for
-/// byte as sent, including percent-encoding. Nothing is decoded or reordered, so client and server sign the same text.
+/// The signature is the value of the last parameter. sign() computes it from the text before that parameter, byte for
+/// byte as sent. Percent-encoding is not decoded, so client and server sign the same text.
 struct SignedUrl {
     std::string_view text;                      ///< the signed text
     std::optional<std::string_view> signature;  ///< none: the last parameter is not `signature`
-    std::optional<std::uint64_t> expires;       ///< seconds since 1970 after which the URL is invalid
+    std::optional<std::uint64_t> expires;       ///< seconds since 1970 from which on the URL is invalid
     std::string options;                        ///< the query without `signature` and `expires`
 
     /// @param resource  path and query as sent

@@ -12,7 +12,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Prefix of the keys. The number is the version of the stored layout.
+/// Prefix of the Redis keys. The number is the version of the stored layout.
 constexpr std::string_view kPrefix = "ccdt:2:answer:";
 
 constexpr std::string_view kSecondsKept = "86400";
@@ -95,7 +95,7 @@ void RedisCache::store(const std::string& name, const api::Answer& answer) {
     const std::string text = digest.finish();
     store.insert(store.end(), {"digest", text});
     const std::vector<RedisCommand> commands{std::move(store), {"EXPIRE", key, kSecondsKept}};
-    (void)client_.run(commands);  // an answer that could not be stored is computed again
+    (void)client_.run(commands);  // failures are ignored: a missing answer is computed again
 }
 
 }  // namespace ccdt::server

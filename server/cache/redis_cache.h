@@ -11,22 +11,21 @@
 
 namespace ccdt::server {
 
-/// A cache of answers in a Redis that several servers share. When the memory of Redis is full, Redis chooses the
-/// answers to evict. Every answer expires after a day. An answer that cannot be retrieved, for whatever reason, counts
-/// as absent. Entries have digests, so an entry that another program has overwritten is detected and removed.
-/// Thread-safe.
+/// A cache of answers in a Redis that several servers share. Every answer expires after a day. When its memory is full,
+/// Redis chooses the answers to evict. All failures of find() count as absence. Each entry has a digest, so that an
+/// entry that another program has overwritten is detected and removed. Thread-safe.
 class RedisCache {
 public:
     /// `client` must outlive this object.
     explicit RedisCache(RedisClient& client) : client_(client) {}
 
-    /// Lists the settings of a Redis that prevent it from storing answers, as far as Redis reveals them.
+    /// Describes the settings that will prevent a Redis from storing answers, if Redis permits reading them.
     /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     std::optional<api::Answer> find(const std::string& name);
 
-    /// Stores an answer unless its body exceeds `kLargest` bytes. A larger answer would delay other calls.
+    /// Stores an answer, unless its body exceeds `kLargest` bytes, which would delay other calls.
     void store(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;

@@ -7,13 +7,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Bytes of an entry besides its texts: nodes of the list and of the table, and the allocator's overhead.
+/// Estimated bytes of an entry in addition to its texts: nodes of the list and the hash table, allocator overhead.
 constexpr std::size_t kOverhead = 512;
 
 }  // namespace
 
 std::shared_ptr<const api::Answer> ResultCache::find(const std::string& name) {
-    if (max_bytes_ == 0 && !shared_) return nullptr;  // a miss is not counted without a cache
+    if (max_bytes_ == 0 && !shared_) return nullptr;  // misses are counted only if there is a cache
     auto answer = find_here(name);
     if (!answer && shared_) {
         if (auto shared = shared_->find(name)) {
@@ -40,7 +40,7 @@ void ResultCache::store(const std::string& name, const api::Answer& answer) {
     try {
         keep_here(name, std::make_shared<const api::Answer>(answer));
     } catch (const std::bad_alloc&) {
-        // Without memory the answer is not cached.
+        // If there is no memory, the answer is not cached.
     }
 }
 

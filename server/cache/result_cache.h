@@ -19,7 +19,7 @@
 
 namespace ccdt::server {
 
-/// Computed answers, kept for repeated requests: a local LRU cache and, optionally, a Redis shared by servers.
+/// A cache of computed answers for repeated requests: a local LRU cache and, optionally, a Redis that servers share.
 /// Thread-safe. O(1) per operation, plus the eviction of old entries.
 class ResultCache {
 public:
@@ -36,11 +36,11 @@ public:
         if (shared != nullptr) shared_.emplace(*shared);
     }
 
-    /// @returns  null if there is no answer of that name
+    /// Finds an answer by the name that name_of_answer() computed; null if there is none.
     std::shared_ptr<const api::Answer> find(const std::string& name);
 
-    /// Stores a copy in the local cache and in the Redis, if there is one. The local cache rejects an answer that would
-    /// take more than a quarter of its capacity, because one answer must not evict all others.
+    /// Stores a copy in the local cache and in the Redis, if there is one. The local cache rejects answers above a
+    /// quarter of its capacity, so that one answer cannot evict all others.
     void store(const std::string& name, const api::Answer& answer);
 
     /// Size limit of stored bodies, in bytes.

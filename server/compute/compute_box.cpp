@@ -27,13 +27,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Longest wait for a fork server that is being restarted, or for its report of the end of a process.
+/// Maximum wait for a fork server that is being restarted, and for its report that a process has ended.
 constexpr std::chrono::seconds kPatience{2};
 
-/// The reason why there is no reply.
+/// The reason why a computation process did not reply.
 struct NoReply {
-    bool overdue = false;           ///< the computation did not stop in time when it was told to
-    std::optional<ChildEnd> death;  ///< end of the process; none: unknown
+    bool overdue = false;           ///< the computation did not stop in time
+    std::optional<ChildEnd> death;  ///< report of the end of the process; none: unknown
     bool is_killed() const { return death && WIFSIGNALED(death->status) && WTERMSIG(death->status) == SIGKILL; }
 };
 
@@ -46,7 +46,7 @@ std::string describe(const NoReply& none) {
     return process + describe_end(none.death->status);
 }
 
-/// Assembles replies from a channel without waiting.
+/// Assembles replies from the received bytes of a channel. Never waits.
 class ReplyReader {
 public:
     enum class State { Partial, Complete, Ended };
@@ -67,8 +67,8 @@ public:
     std::string take_text(std::size_t index) { return std::move(texts_[index]); }
 
 private:
-    /// Begins the next piece of the reply.
-    /// @returns  false if there is none, because the reply is complete or invalid
+    /// Begins to receive the next piece of the reply: its head, or one of its texts.
+    /// @returns  false if the reply is complete or invalid
     bool next_piece() {
         if (pieces_ == 0) {
             wanted_ = {reinterpret_cast<char*>(&reply_), sizeof(reply_)};
@@ -85,7 +85,7 @@ private:
         return !wanted_.empty() || next_piece();
     }
 
-    /// Checks the head of a reply, so that a damaged process cannot exhaust the server's memory.
+    /// Checks the head of a reply. Limits the sizes, so that a damaged process cannot exhaust the server's memory.
     bool makes_sense() const {
         constexpr std::uint64_t kMax = std::uint64_t{4} << 30;
         return reply_.kind <= Reply::Kind::Failure && reply_.code <= static_cast<std::uint32_t>(ErrorCode::Internal) &&
@@ -95,27 +95,26 @@ private:
     Reply reply_;
     std::array<std::string, Reply::kTexts> texts_;
     std::span<char> wanted_;  ///< missing bytes of the current piece
-    std::size_t pieces_ = 0;  ///< number of pieces that have begun: the head, then the texts
+    std::size_t pieces_ = 0;  ///< number of pieces begun: the head, then the texts
     bool complete_ = false;
 };
 
 }  // namespace
 
-/// The server's sockets to a process that computes. The process ends when they are closed.
+/// The server's sockets to a computation process. The process ends when the server closes them.
 struct ComputeBox::Process {
     UniqueFd channel;
     UniqueFd events;
     int nice = 0;
 
-    /// Whether an idle process still runs. Between computations a process sends nothing, so its channel becomes
-    /// readable only when the process ends.
+    /// Whether an idle process still runs. Its channel becomes readable only when the process ends.
     bool is_there() const {
         pollfd polled{channel.get(), POLLIN, 0};
         return poll(&polled, 1, 0) == 0;
     }
 };
 
-/// One request and its answer.
+/// Sends one request to a computation process, and receives the replies until the answer.
 class ComputeBox::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
@@ -132,7 +131,7 @@ public:
     /// Whether the head of a large answer has arrived.
     bool has_begun() const { return head_.has_value(); }
 
-    /// Whether the process is still computing an answer that the receiver has rejected.
+    /// Whether the process may still be computing, because the receiver of the answer has failed.
     bool is_abandoned() const { return abandoned_; }
 
     Outcome run(Call call, const ComputeRequest& request) {
@@ -160,15 +159,15 @@ public:
         }
     }
 
-    /// Ends the process, and waits until the process has released its memory.
+    /// Ends the process, and waits for its end, which frees its memory.
     void end() {
         process_.channel.reset();
         wait_for_death();
     }
 
 private:
-    /// Handles the replies that have arrived.
-    /// @returns  none unless the computation has ended
+    /// Handles all replies that have arrived.
+    /// @returns  the outcome, if the computation has ended
     std::optional<Outcome> listen() {
         while (true) {
             const auto state = reader_.read(process_.channel.get());
@@ -238,7 +237,7 @@ private:
         return answer;
     }
 
-    /// Tells the process to stop, and sets a time limit for that.
+    /// Tells the process to stop, and sets the time at which it is ended if it does not.
     void pass_on_stop(const Call& call) {
         eventfd_t discarded = 0;
         eventfd_read(stopped_.get(), &discarded);
@@ -249,8 +248,7 @@ private:
         end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
 
-    /// Receives a message of the events socket. An order to the decoder is passed on. The only other message reports
-    /// the end of the process.
+    /// Receives an event: an order, which is passed to the decoder, or the report that the process has ended.
     void take_event() {
         Order order;
         Order::Files files;
@@ -263,7 +261,7 @@ private:
         box_.relay_(order, control_.stop);
     }
 
-    /// Waits until the fork server reports the end of the process, for at most kPatience.
+    /// Waits for the fork server's report that the process has ended, for at most kPatience.
     void wait_for_death() {
         const auto until = Clock::now() + kPatience;
         pollfd events{process_.events.get(), POLLIN, 0};
@@ -285,7 +283,7 @@ private:
     api::Timings& timings_;
     const UniqueFd stopped_;  ///< readable once a stop was requested
     ReplyReader reader_;
-    std::optional<api::Answer> head_;  ///< head of a large answer; collects the body if there is no sink
+    std::optional<api::Answer> head_;  ///< head of an answer sent in pieces; without a sink, collects the body
     bool abandoned_ = false;
     std::optional<Clock::time_point> end_at_;
     std::optional<ChildEnd> death_;

@@ -25,28 +25,27 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Computes answers in separate processes, so that a crash costs only the request that caused it.
+/// Computes answers in separate processes, so that a crash affects only the request that caused it.
 ///
-/// Processes are kept for later computations. If a computation begins and no process with the required nice value is
-/// idle, the fork server, which is a separate program, forks one. If a process is killed from outside, for example
-/// because the machine ran out of memory, its computation is started again, once. Thread-safe.
+/// Idle processes are reused. If none has the nice value that a computation needs, the fork server, a separate program,
+/// forks one. If a process is killed from outside, for example because the machine ran out of memory, its computation
+/// is repeated once. Thread-safe.
 class ComputeBox {
 public:
-    /// Passes an order from a computation process on to the decoder, which sends the result directly to the computation
-    /// process.
+    /// Passes the order of a computation process, to decode a file, to the decoder. The decoder sends the result
+    /// directly to the computation process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
     struct Options {
         api::Limits limits;
-        std::chrono::seconds to_stop{5};  ///< time limit from a request to stop until the computation ends
+        std::chrono::seconds to_stop{5};  ///< time between a request to stop and the end of the process
 
-        /// The same time limit if nobody waits for the answer any more. The limit is short, because ending the process
-        /// costs little: another process starts in about a millisecond, and even freeing 3 GB takes only a quarter of a
-        /// second.
+        /// The same time if nobody waits for the answer any more. It is short, because a killed process costs little: a
+        /// new one starts in about a millisecond, and the system frees 3 GB in 0.25 s.
         std::chrono::milliseconds to_leave{50};
     };
 
-    /// Starts the fork server. Errors: Internal.
+    /// Starts the fork server. Error: Internal.
     static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
                                                      Relay relay, SupervisedProgram::Report report);
 
@@ -58,17 +57,16 @@ public:
     /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
-    /// Computes an answer: see Compute. The process has the nice value of the calling thread. If the computation does
-    /// not stop in time, its process is ended. If somebody still waits for the answer, the computation is counted as
-    /// overdue.
+    /// Computes an answer, as specified for Compute. The process gets the nice value of the calling thread. A process
+    /// that does not stop in time is ended. It is counted as overdue if a client still waits for the answer.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
-    /// Sets the number of threads that each computation may use, including the main thread of its process. A running
-    /// computation applies the new number from its next step on.
+    /// Sets the number of threads that each computation may use, including the main thread of its process. Running
+    /// computations apply the new number at their next parallel step.
     void lend(std::size_t threads) { threads_.store(static_cast<std::uint32_t>(threads)); }
 
-    /// Number of threads that each computation may use now; initially 1.
+    /// Number of threads that each computation may use; initially 1.
     std::size_t lent() const { return threads_.load(); }
 
     /// Whether the fork server can fork processes now, or is starting for the first time.
@@ -78,12 +76,11 @@ public:
     bool is_responsive() const { return fork_server_->is_responsive(); }
 
     struct Counts {
-        std::uint64_t crashes = 0;   ///< processes that crashed while they computed
-        std::uint64_t overdue = 0;   ///< processes ended because they did not stop at a deadline
-        std::uint64_t restarts = 0;  ///< restarts of the fork server
-        std::uint64_t silences = 0;  ///< times that the fork server stopped replying
-        std::uint64_t decoder_deaths =
-            0;  ///< pictures whose decoder crashed, exceeded a limit or wrote an invalid reply
+        std::uint64_t crashes = 0;         ///< processes that crashed while they computed
+        std::uint64_t overdue = 0;         ///< processes ended because they did not stop at a deadline
+        std::uint64_t restarts = 0;        ///< restarts of the fork server
+        std::uint64_t silences = 0;        ///< number of times that the fork server stopped replying
+        std::uint64_t decoder_deaths = 0;  ///< decoders that crashed, exceeded a limit or replied nonsense
     };
     Counts counts() const;
 
@@ -104,7 +101,7 @@ private:
     std::atomic<std::uint64_t> overdue_ = 0;
     std::atomic<std::uint64_t> decoder_deaths_ = 0;
     std::atomic<std::uint64_t> computations_ = 0;
-    SharedNumber threads_;  ///< limit of each computation
+    SharedNumber threads_;  ///< number of threads that each computation may use
 
     std::mutex mutex_;
     std::map<int, std::vector<Process>> idle_;  ///< idle processes by nice value; guarded by the mutex

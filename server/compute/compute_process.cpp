@@ -36,14 +36,14 @@ void give_back_memory() {
     if (mallinfo2().fordblks > kMuch) malloc_trim(0);
 }
 
-/// A request that has arrived, and the source by which its computation is stopped.
+/// A request that has arrived, and the stop source of its computation.
 struct Task {
     Call call;
     ComputeRequest request;
     std::stop_source stop;
 };
 
-/// Receives messages from the channel in a separate thread, so that a stop is noticed during a computation. Ends the
+/// Receives messages from the channel in a separate thread, so that a Stop is noticed during a computation. Ends the
 /// process when the channel is closed.
 class Inbox {
 public:
@@ -104,10 +104,10 @@ private:
     std::jthread listener_;  ///< last, because it uses all other members
 };
 
-/// Runs the tasks of a computation on the number of threads that the server allows at the moment.
+/// Runs the tasks of a computation on at most as many threads as the server allows at the moment.
 class LentThreads : public Executor {
 public:
-    /// @param lent  number of threads, including the caller's; must outlive this object
+    /// @param lent  number of threads that the server allows, including the calling one; must outlive this object
     explicit LentThreads(const SharedNumberReader& lent)
         : threads_([this, &lent] { return lent_ = Clock::now() - start_ < kAlone ? 1 : lent.load(1); }) {}
 
@@ -116,14 +116,14 @@ public:
         max_used_ = std::max(max_used_, std::min(count, lent_));
     }
 
-    /// The largest number of threads that worked at the same time.
+    /// Maximum number of threads that worked at the same time.
     std::size_t max_used() const { return max_used_; }
 
 private:
     using Clock = std::chrono::steady_clock;
 
-    /// Time for which a computation has only its own thread, because additional threads delay shorter computations:
-    /// `/sample` with 1,024 sites takes 3.8 ms with this limit and 4.1 ms without it.
+    /// Time for which a computation has only one thread, because starting threads delays short computations: `/sample`
+    /// with 1,024 sites takes 3.8 ms with this limit and 4.1 ms without it.
     static constexpr std::chrono::milliseconds kAlone{5};
 
     const Clock::time_point start_ = Clock::now();
@@ -140,13 +140,13 @@ double processor_time() {
 }
 
 /// Sends a reply with its texts.
-/// @returns  false if the channel is closed; the process is then about to end
+/// @returns  false if the channel is closed; Inbox then ends the process
 bool send_reply(int channel, Reply reply, const std::array<std::string_view, Reply::kTexts>& texts) {
     for (std::size_t i = 0; i < texts.size(); ++i) reply.sizes[i] = texts[i].size();
     return send_texts(channel, {text_of(reply), texts[0], texts[1], texts[2], texts[3], texts[4]});
 }
 
-/// Sends an answer, or the head of an answer whose body follows in pieces.
+/// Sends a whole answer, or the head of an answer whose body is sent in pieces.
 bool send_answer(int channel, Reply reply, const api::Answer& answer) {
     reply.sites = answer.sites;
     reply.pixels = answer.pixels;
@@ -162,14 +162,14 @@ bool send_answer(int channel, Reply reply, const api::Answer& answer) {
                       {answer.media_type, answer.coding, answer.body, answer.repaired, answer.warnings});
 }
 
-/// Sends the pieces of a large body.
+/// Sends a large body to the server in pieces.
 class PieceSender : public api::BodySink {
 public:
-    /// @param timings  timings of the current computation, which are sent with the head
+    /// @param timings  timings of the current computation, sent with the head
     PieceSender(int channel, const api::Timings& timings) : channel_(channel), timings_(timings) {}
 
-    /// Sends the head. Also returns the free memory of the computation, because a slow client may receive the body for a
-    /// long time.
+    /// Sends the head. Also returns the free memory of the computation, because a slow client may receive the body for
+    /// a long time.
     Result<void> begin(const api::Answer& head) override {
         give_back_memory();
         Reply reply;

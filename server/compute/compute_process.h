@@ -9,16 +9,15 @@
 
 namespace ccdt::server {
 
-/// A function that computes an answer: compute_here, or a replacement in tests.
+/// A function that computes an answer: compute_here() or, in tests, a replacement.
 using Computer = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                    const api::Limits& limits, const api::Decode& decode,
                                                    const Control& control, api::Timings& timings)>;
 
-/// Answers the server's calls on `files.channel`, one at a time. Once the server closes its end of the channel, the
-/// process ends at once, even during a computation. See compute_protocol.h.
+/// Answers the calls of the server on `files.channel` (see compute_protocol.h), one at a time. Ends the process as soon
+/// as the server closes the channel, even during a computation.
 ///
-/// A computation gets as many threads as the server lends it. The threads start when they are first needed and end with
-/// the computation.
+/// A computation uses at most the number of threads in `files.threads`. They start when needed, and end with it.
 [[noreturn]] void run_compute_process(ComputeFiles files, const Computer& compute);
 
 }  // namespace ccdt::server

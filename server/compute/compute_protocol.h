@@ -14,59 +14,57 @@
 
 namespace ccdt::server {
 
-/// Messages between the server, the fork server and the computation processes. Their programs are built together, so
+/// Messages between the server, the fork server and the computation processes. These programs are built together, so
 /// structs are sent as they are in memory.
 ///
-/// Two sockets connect a computation process to the server. The channel is a stream that carries calls and replies. The
-/// events socket preserves message boundaries. It carries the orders of the process to the decoder (see
-/// decoder_protocol.h) and, when the process has ended, the fork server's report of that end. The process reads the
-/// number of threads that it may use from memory that it shares with the server.
+/// Two sockets connect a computation process to the server. The channel is a stream of calls and replies. The events
+/// socket carries single messages: orders of the process to the decoder (see decoder_protocol.h) and, at the end of the
+/// process, the fork server's report. Shared memory holds the number of threads that the process may use.
 
 /// Files that the server sends to a computation process.
 struct ComputeFiles {
     UniqueFd channel;
     UniqueFd events;
-    UniqueFd threads;  ///< file of a SharedNumber: number of threads that a computation may use now
+    UniqueFd threads;  ///< file of a SharedNumber: number of threads that a computation may use
 };
 
-/// Order to the fork server to fork a process. The files of ComputeFiles are sent with it.
+/// Order to the fork server to fork a computation process. The message carries the files of ComputeFiles.
 struct ForkOrder {
     std::int32_t nice = 0;  ///< nice value of the process
 };
 
-/// Report of the fork server: a process has ended, or could not be forked.
+/// Report of the fork server that a process has ended or could not be forked.
 struct ChildEnd {
     std::int32_t fork_error = 0;  ///< errno of fork; 0: the process was forked
     std::int32_t status = 0;      ///< status of waitpid
 };
 
-/// Message to a computation process. The texts of the request follow a message of kind Ask.
+/// Message to a computation process. If the kind is Ask, the texts of the request follow.
 struct Call {
     enum class Kind : std::uint32_t { Ask, Stop };
     static constexpr std::size_t kTexts = 5;  ///< path, query, content type, Accept header, body
 
     Kind kind = Kind::Ask;
     std::uint32_t compressed = 0;  ///< 1: compress the body if that is worthwhile
-    std::uint64_t number = 0;      ///< number of the computation: a late Stop must not stop the next one
+    std::uint64_t number = 0;      ///< number of the computation, so that a late Stop does not stop the next one
     api::Limits limits;
     std::array<std::uint64_t, kTexts> sizes{};
 };
 
-/// Message from a computation process, followed by texts. For each request, the process sends any number of Steps, then
-/// an Answer or a Failure. A large body is sent before the Answer: first a Head, which has all members of the answer
-/// except the body, then any number of Pieces of the body.
+/// Message from a computation process, followed by texts. For each request, the process sends any number of Steps
+/// (progress), then an Answer or a Failure. A large body precedes its Answer: a Head, which is the answer without body,
+/// and any number of Pieces of the body.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Head, Piece, Answer, Failure };
-    /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field, three
-    /// empty texts.
+    /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field.
     static constexpr std::size_t kTexts = 5;
 
     Kind kind = Kind::Step;
     std::uint32_t code = 0;  ///< ErrorCode of a failure
     Progress progress;
     api::Timings timings;
-    std::uint64_t decoder_deaths = 0;  ///< during this computation: see ComputeBox::Counts
-    // Members of api::Answer besides its texts:
+    std::uint64_t decoder_deaths = 0;  ///< count for this computation: see ComputeBox::Counts
+    // Members of api::Answer that are not texts:
     std::uint64_t sites = 0;
     std::uint64_t pixels = 0;
     std::uint32_t partial = 0;
@@ -74,7 +72,7 @@ struct Reply {
     std::uint32_t streamed = 0;
     double radius = 0;  ///< radius of a halftone's dots; 0: unknown
     double tone = 0;
-    double plot_seconds = -1;  ///< duration of drawing the answer with a plotter; < 0: unknown
+    double plot_seconds = -1;  ///< time in which a plotter draws the answer; < 0: unknown
     std::array<std::uint64_t, kTexts> sizes{};
 };
 

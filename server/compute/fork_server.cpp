@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kFailed = 1;
 
-/// Makes the kernel end this process before the server if the machine runs out of memory. Failures are ignored.
+/// Makes the kernel kill this process before the server if the machine runs out of memory. Ignores failures.
 void volunteer_for_out_of_memory() {
     const UniqueFd file(open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC));
     if (file) static_cast<void>(!write(file.get(), "500", 3));
@@ -30,7 +30,7 @@ void report_end(const UniqueFd& events, const ChildEnd& end) {
     static_cast<void>(send_message(events.get(), bytes_of(end)));
 }
 
-/// Turns a child into a process that computes.
+/// Turns a forked child into a computation process.
 [[noreturn]] void become(const ForkOrder& order, ComputeFiles files, const ComputeProcess& compute) {
     setpriority(PRIO_PROCESS, 0, order.nice);
     volunteer_for_out_of_memory();

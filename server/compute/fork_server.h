@@ -12,11 +12,11 @@ namespace ccdt::server {
 using ComputeProcess = std::function<void(ComputeFiles files)>;
 
 /// Turns the calling process, which must have one thread, into the fork server. The fork server reports that it is
-/// ready, forks a process for each order (see compute_protocol.h), and reports how each process ended. It ends once the
-/// other end of `orders` is closed.
+/// ready, forks a process for each order (see compute_protocol.h), and reports the end of each process. It ends when
+/// the other end of `orders` is closed.
 ///
-/// Forked processes outlive the fork server. Each ends when the server closes the sockets of that process. If the
-/// machine runs out of memory, the kernel kills forked processes before the server.
+/// Forked processes outlive the fork server. Each process ends when the server closes its sockets. If the machine runs
+/// out of memory, the kernel kills these processes before the server.
 [[noreturn]] void run_fork_server(UniqueFd orders, const ComputeProcess& compute);
 
 }  // namespace ccdt::server

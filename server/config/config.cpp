@@ -19,19 +19,19 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Number of connections for health checks, refusals and slow clients, in addition to the connections whose requests
-/// are computed or queued.
+/// Default number of common connections in addition to those whose requests are computed or queued. They serve idle and
+/// slow clients and requests that need no worker.
 constexpr std::size_t kSpareConnections = 512;
 
-/// Size of the reserve for health checks and metrics: one connection for every kConnectionsPerReserved common
-/// connections, but at least kMinReserve.
+/// Number of connections reserved for health checks and metrics: one for every kConnectionsPerReserved common
+/// connections, and at least kMinReserve.
 constexpr std::size_t kMinReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
 
-/// Bytes that jobs may take on disk or in Redis.
+/// Default limit in bytes for jobs on disk or in Redis.
 constexpr std::size_t kJobBytes = std::size_t{1} << 30;
 
-/// Values set by flags and variables. Some defaults depend on the number of workers.
+/// Values set by flags and variables. The optional members have defaults that depend on other values.
 struct Draft {
     Config config;
     std::optional<std::size_t> threads_per_request;
@@ -42,11 +42,11 @@ struct Draft {
     std::optional<std::size_t> cache;
     std::optional<std::vector<std::string>> cors_origins;
     std::optional<std::vector<std::string>> allowed_hosts;
-    std::map<std::string_view, ChosenValue> given;  ///< given values by flag
+    std::map<std::string_view, ChosenValue> given;  ///< values that were given, by flag
 };
 
-/// Applies a value.
-/// @returns  what was expected instead; empty if the value is valid
+/// Applies the value of a setting to a draft.
+/// @returns  a description of the valid values; empty if the value is valid
 using Apply = std::string (*)(Draft&, std::string_view value);
 
 struct Setting {
@@ -55,8 +55,8 @@ struct Setting {
     std::string_view value;
     std::string_view help;
     Apply apply;
-    bool is_secret = false;         ///< errors do not show the value
-    bool only_by_variable = false;  ///< a flag would show the value in the list of processes
+    bool is_secret = false;         ///< error messages do not show the value
+    bool only_by_variable = false;  ///< no flag, because the list of processes would show the value
 };
 
 std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
@@ -101,7 +101,7 @@ std::string set_log_format(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// Accepts visible ASCII only, because the values are sent in a header.
+/// Sets the allowed origins. Accepts only visible ASCII, because the values are sent in a header.
 std::string set_cors_origins(Draft& draft, std::string_view text) {
     draft.cors_origins.emplace();
     if (text == "none") return {};
@@ -115,7 +115,7 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
-/// @returns  the host in the form for `allows_host`; none if the text has a port, or is neither a name nor an address
+/// Returns a host in the form for `allows_host`; none if the text has a port, or is neither a name nor an address.
 std::optional<std::string> parse_host(std::string_view text) {
     const bool has_brackets = text.starts_with('[') && text.ends_with(']');
     if (has_brackets) text = text.substr(1, text.size() - 2);
@@ -179,15 +179,13 @@ std::string set_bind(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// Returns the default origins. On loopback, pages of the same machine may use the server, because nobody else can
-/// reach it.
+/// Returns the default origins: loopback pages if the server listens on loopback, otherwise none.
 std::vector<std::string> default_cors_origins(std::string_view bind) {
     if (!is_loopback(bind)) return {};
     return {std::string(kLoopback)};
 }
 
-/// Returns the allowed hosts. They always include loopback, because a stranger's page cannot have such a host name (see
-/// allows_host).
+/// Returns the allowed hosts. They always include loopback names, which foreign pages cannot have (see allows_host).
 std::vector<std::string> all_allowed_hosts(const Draft& draft) {
     if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
     auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());
@@ -397,7 +395,7 @@ std::string padded(std::string_view text, std::size_t width) {
 }  // namespace
 
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment) {
-    // Flags are read first, so that --help works whatever the environment contains.
+    // Reads the flags first, so that --help works even if the environment is invalid.
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());

@@ -28,23 +28,23 @@ enum class LogFormat { Text, Json };
 struct Config {
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any free port
-    std::size_t workers = 1;                       ///< number of simultaneous computations
-    std::size_t threads_per_request = 1;           ///< maximum for one computation, used while other workers are idle
+    std::size_t workers = 1;                       ///< number of computations at the same time
+    std::size_t threads_per_request = 1;           ///< maximum for one computation while other workers are idle
     std::size_t queue = 16;                        ///< number of requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
-    std::size_t memory = std::size_t{1} << 30;     ///< bytes, of the server and its decoders together
+    std::size_t memory = std::size_t{1} << 30;     ///< limit in bytes for the server, computations and decoders
     api::Limits limits;
-    std::chrono::milliseconds timeout{60'000};        ///< from the last byte of a request to its answer
-    std::chrono::milliseconds drain_timeout{70'000};  ///< from the signal to the end of the process
+    std::chrono::milliseconds timeout{60'000};        ///< limit from the last byte of a request to its answer
+    std::chrono::milliseconds drain_timeout{70'000};  ///< limit from SIGTERM to the end of the process
     Patience patience;                                ///< time-outs for slow clients
     Capacity::Limits capacity;                        ///< limits for all clients together
-    TrustedProxies trusted_proxies;                   ///< proxies whose information about their clients is trusted
+    TrustedProxies trusted_proxies;                   ///< proxies whose headers about their clients are trusted
     JobLimits jobs;
     std::size_t cache = 0;                    ///< capacity for answers, in bytes; 0: no cache
-    bool cache_shared = false;                ///< answers computed for one API key are also given to others
+    bool cache_shared = false;                ///< answers computed for one API key are also sent to other keys
     std::optional<RedisAddress> cache_redis;  ///< Redis in which servers share answers
-    std::optional<RedisAddress> rate_redis;   ///< Redis in which servers share their counts of requests
-    std::string data_dir;                     ///< folder of the jobs; empty: jobs are in memory or in Redis
+    std::optional<RedisAddress> rate_redis;   ///< Redis in which servers share the rate limits of clients
+    std::string data_dir;                     ///< folder of the job database; empty: jobs are in memory or in Redis
     std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
     std::vector<std::string> cors_origins;    ///< origins whose pages may use the server: see cors_headers
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
@@ -55,10 +55,10 @@ struct Config {
     LogFormat log_format = LogFormat::Text;
 };
 
-/// A flag's value and its origin.
+/// The value of a flag, and the origin of the value.
 struct ChosenValue {
     std::string_view flag;
-    std::string value;        ///< value as given, but without the password of a URL; empty: no value
+    std::string value;        ///< value as given, without passwords in URLs; empty: no value
     std::string_view origin;  ///< name of the flag or the variable; empty: the default
 };
 
@@ -78,9 +78,9 @@ struct CommandLine {
 /// Looks up an environment variable; null if it is not set.
 using Environment = std::function<const char*(const char* name)>;
 
-/// Reads the flags and the environment. A flag overrides its variable; an empty variable counts as not set.
+/// Reads the flags and the environment variables. A flag overrides its variable. An empty variable counts as not set.
 ///
-/// @param arguments  without the program's name; both `--flag value` and `--flag=value` are accepted
+/// @param arguments  without the program's name, as `--flag value` or `--flag=value`
 /// Errors (Malformed): an unknown flag, a flag without a value, a value out of range. The message names the flag.
 Result<CommandLine> parse_command_line(std::span<const char* const> arguments, const Environment& environment);
 

@@ -7,12 +7,12 @@
 namespace ccdt::server {
 namespace {
 
-/// Descriptors of the server itself: its programs, the log, the listening socket, the database of jobs. An idle server
-/// has 12 to 14; each computation takes three more.
+/// Descriptors reserved for the server itself (helper programs, log, listening socket, job database) and for each
+/// computation. An idle server uses 12 to 14, a computation 3.
 constexpr std::size_t kServerDescriptors = 32;
 constexpr std::size_t kDescriptorsPerComputation = 4;
 
-/// Maximum of connections to one Redis, including one for notifications.
+/// Maximum number of connections to one Redis, including one for notifications.
 constexpr std::size_t kDescriptorsPerRedis = 17;
 
 /// Minimum number of connections of a useful server, unless its flags set lower limits.
@@ -24,7 +24,7 @@ constexpr std::size_t kMinRefused = 4;
 std::size_t own_descriptors(const Config& config) {
     const std::size_t redis = config.redis.has_value() + config.cache_redis.has_value() + config.rate_redis.has_value();
     return kServerDescriptors + kDescriptorsPerComputation * (config.workers + 1) +
-           kDescriptorsPerRedis * redis;  // workers + 1: one more computation for short requests
+           kDescriptorsPerRedis * redis;  // workers + 1: an additional computation for short requests
 }
 
 std::size_t connections_of(const Capacity::Limits& limits) {

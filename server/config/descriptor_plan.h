@@ -8,25 +8,25 @@
 
 namespace ccdt::server {
 
-/// Shares of the file descriptors that the server may open (`ulimit -n`).
+/// Division of the file descriptors that the server may open (`ulimit -n`).
 struct DescriptorPlan {
-    std::size_t allowed = 0;    ///< limit of the process
-    std::size_t wanted = 0;     ///< number needed for all connections that the flags allow
-    Capacity::Limits capacity;  ///< the limits of the flags or, if they do not fit, proportionally lower ones
+    std::size_t allowed = 0;    ///< limit of descriptors of this process
+    std::size_t wanted = 0;     ///< number needed if all connections allowed by the flags are open
+    Capacity::Limits capacity;  ///< limits set by the flags, reduced if the descriptors do not suffice
 
     bool fits() const { return wanted <= allowed; }
 };
 
-/// Number of descriptors that the server needs if all connections that the flags allow are open.
+/// Number of descriptors needed if all connections allowed by the flags are open.
 std::size_t wanted_descriptors(const Config& config);
 
-/// Divides the descriptors. The server itself, its computations and its connections to Redis come first. The
-/// connections of clients share the remaining descriptors.
+/// Divides the descriptors. Reserves those of the server itself, its computations and its connections to Redis. The
+/// connections of clients share the remaining ones.
 /// @param allowed  limit of descriptors of this process
-/// Errors (Unusable): too few for a useful server; the message names the limit and the need.
+/// Errors (Unusable): too few descriptors for a useful server; the message names the limit and the minimum.
 Result<DescriptorPlan> share_descriptors(const Config& config, std::size_t allowed);
 
-/// Describes how many connections may be open and, if that is fewer than wanted, why.
+/// Describes the limits of connections and, if they were reduced, the reason.
 std::string describe(const DescriptorPlan& plan);
 
 }  // namespace ccdt::server

@@ -8,14 +8,14 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Minimum memory for bodies and answers in transfer. With less, a single large answer would shrink all time-outs.
+/// Minimum memory for bodies and answers in transfer. With less, a single large answer would shorten all time-outs.
 constexpr std::size_t kTransfers = 256 * kMebibyte;
 constexpr std::size_t kBodiesAtOnce = 4;
 constexpr std::size_t kMemoryPerTransferred = 4;
 
 constexpr std::size_t kCache = 64 * kMebibyte;
 constexpr std::size_t kJobs = 256 * kMebibyte;
-constexpr std::size_t kMemoryPerStoredByte = 16;  ///< the cache and the jobs each get the memory divided by this
+constexpr std::size_t kMemoryPerStoredByte = 16;  ///< the cache and the jobs each get 1/16 of the memory
 
 }  // namespace
 

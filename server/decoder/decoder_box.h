@@ -15,15 +15,14 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Decodes untrusted pictures in separate processes. A process that crashes, hangs or exceeds its memory fails only its
-/// own picture.
+/// Decodes untrusted pictures and shapefiles in separate processes. A process that crashes, hangs or exceeds its memory
+/// affects only its own file.
 ///
-/// A helper process forks a child for each picture. If the helper ends, it is restarted. Orders come from
-/// DecoderClient. decoder_helper.h describes how the processes end, decoder_confinement.h and decoder_sandbox.h what
-/// they may do. Thread-safe.
+/// A helper process forks a child for each file. If the helper ends, it is restarted. DecoderClient creates the orders.
+/// decoder_helper.h describes the processes, decoder_confinement.h and decoder_sandbox.h their rights. Thread-safe.
 class DecoderBox {
 public:
-    /// Starts the helper. The destructor ends the helper and all its children. Errors: Internal.
+    /// Starts the helper. The destructor ends the helper and all its children. Error: Internal.
     /// @param launch  starts a process that calls run_decoder_helper
     static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch,
                                                      SupervisedProgram::Report report);
@@ -31,12 +30,12 @@ public:
     /// Waits until the helper is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return helper_->wait_until_ready(stop); }
 
-    /// Passes an order to the helper, and waits while the helper is restarted. If there is no helper by the time limit
-    /// of the order, this is reported as the outcome of the order.
-    /// @returns  false if there was no helper by the time limit, or if a stop was requested
+    /// Passes an order to the helper, and waits if the helper is being restarted. If no helper runs by the time limit
+    /// of the order, reports this as the outcome of the order.
+    /// @returns  false if no helper ran by the time limit, or if a stop was requested
     bool relay(const Order& order, const std::stop_token& stop);
 
-    /// Number of times that the helper ended and was or is being restarted.
+    /// Number of restarts of the helper, including one in progress.
     std::uint64_t restarts() const { return helper_->restarts(); }
 
     /// Whether the helper has replied recently.
@@ -48,7 +47,7 @@ public:
     /// Whether the helper is ready now, or starting for the first time.
     bool is_ready() const { return helper_->is_ready(); }
 
-    /// The confinement that the first helper reported. Must be called after the helper has become ready.
+    /// The confinement that the first helper reported. Must not be called before wait_until_ready() has succeeded.
     const Confinement& confinement() const { return *confinement_; }
 
 private:

@@ -25,11 +25,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Seconds of elapsed time that a child may take for each second of its limit of processor time. The time that a child
-/// may take to begin is added.
+/// Time limit of a child, as a multiple of its limit of processor time. The time limit to begin is added.
 constexpr int kMaxPerProcessorTime = 3;
 
-/// Reasons why there is no reply.
+/// The reason why there is no reply.
 struct NoReply {
     enum class Reason { Died, TooSlow, Late, Stopped, NotStarted, OrderLost, NoHelper };
     Reason reason = Reason::OrderLost;
@@ -56,7 +55,7 @@ struct CloseBothWays {
     void operator()() const { ::shutdown(socket, SHUT_RDWR); }
 };
 
-/// Waits for the next report about an order.
+/// Receives the next report about an order.
 tl::expected<Outcome, NoReply> next_report(const UniqueFd& outcome, Clock::time_point deadline,
                                            const std::stop_token& stop) {
     pollfd polled{outcome.get(), POLLIN, 0};
@@ -71,10 +70,10 @@ tl::expected<Outcome, NoReply> next_report(const UniqueFd& outcome, Clock::time_
     return report;
 }
 
-/// Waits for the end of an order.
+/// Waits until an order is done or has failed.
 /// @param to_begin  time within which a child must begin
 /// @param to_end    time within which the child must end after it has begun
-/// @returns         none if there is a reply
+/// @returns         none if the child has written its reply
 std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begin, Clock::duration to_end,
                                 const std::stop_token& stop) {
     const std::stop_callback wake(stop, CloseBothWays{outcome.get()});
@@ -88,12 +87,12 @@ std::optional<NoReply> wait_for(const UniqueFd& outcome, Clock::duration to_begi
     return std::nullopt;
 }
 
-/// Type of the result in a reply.
+/// Type of the result that a reply contains.
 template <class Reply>
 using ResultOf = typename decltype(std::declval<const Reply&>().read())::value_type;
 
 /// Sends one order to a helper, and waits for the reply.
-/// @param text  text of the order
+/// @param text  the fixed-size part of the order
 template <class Reply>
 tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder& pass_order, std::string_view bytes,
                                                   const Order::Text& text, const std::stop_token& stop) {
@@ -104,8 +103,8 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     order.outcome = std::move(outcome->theirs);
     if (!pass_order(order, stop))
         return tl::unexpected(NoReply{stop.stop_requested() ? NoReply::Reason::Stopped : NoReply::Reason::NoHelper});
-    order.outcome.reset();  // only the helper may keep this end, so that it is closed when the helper ends
-    // Returning closes our end of the socket, which ends the child.
+    order.outcome.reset();  // so that this end is closed when the helper ends
+    // When this function returns, our end of the socket is closed, which ends the child.
     const std::chrono::milliseconds to_begin(text.patience_ms);
     const auto to_end = to_begin + kMaxPerProcessorTime * text.limits.time;
     if (const auto none = wait_for(outcome->ours, to_begin, to_end, stop)) return tl::unexpected(*none);
@@ -116,7 +115,7 @@ tl::expected<ResultOf<Reply>, NoReply> ask_helper(const DecoderClient::PassOrder
     return *std::move(result);
 }
 
-/// Returns the error for a missing reply.
+/// Returns the error that describes why there is no reply.
 /// @param what  subject of the message, such as "the image"
 tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     switch (none.reason) {
@@ -137,7 +136,7 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
-/// Has a file decoded. Repeats an order that was lost because its helper ended.
+/// Sends orders to decode a file until there is a reply. Repeats an order only if it was lost because its helper ended.
 /// @param longest_wait  see DecoderClient::kLongestWait
 /// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
 template <class Reply>
@@ -155,7 +154,7 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
         const auto reason = reply.error().reason;
         if (reason == Reason::Died || reason == Reason::TooSlow) ++deaths;
         if (!retry_until) retry_until = Clock::now() + longest_wait;
-        // If the helper has ended, the file is not the cause, so the order is repeated.
+        // The file does not cause the end of the helper, so the order is repeated.
         if (reason != Reason::OrderLost || Clock::now() > *retry_until)
             return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
     }
@@ -166,7 +165,7 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
 DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
     constexpr std::chrono::seconds kTime{5};
     constexpr std::uint64_t kPixelsPerMillisecond = 2000;
-    constexpr std::size_t kMemory = std::size_t{24} << 20;  // enough to find out what is wrong with the file
+    constexpr std::size_t kMemory = std::size_t{24} << 20;  // enough to find the error in the file
     const auto header = api::read_image_header(file, max_pixels);
     if (!header) return {kMemory, kTime};
     const std::chrono::milliseconds for_pixels(header->pixels() / kPixelsPerMillisecond);

@@ -41,7 +41,7 @@ int error_of(bool done) {
     return done ? 0 : errno;
 }
 
-/// Changes the user and the group from root to nobody.
+/// Changes user and group to nobody if the process belongs to root.
 void leave_root(Confinement& confinement) {
     if (geteuid() != 0) return;
     const bool dropped = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&
@@ -50,8 +50,8 @@ void leave_root(Confinement& confinement) {
     if (dropped) confinement.user = kNobody;
 }
 
-/// Empties the capability bounding set, which limits what a process can gain by executing a program. Failures are
-/// ignored: without CAP_SETPCAP the set cannot be changed.
+/// Empties the capability bounding set, which limits the capabilities that a process can gain by executing a program.
+/// Ignores failures, because this requires CAP_SETPCAP.
 void empty_bounding_set() {
     for (unsigned long capability = 0; prctl(PR_CAPBSET_READ, capability, 0, 0, 0) >= 0; ++capability)
         prctl(PR_CAPBSET_DROP, capability, 0, 0, 0);
@@ -64,11 +64,11 @@ bool drop_capabilities() {
     return syscall(SYS_capset, &header, none) == 0;
 }
 
-/// Makes an empty file system the root, and unmounts the previous one. Fails in a chroot, where the root directory is
-/// not the root of a mount.
+/// Replaces the root by an empty file system, and unmounts the previous one. Fails in a chroot, where the root
+/// directory is not a mount point.
 bool empty_root() {
     constexpr unsigned long kFlags = MS_NOSUID | MS_NODEV | MS_NOEXEC | MS_RDONLY;
-    constexpr const char* kPlace = "/proc";  // any existing folder will do
+    constexpr const char* kPlace = "/proc";  // any existing folder
     return mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
            mount("none", kPlace, "tmpfs", kFlags, "nr_inodes=1,mode=555") == 0 && chdir(kPlace) == 0 &&
            syscall(SYS_pivot_root, ".", ".") == 0 && umount2(".", MNT_DETACH) == 0 && chdir("/") == 0;
@@ -92,7 +92,7 @@ std::string Confinement::describe() const {
 
 void enter_namespaces(Confinement& confinement) {
     confinement.user = geteuid();
-    // A process that may not create these namespaces may still create a user namespace, and inside it the others.
+    // An unprivileged process may create these namespaces only inside a new user namespace.
     if (unshare(CLONE_NEWUTS) != 0 && errno == EPERM) {
         leave_root(confinement);
         static_cast<void>(unshare(CLONE_NEWUSER));

@@ -8,8 +8,8 @@
 
 namespace ccdt::server {
 
-/// Layers of isolation between decoding processes and the machine. Any of them may be unavailable on a machine or in
-/// the container of the server.
+/// Layers of isolation between decoding processes and the machine. Each layer may be unavailable, depending on the
+/// kernel and the container.
 enum class Layer : std::uint8_t {
     User,          ///< the process does not belong to root
     Capabilities,  ///< the process has no capabilities
@@ -23,12 +23,12 @@ enum class Layer : std::uint8_t {
     Calls,         ///< the kernel filters system calls
 };
 
-/// The layers in force, as determined by trying each one.
+/// The layers that are in force. Each layer was tried to find out.
 struct Confinement {
     static constexpr std::size_t kLayers = 10;
 
     std::uint32_t user = 0;                      ///< user id of the processes
-    std::array<std::int32_t, kLayers> errors{};  ///< [layers] 0 if in force, else the errno of the failure
+    std::array<std::int32_t, kLayers> errors{};  ///< for each layer: 0 if in force, otherwise errno
 
     std::int32_t& error(Layer layer) { return errors[static_cast<std::size_t>(layer)]; }
     bool has(Layer layer) const { return errors[static_cast<std::size_t>(layer)] == 0; }
@@ -38,10 +38,10 @@ struct Confinement {
     std::string describe() const;
 };
 
-/// Enters new namespaces and records which are in force. A process that may not create namespaces enters a new user
-/// namespace first. If such a process belongs to root, it changes to the user nobody before that.
+/// Enters new namespaces and records which are in force. A process without the right to create namespaces enters a new
+/// user namespace first; if it belongs to root, it becomes the user nobody before.
 ///
-/// The PID namespace applies to children: the first child becomes its init process, and when the init process ends, all
+/// The PID namespace applies to children of the caller. The first child becomes the init process; when it ends, all
 /// processes in the namespace end. Must be called by a single-threaded process.
 void enter_namespaces(Confinement& confinement);
 

@@ -31,24 +31,23 @@ namespace {
 constexpr int kServerGone = 0;
 constexpr int kFailed = 1;
 
-/// Makes the calling process end when its parent ends, or at once if the parent has ended already.
+/// Makes the kernel end the calling process when `parent` ends. Exits at once if `parent` has already ended.
 void follow(pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(kFailed);
 }
 
-/// Descriptors, besides the standard streams, that stay open in the helper and its children: a socket for orders, and
-/// /proc, which they cannot open later, because their root directory may be empty by then.
+/// Descriptors that stay open in the helper and its children, after the standard streams: the socket for orders, and
+/// /proc, which cannot be opened once the root directory is empty.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
 
-/// Moves the socket to kOrders, and closes all files but kOrders, kProc and the standard streams.
+/// Moves the socket to kOrders. Closes all files except kOrders, kProc and the standard streams.
 bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Closes inherited files, and redirects the standard streams to /dev/null. With sanitizers, the standard error stays
-/// as it is, for their reports.
+/// Closes inherited files, and redirects the standard streams to /dev/null, except sanitizers' standard error.
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -75,7 +74,7 @@ public:
     /// Carries out orders until the server has ended.
     void run() {
         while (true) {
-            Order order;  // destroyed before the next order arrives, because another child must not inherit its files
+            Order order;  // destroyed before the next order arrives, so that the next child does not inherit its files
             auto files = children_.wait_for_order(writable_bytes_of(order.text), [this] { fork_spare(); });
             if (!files) return;
             order.take(*std::move(files));
@@ -87,12 +86,11 @@ private:
     /// A child that waits for an order.
     struct Spare {
         pid_t process = 0;  ///< 0: none
-        UniqueFd socket;    ///< sends it an order
+        UniqueFd socket;    ///< socket for the child's order
     };
 
-    /// Forks a spare, unless there is one: the child for the next order. This is done before the order arrives and
-    /// while nobody waits, because forking a program with so many libraries takes longer than everything else in this
-    /// class.
+    /// Forks a spare child for the next order, unless there is one. Called before the order arrives, because forking a
+    /// program with many libraries takes longer than all other steps in this class.
     void fork_spare() {
         if (spare_.process != 0) return;
         auto sockets = make_sockets(SOCK_SEQPACKET);
@@ -109,12 +107,12 @@ private:
     void start(Order order) {
         fork_spare();
         if (spare_.process == 0) return report(order.outcome, {.fork_error = errno, .ended = 1});
-        // If the spare was killed, the order cannot be sent. It is then lost, and DecoderClient repeats it.
+        // If the spare child was killed, the order is lost, and DecoderClient repeats it.
         if (send_order(spare_.socket.get(), order)) children_.add(spare_.process, std::move(order.outcome));
         spare_ = {};
     }
 
-    /// Waits for an order and carries it out. Called in the child.
+    /// Waits for an order and executes it. Called in the child.
     [[noreturn]] void do_order(int orders) const {
         prctl(PR_SET_NAME, "decoder");
         if (!leave_files(orders)) _exit(kFailed);
@@ -133,8 +131,7 @@ private:
         _exit(kFailed);
     }
 
-    /// Reports why nothing can be decoded, as errno, and ends the process. The picture is not the cause. Called in the
-    /// child.
+    /// Reports errno as the reason why no file can be decoded, and ends the process. Called in the child.
     [[noreturn]] static void fail(const UniqueFd& outcome) {
         report(outcome, {.fork_error = errno, .ended = 1});
         _exit(kFailed);
@@ -162,10 +159,9 @@ private:
         });
     }
 
-    /// Decodes a file and ends the process. From here on the child has only the two mapped files and a socket to the
-    /// process that waits. The child itself reports that it is done, because ending a process with so many libraries
-    /// takes milliseconds.
-    /// @param decode_bytes  decodes the file and writes the reply; returns false if it could not
+    /// Decodes a file and ends the process. From here on, the child has only the two mapped files and a socket. The
+    /// child reports its outcome before it ends, because ending a process with many libraries takes milliseconds.
+    /// @param decode_bytes  decodes the file and writes the reply; returns false on failure
     template <class Reply, class DecodeBytes>
     [[noreturn]] void carry_out(Order order, const Reply& reply, const DecodeBytes& decode_bytes) const {
         const auto size = static_cast<std::size_t>(order.text.bytes);
@@ -187,9 +183,8 @@ private:
     Spare spare_;
 };
 
-/// Waits for all children, and ends with the exit status of the helper. Apart from the starter, the helper is the first
-/// child to end. Without a PID namespace, the children of the helper then become children of this process, so they are
-/// waited for as well.
+/// Waits for all children, and ends with the exit status of the helper, which is the first child to end after the
+/// starter. Without a PID namespace, the children of the helper then become children of this process.
 /// @param starter  child that forked the helper
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
@@ -207,12 +202,12 @@ private:
     _exit(end && WIFEXITED(*end) ? WEXITSTATUS(*end) : kFailed);
 }
 
-/// Forks the helper, and returns in the helper: a process with one thread, in new namespaces. The calling process does
-/// not return: it waits for the end of the helper.
+/// Forks the helper, and returns only in the helper: a process with one thread, in new namespaces. The calling process
+/// waits for the end of the helper, and then exits.
 ///
-/// Libraries start threads early, and a process with several threads cannot enter a user namespace. A PID namespace
-/// applies only to children of the process that enters it. So a child enters the namespaces, and a child of that child
-/// becomes the helper.
+/// A child enters the namespaces, because a process with several threads cannot enter a user namespace, and libraries
+/// start threads early. The helper is a child of that child, because a PID namespace applies only to children of the
+/// process that enters it.
 void continue_in_namespaces(Confinement& confinement) {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const pid_t child = fork();
@@ -226,7 +221,7 @@ void continue_in_namespaces(Confinement& confinement) {
     end_like_helper(child);
 }
 
-/// Counts the threads of this process; 0 if that is not possible.
+/// Counts the threads of this process; 0 on failure.
 std::ptrdiff_t count_threads() {
     std::error_code error;
     const std::filesystem::directory_iterator threads("/proc/self/task", error);
@@ -238,9 +233,8 @@ void pause_shortly() {
     nanosleep(&pause, nullptr);
 }
 
-/// Does the one-time work of decoding in advance. Libraries start threads for this work and detach them. If this
-/// process forked while one of these threads holds a lock, the lock would stay held in all children. So the function
-/// waits for the threads to end.
+/// Initialises the decoding libraries, and waits, for up to 5 s, until the threads that they start and detach have
+/// ended. If such a thread held a lock during a fork, the lock would stay held in all children.
 void warm_up(const Decoder& decoder) {
     if (!decoder.warm_up) return;
     constexpr int kMaxPauses = 500;
@@ -249,7 +243,7 @@ void warm_up(const Decoder& decoder) {
     for (int pauses = 0; count_threads() > before && pauses < kMaxPauses; ++pauses) pause_shortly();
 }
 
-/// Prepares the helper, and runs it until the server has ended.
+/// Starts the helper in a new process, and runs it until the server has ended. Returns only in the helper.
 /// @returns  false if the helper could not report that it is ready
 bool be_helper(const Decoder& decoder) {
     warm_up(decoder);
@@ -270,10 +264,10 @@ bool be_helper(const Decoder& decoder) {
 
 void run_decoder_helper(UniqueFd orders, const Decoder& decoder) {
     leave_signals_to_server();
-    std::signal(SIGCHLD, SIG_DFL);  // if SIGCHLD were ignored, children would leave no status
+    std::signal(SIGCHLD, SIG_DFL);  // if SIGCHLD were ignored, wait() would return no status
     try {
         if (leave_files_of_server(orders.release()) && be_helper(decoder)) _exit(kServerGone);
-    } catch (...) {  // the process ends in any case
+    } catch (...) {  // ends the process below
     }
     _exit(kFailed);
 }

@@ -11,7 +11,7 @@
 
 namespace ccdt::server {
 
-/// Functions that run in the helper and its children.
+/// Decoding functions that run in the helper and its children.
 struct Decoder {
     template <class AnyPicture>
     using To = std::function<Result<AnyPicture>(std::string_view file, const api::Reading& reading,
@@ -21,15 +21,14 @@ struct Decoder {
     using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
                                              const api::TakeText& take)>;
 
-    To<Picture> grey;               ///< the function of api::decode_image
-    To<ColourPicture> colour;       ///< the function of api::decode_colour_image
-    std::function<void()> warm_up;  ///< does the one-time work of decoding in advance; may be empty
-    ToMap map = {};                 ///< empty: maps are not decoded
+    To<Picture> grey;               ///< normally api::decode_image
+    To<ColourPicture> colour;       ///< normally api::decode_colour_image
+    std::function<void()> warm_up;  ///< initialises libraries before the first file; may be empty
+    ToMap map = {};                 ///< empty: orders for shapefiles fail
 };
 
-/// Turns the calling process into the parent of the helper. The helper takes orders, and forks a sandboxed child to
-/// carry out each one. The parent closes the files that it inherited, waits for the helper, and ends with the exit
-/// status of the helper.
+/// Turns the calling process into the parent of the helper. The helper receives orders, and forks a sandboxed child for
+/// each one. The parent closes inherited files, waits for the helper, and ends with its exit status.
 ///
 /// The helper ends once the other end of `orders` is closed. Its children end with it, even if the helper is killed.
 [[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);

@@ -20,15 +20,15 @@ namespace {
 constexpr std::size_t kLongestMessage = 1000;
 constexpr std::size_t kLongestField = 100;
 
-/// Offset of the planes or the text in the memory of a reply, in bytes.
+/// Offset of the planes or the text from the beginning of a reply, in bytes.
 constexpr std::size_t kHeadSize = 4096;
 
-/// The beginning of a reply. The message and the field of an error follow it.
+/// The beginning of a reply. The message and the field name of an error follow it.
 struct ReplyHead {
     std::uint32_t is_product = 0;  ///< 1: picture or text; 0: error
     std::uint32_t code = 0;        ///< for an error
     std::uint64_t message_size = 0;
-    std::int32_t width = 0;  ///< for a picture, like the next two members
+    std::int32_t width = 0;  ///< for a picture, like the next two
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
@@ -46,7 +46,7 @@ UniqueFd make_reply_file(std::size_t size) {
     return file;
 }
 
-/// @returns  null on failure
+/// Maps the shared memory of a reply; null on failure.
 std::shared_ptr<std::byte> map_reply(const UniqueFd& file, std::size_t size) {
     void* const begin = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
     if (begin == MAP_FAILED) return nullptr;
@@ -64,7 +64,7 @@ void write_error(const Error& error, ReplyHead& head, std::byte* memory) {
     std::memcpy(memory + sizeof(head) + message.size(), field.data(), field.size());
 }
 
-/// @returns  none if the reply is invalid
+/// Reads an error from a reply; none if the reply is invalid.
 std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std::byte* memory) {
     const bool known = head.code <= static_cast<std::uint32_t>(ErrorCode::Internal);
     if (!known || head.message_size == 0 || head.message_size > kLongestMessage || head.field_size > kLongestField)
@@ -75,8 +75,8 @@ std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std
                    {message + size, static_cast<std::size_t>(head.field_size)});
 }
 
-/// Populates the pages of values with one system call, which takes half as long as one fault per page. If the call
-/// fails, the pages are populated by faults.
+/// Allocates the pages of an array with one system call, which takes half as long as a page fault for each page. If the
+/// call fails, page faults allocate them.
 void populate(float* values, std::size_t count, int advice) {
     const std::size_t excess = reinterpret_cast<std::uintptr_t>(values) % static_cast<std::size_t>(getpagesize());
     madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);

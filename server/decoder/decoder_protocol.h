@@ -18,8 +18,8 @@
 
 namespace ccdt::server {
 
-/// Messages between the server, the helper and its decoding children. All three are built together, so structs are sent
-/// as they are in memory. The server trusts the helper, and validates what children send.
+/// Messages between the server, the decoder's helper and its children. These programs are built together, so structs
+/// are sent as they are in memory. The server trusts the helper, and validates the data from children.
 
 /// First message from the helper, sent once it is ready.
 struct Hello {
@@ -38,38 +38,38 @@ struct Order {
         std::uint64_t bytes = 0;     ///< size of the file
         std::uint64_t max_size = 0;  ///< maximum number of pixels of the picture or bytes of the map
         Product product = Product::Grey;
-        std::int32_t reduce = 1;                         ///< see api::Reading
-        std::array<char, kLongestName + 1> object = {};  ///< see api::ShapefileReading; padded with zeros
-        std::int64_t patience_ms = 0;                    ///< time limit of the wait for a helper, in milliseconds
+        std::int32_t reduce = 1;                         ///< as in api::Reading
+        std::array<char, kLongestName + 1> object = {};  ///< as in api::ShapefileReading; padded with zeros
+        std::int64_t patience_ms = 0;                    ///< maximum wait for a helper, in milliseconds
         DecoderLimits limits;
     };
     Text text;
     UniqueFd file;
     UniqueFd reply;    ///< memory made by ReplyMemory or ReplyText
-    UniqueFd outcome;  ///< socket for Outcomes; once its other end is closed, nobody waits for the child
+    UniqueFd outcome;  ///< socket for Outcomes; when its other end is closed, the child is ended
 
     using Files = std::array<UniqueFd, 3>;
 
-    /// Takes the files of a message in the order in which send_order() sends them.
+    /// Moves received files into the members. They must be in the sequence in which send_order() sends them.
     void take(Files files);
 };
 
-/// Reports about an order. The child reports that it has begun, and then that its reply is written. The helper reports
-/// that the child has ended or could not be forked. The server itself reports that there was no helper. Only the first
-/// report other than `begun` counts.
+/// A report about an order. The child reports that it has begun, and then, with all members 0, that its reply is
+/// written. The helper reports that the child has ended or could not be forked. The server reports that there was no
+/// helper. Only the first report other than `begun` counts.
 struct Outcome {
     std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; 0: a child began
-    std::int32_t ended = 0;  ///< 1: the child has ended; without an earlier report, it crashed, was killed or gave up
-    std::int32_t no_helper = 0;  ///< 1: there was no helper by the time limit of the order
-    std::int32_t begun = 0;      ///< 1: the child has the order; another report follows
-    std::int32_t too_slow = 0;   ///< 1: the child ended because it used up its processor time
+    std::int32_t ended = 0;       ///< 1: the child has ended; if first, it crashed, was killed or failed
+    std::int32_t no_helper = 0;   ///< 1: there was no helper by the time limit of the order
+    std::int32_t begun = 0;       ///< 1: the child has the order; another report follows
+    std::int32_t too_slow = 0;    ///< 1: the child ended because it used up its processor time
 };
 
-/// Sends an order.
+/// Sends an order with its files.
 /// @returns  false if the helper has ended
 bool send_order(int socket, const Order& order);
 
-/// Waits for an order. Its descriptors are empty if they did not arrive.
+/// Waits for an order. Files that did not arrive are empty.
 /// @returns  none once the server has ended
 std::optional<Order> receive_order(int socket);
 
@@ -78,10 +78,10 @@ std::optional<Order> receive_order(int socket);
 template <class AnyPicture>
 class ReplyMemory {
 public:
-    /// Creates the memory as a file of fixed size. A page takes memory only once it is written.
+    /// Creates the shared memory as a file of fixed size. The system allocates its pages when they are written.
     static UniqueFd make_file(std::size_t max_pixels);
 
-    /// Maps the memory; the object is false if that failed.
+    /// Maps the memory. After a failure, the object converts to false.
     ReplyMemory(const UniqueFd& file, std::size_t max_pixels);
     explicit operator bool() const { return memory_ != nullptr; }
 
@@ -94,9 +94,8 @@ public:
     /// @returns  false if the planes were not allocated by new_plane() in the order of the picture's members
     bool write(const Result<AnyPicture>& result);
 
-    /// Reads the result. Called by the server once the child is done. Whatever the child wrote, the planes have the
-    /// size of the picture, which does not exceed the limit. The values are unchecked, and a child under an attacker's
-    /// control could still change them.
+    /// Reads the result. Called by the server once the child is done. The planes have the size of the picture, within
+    /// the limit. The values are not checked, and a child under an attacker's control could still change them.
     /// @returns  none if the reply is invalid
     std::optional<Result<AnyPicture>> read() const;
 
@@ -113,10 +112,10 @@ private:
 /// A child's reply that is a text, in memory shared with the server.
 class ReplyText {
 public:
-    /// Creates the memory, like ReplyMemory::make_file.
+    /// Creates the shared memory, like ReplyMemory::make_file.
     static UniqueFd make_file(std::size_t max_bytes);
 
-    /// Maps the memory; the object is false if that failed.
+    /// Maps the memory. After a failure, the object converts to false.
     ReplyText(const UniqueFd& file, std::size_t max_bytes);
     explicit operator bool() const { return memory_ != nullptr; }
 
@@ -129,7 +128,7 @@ public:
     /// Ends the text or replaces it by an error. Called by the child.
     void write(const Result<void>& result);
 
-    /// Copies the result, because the child could still change the text. Called by the server once the child is done.
+    /// Reads the result. Called by the server. Copies the text, because the child could still change it.
     /// @returns  none if the reply is invalid
     std::optional<Result<std::string>> read() const;
 

@@ -27,8 +27,8 @@
 namespace ccdt::server {
 namespace {
 
-/// System calls for allocating, computing and exiting. All others fail with EPERM, which libraries tolerate, for
-/// example when they look for an optional file.
+/// Allowed system calls: for allocating, computing and exiting. All others fail with EPERM, which libraries tolerate,
+/// for example when they look for an optional file.
 constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(read),
     SCMP_SYS(brk),
@@ -47,7 +47,7 @@ constexpr auto kAllowed = std::to_array<int>({
     SCMP_SYS(restart_syscall),
 });
 
-/// System calls that map memory, allowed unless the memory is to be executable.
+/// System calls that map memory, which are allowed only for memory that is not executable.
 constexpr auto kAllowedWithoutExec = std::to_array<int>({SCMP_SYS(mmap), SCMP_SYS(mprotect)});
 
 Sandbox::Memory own_memory() {
@@ -72,7 +72,7 @@ bool add_rules(scmp_filter_ctx context) {
     return added && seccomp_rule_add_array(context, SCMP_ACT_ALLOW, SCMP_SYS(write), 1, &to_output) == 0;
 }
 
-/// Compiles the filter to BPF, the form that the kernel takes, so that children need not compile it.
+/// Compiles the filter to BPF, the kernel's format, once for all children.
 /// @returns  empty on failure
 std::vector<sock_filter> compile(scmp_filter_ctx context) {
     const UniqueFd file(memfd_create("filter", MFD_CLOEXEC));
@@ -83,8 +83,8 @@ std::vector<sock_filter> compile(scmp_filter_ctx context) {
     return program;
 }
 
-/// Lowers a limit, unless it is lower already.
-/// @param margin  amount by which the hard limit exceeds the soft limit
+/// Lowers a resource limit, unless it is lower already.
+/// @param margin  difference of the hard and the soft limit
 bool limit(__rlimit_resource resource, rlim_t soft, rlim_t margin = 0) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
@@ -92,7 +92,7 @@ bool limit(__rlimit_resource resource, rlim_t soft, rlim_t margin = 0) {
     return setrlimit(resource, &both) == 0;
 }
 
-/// Whether the hard limit, which cannot be raised, is at least `least`. Sets errno if it is not.
+/// Whether the hard limit, which cannot be raised, is at least `least`. Otherwise, sets errno.
 bool leaves(__rlimit_resource resource, rlim_t least) {
     rlimit now{};
     if (getrlimit(resource, &now) != 0) return false;
@@ -101,8 +101,8 @@ bool leaves(__rlimit_resource resource, rlim_t least) {
     return false;
 }
 
-/// Rights that Landlock denies, as bit sets. Later versions of Landlock know more rights. The layout is that of
-/// landlock_ruleset_attr in the kernel.
+/// Rights that Landlock denies, as bit sets, in the layout of the kernel's landlock_ruleset_attr. Later versions of
+/// Landlock have more rights.
 struct LandlockRules {
     std::uint64_t files = 0;
     std::uint64_t ports = 0;
@@ -111,7 +111,7 @@ struct LandlockRules {
 
 LandlockRules rules_of(long version) {
     constexpr auto bits = [](int count) { return (std::uint64_t{1} << count) - 1; };
-    // Number of rights by version; 16 from version 5 on.
+    // Number of file rights by version; 16 from version 5 on.
     constexpr auto kFiles = std::to_array<int>({0, 13, 14, 15, 15, 16});
     const auto known = static_cast<std::size_t>(std::clamp(version, 0L, static_cast<long>(kFiles.size()) - 1));
     return {bits(kFiles[known]), version >= 4 ? bits(2) : 0, version >= 6 ? bits(2) : 0};
@@ -121,14 +121,14 @@ long landlock_version() {
     return syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
 }
 
-/// Requires that PR_SET_NO_NEW_PRIVS is set.
+/// Applies Landlock to the calling process. Requires PR_SET_NO_NEW_PRIVS.
 bool enter_landlock(const LandlockRules& rules) {
     const UniqueFd ruleset(static_cast<int>(syscall(SYS_landlock_create_ruleset, &rules, sizeof(rules), 0)));
     return ruleset && syscall(SYS_landlock_restrict_self, ruleset.get(), 0) == 0;
 }
 
-/// Runs a step in a child process.
-/// @returns  0 if it succeeded, otherwise its errno
+/// Tries a step in a child process.
+/// @returns  0 if the step succeeded, otherwise its errno
 template <class Step>
 int try_in_child(const Step& step) {
     if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0) return errno;
@@ -171,20 +171,20 @@ void Sandbox::volunteer_for_out_of_memory(int proc) {
 }
 
 bool Sandbox::enter(const DecoderLimits& limits, std::size_t mapped) const {
-    // Prevents core files, and debuggers of the same user.
+    // Prevents core dumps, and access by debuggers of the same user.
     if (prctl(PR_SET_DUMPABLE, 0, 0, 0, 0) != 0) return false;
     if (landlock_error_ == 0 && !enter_landlock(rules_of(landlock_version()))) return false;
     return limit_resources(limits, mapped) && (filter_error_ != 0 || filter_calls());
 }
 
 bool Sandbox::limit_resources(const DecoderLimits& limits, std::size_t mapped) const {
-    // The allocator reserves address space for threads and uses little of it.
+    // The allocator reserves much address space for threads, of which it uses little.
     constexpr std::size_t kReserved = std::size_t{512} << 20;
     const rlim_t data = own_.data + limits.memory;
     const rlim_t space = own_.space + mapped + limits.memory;
     const bool shut = !kIsWhole || (leaves(RLIMIT_DATA, data) && leaves(RLIMIT_AS, space) && limit(RLIMIT_DATA, data) &&
                                     limit(RLIMIT_AS, space + kReserved) && limit(RLIMIT_NOFILE, 0));
-    // SIGXCPU, at the soft limit, tells the helper why the child ended. At the hard limit it would be SIGKILL.
+    // At the soft limit, SIGXCPU tells the helper why the child ended. At the hard limit, the kernel sends SIGKILL.
     constexpr rlim_t kMargin = 1;
     return shut && limit(RLIMIT_CPU, static_cast<rlim_t>(limits.time.count()), kMargin) && limit(RLIMIT_FSIZE, 0) &&
            limit(RLIMIT_CORE, 0) && limit(RLIMIT_NPROC, 0);

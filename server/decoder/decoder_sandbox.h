@@ -7,17 +7,16 @@
 
 namespace ccdt::server {
 
-/// Resources that decoding one file may use.
+/// Limits of the resources for decoding one file.
 struct DecoderLimits {
     std::size_t memory = 0;       ///< in bytes, in addition to the program, the file and the picture
     std::chrono::seconds time{};  ///< processor time; at least 1 s
 };
 
-/// A sandbox for a decoding process. Inside, the process can only compute, allocate memory and write to its standard
-/// output.
+/// A sandbox in which a decoding process can only compute, allocate memory and write to its standard output.
 ///
-/// Sanitizers reserve terabytes of address space, open files and pipes, and make system calls of their own. So in
-/// builds with sanitizers, memory and files are not limited and system calls are not filtered.
+/// In builds with sanitizers, memory and files are not limited and system calls are not filtered, because sanitizers
+/// reserve terabytes of address space, open files and make further system calls.
 class Sandbox {
 public:
     static constexpr bool kIsWhole =
@@ -33,33 +32,32 @@ public:
         std::size_t data = 0;   ///< private writable memory
     };
 
-    /// Measures the memory of the calling process, which its children inherit, and tries the filters in a child. The
-    /// calling process can gain no privileges afterwards.
+    /// Measures the memory of the calling process, which its children inherit, and tries the filter and Landlock in a
+    /// child. Afterwards, the calling process can gain no privileges (PR_SET_NO_NEW_PRIVS).
     Sandbox();
     ~Sandbox();
     Sandbox(const Sandbox&) = delete;
     Sandbox& operator=(const Sandbox&) = delete;
 
-    /// Returns 0 if this machine can filter system calls, otherwise the errno of the attempt. Without the filter,
-    /// `enter` sets only the other limits.
+    /// Returns 0 if the kernel can filter system calls, otherwise errno. After an error, `enter` omits the filter.
     int filter_error() const {
         return filter_error_;
     }
 
-    /// Returns 0 if Landlock is available, otherwise the errno of the attempt. Landlock denies access to files, to
-    /// ports and to processes outside the sandbox.
+    /// Returns 0 if Landlock is available, otherwise the errno of the attempt. Landlock denies access to files, ports
+    /// and processes outside the sandbox.
     int landlock_error() const {
         return landlock_error_;
     }
 
-    /// Makes the kernel end the calling process first if the machine runs out of memory. Failures are ignored.
+    /// Makes the kernel kill the calling process first if the machine runs out of memory. Ignores failures.
     /// @param proc  descriptor of the folder /proc
     static void volunteer_for_out_of_memory(int proc);
 
     /// Confines the calling process irrevocably.
-    /// @param mapped  number of bytes that the process has mapped since this object was constructed
-    /// @returns       false, with errno set, on failure; the process must then end. ENOMEM: the limits that it was
-    ///                started with (ulimit) leave too little memory
+    /// @param mapped  number of bytes that the process has mapped since the constructor was called
+    /// @returns       false, with errno set, on failure; the process must then end. ENOMEM: the inherited limits
+    ///                (ulimit) leave too little memory
     bool enter(const DecoderLimits& limits, std::size_t mapped) const;
 
 private:

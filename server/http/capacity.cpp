@@ -10,16 +10,16 @@
 namespace ccdt::server {
 namespace {
 
-/// Minimum time for which a connection is idle before it is closed to make way for a new one. So a client that has just
-/// connected can send its first request. The new connection waits for the slot meanwhile.
+/// Minimum idle time before a connection is closed for a new one, which waits meanwhile. It lets a client that has just
+/// connected send its first request.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Time for which the rest of a request head may be missing before its connection is closed to make way for a new one:
-/// enough for several packets, one of which is lost.
+/// Minimum time for a request head to arrive before its connection is closed for a new one. It suffices for several
+/// packets, one of which is lost.
 constexpr std::chrono::milliseconds kLeastForHead{300};
 
-/// Time that a new connection waits for a slot, and time after which another idle connection is closed for it. Closed
-/// connections take so long to release their slots only on a busy machine.
+/// Maximum time that a new connection waits for a slot, and the interval at which further idle connections are closed
+/// for it. Closed connections release their slots sooner, unless the machine is busy.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
@@ -58,7 +58,7 @@ bool Capacity::close_first_idle() {
     return true;
 }
 
-/// Finds the first idle connection of the given class, or of any class, that has no unread bytes.
+/// Finds the first idle connection of a class without unread bytes; of any class if `connection_class` is none.
 Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<ConnectionClass> connection_class) {
     return std::ranges::find_if(idle_, [connection_class](const auto& entry) {
         const Idle& idle = entry.second;
@@ -66,7 +66,7 @@ Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<Co
     });
 }
 
-/// Closes an idle connection. Its thread notices and releases the slot.
+/// Shuts down the socket of an idle connection. The connection's thread notices this and releases the slot.
 void Capacity::close_locked(IdleConnections::iterator idle) {
     const auto& [slot, socket, has_begun] = idle->second;
     shutdown(socket, has_begun ? SHUT_RD : SHUT_RDWR);
@@ -75,7 +75,7 @@ void Capacity::close_locked(IdleConnections::iterator idle) {
     idle_.erase(idle);
 }
 
-/// Closes idle connections of a class until a slot is free.
+/// Waits for a free slot of a class, and meanwhile closes idle connections of that class.
 /// @returns  false if no slot became free
 bool Capacity::free_slot(ConnectionClass connection_class, std::unique_lock<std::mutex>& lock) {
     const auto end = Clock::now() + kTimeToLeave;

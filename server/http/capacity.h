@@ -16,34 +16,33 @@ namespace ccdt::server {
 
 class ConnectionSlot;
 
-/// The class of a connection. Each class has slots of its own, so that none takes the slots of another.
+/// The class of a connection. Each class has its own limit of open connections, counted in slots.
 enum class ConnectionClass {
     Common,   ///< any request
-    Reserve,  ///< health checks and metrics when the common slots are taken
+    Reserve,  ///< health checks and metrics, while all common slots are taken
     Streams,  ///< event streams, which last long
 };
 
-/// Counts the resources that clients take: connections, and memory for data in transfer to or from them.
-///
-/// Rejects connections at the hard limit. Above the soft limit, time-outs shrink. Connections that wait for a request
-/// head do not keep new connections out: at the hard limit, one of the waiting connections is closed. Thread-safe.
+/// Counts the connections of clients, and the memory for data in transfer to or from them. Rejects connections at the
+/// hard limit. At that limit, a connection that waits for a request head is closed in favour of a new one. Reports the
+/// load above which time-outs should be shorter. Thread-safe.
 class Capacity {
 public:
     struct Limits {
-        std::size_t connections = 512;               ///< common slots
-        std::size_t reserve = 128;                   ///< slots in reserve, in addition
-        std::size_t streams = 1024;                  ///< slots for streams, in addition
-        std::size_t refused = 256;                   ///< refused clients kept connected to read the reason
-        std::size_t per_address = 64;                ///< connections of one address, in all classes; 0: no limit
-        std::size_t bytes = std::size_t{256} << 20;  ///< memory of bodies being read and answers being written
+        std::size_t connections = 512;  ///< common slots
+        std::size_t reserve = 128;      ///< additional slots for health checks and metrics
+        std::size_t streams = 1024;     ///< additional slots for event streams
+        std::size_t refused = 256;      ///< refused connections kept open, so that clients can read the reason
+        std::size_t per_address = 64;   ///< connections of one address, in all classes; 0: no limit
+        std::size_t bytes = std::size_t{256} << 20;  ///< memory for bodies being read and answers being written
     };
 
     struct Counts {
-        std::size_t open = 0;                  ///< connections, including those that stream
-        std::size_t streams = 0;               ///< connections that stream
-        std::uint64_t refused = 0;             ///< since the start, because the server was full
-        std::uint64_t refused_by_address = 0;  ///< since the start, because of the limit of their address
-        std::uint64_t refused_streams = 0;     ///< since the start, because of the limit of streams
+        std::size_t open = 0;                  ///< all connections, event streams included
+        std::size_t streams = 0;               ///< event streams
+        std::uint64_t refused = 0;             ///< connections refused because the server was full
+        std::uint64_t refused_by_address = 0;  ///< connections refused because of the limit per address
+        std::uint64_t refused_streams = 0;     ///< event streams refused because of their limit
     };
 
     explicit Capacity(const Limits& limits) : limits_(limits) {}
@@ -53,20 +52,20 @@ public:
     void add_bytes(std::size_t bytes) { bytes_ += bytes; }
     void remove_bytes(std::size_t bytes) { bytes_ -= bytes; }
 
-    /// Whether no further body may be read.
+    /// Whether data in transfer exceeds the memory limit. If so, no further body may be read.
     bool is_out_of_memory() const { return bytes_ > limits_.bytes; }
 
-    /// Whether time-outs of slow clients shrink: more than three quarters of the common slots, or more than half of the
-    /// memory, are taken.
+    /// Whether more than three quarters of the common slots, or more than half of the memory, are taken. If so, slow
+    /// clients get shorter time-outs.
     bool is_pressed() const { return taken_.front() > limits_.connections / 4 * 3 || bytes_ > limits_.bytes / 2; }
 
-    /// Shrinks the time-outs from now on, because the server is shutting down.
+    /// Records that the server is shutting down. From now on, slow clients get shorter time-outs.
     void close() { closing_ = true; }
     bool is_closing() const { return closing_; }
 
     Counts counts() const;
 
-    /// Closes the idle connection that comes first in IdleConnections, of any class.
+    /// Closes the idle connection, of any class, whose minimum idle time ends first. Does not wait for that end.
     /// @returns  false if no connection is idle
     bool close_first_idle();
 
@@ -75,13 +74,13 @@ private:
 
     using Clock = std::chrono::steady_clock;
 
-    /// A connection that waits for a request, for the rest of a request head, or for its client to close it.
+    /// A connection that waits for a request, for the rest of a request head, or for the client to disconnect.
     struct Idle {
         ConnectionSlot* slot = nullptr;
         int socket = -1;
-        bool has_begun = false;  ///< part of a request head has arrived; the request can still be answered
+        bool has_begun = false;  ///< part of a request head has arrived; the socket is shut down for receiving only
     };
-    /// Idle connections, sorted by the time from which each may be closed to make way for a new one.
+    /// Idle connections, sorted by the end of their minimum idle time. Later, a new connection may take their slots.
     using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
     IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
@@ -102,7 +101,7 @@ private:
     std::array<std::atomic<std::size_t>, 3> taken_{};  ///< taken slots of each class; written while `mutex_` is held
 
     mutable std::mutex mutex_;      ///< guards the members below
-    std::condition_variable left_;  ///< a slot has become free
+    std::condition_variable left_;  ///< signalled when a slot becomes free
     IdleConnections idle_;
     std::map<std::string, std::size_t> by_address_;
     std::uint64_t refused_ = 0;
@@ -110,42 +109,42 @@ private:
     std::uint64_t refused_streams_ = 0;
 };
 
-/// The slot of a connection, released by the destructor.
+/// Takes a slot of a Capacity for one connection. The destructor releases the slot.
 class ConnectionSlot {
 public:
     enum class Entry { Admitted, Full, AddressFull };
 
-    /// Takes a common slot or, if that fails, a slot of the reserve. If all slots of a class are taken, closes an idle
-    /// connection of that class and waits briefly until its slot is free.
-    /// @param address  address by which the connection is counted; empty: none
+    /// Takes a common slot or, if there is none, a reserve slot. If all slots of a class are taken, closes an idle
+    /// connection of that class and waits up to a second for its slot.
+    /// @param address  client address, for the limit per address; empty: the limit does not apply
     ConnectionSlot(Capacity& capacity, std::string address);
     ~ConnectionSlot();
     ConnectionSlot(const ConnectionSlot&) = delete;
     ConnectionSlot& operator=(const ConnectionSlot&) = delete;
 
-    /// The decision about the connection. Only an admitted connection has a slot.
+    /// Whether the connection was admitted. Only an admitted connection has a slot.
     Entry entry() const { return entry_; }
 
     /// The current class. Only the thread that calls move_to() may call this function.
     ConnectionClass connection_class() const { return class_; }
 
-    /// Moves the slot to the class that the current request needs. For Reserve, the slot stays where it is, because a
-    /// connection of any class may serve such requests.
+    /// Moves the slot to the class that the current request needs. Does nothing for Reserve, because a connection of
+    /// any class may serve health checks and metrics.
     /// @returns  false if the class is full; the slot then stays in its previous class
     bool move_to(ConnectionClass connection_class);
 
-    /// Marks the connection as idle, if it is not idle already. The socket must stay open until `end_idle`. Until then
-    /// it may be shut down to make way for another connection, unless it has unread bytes.
-    /// @param head_begun  time at which an incomplete request head began; none: no request has begun. A connection with
-    ///                    an incomplete head has more time, and its socket is shut down for receiving only
+    /// Marks the connection as idle, unless it is idle already. The socket must stay open until `end_idle`. Until then,
+    /// the Capacity may shut the socket down in favour of another connection, unless it has unread bytes.
+    /// @param head_begun  time at which an incomplete request head began; none: no request has begun. An incomplete
+    ///                    head increases the minimum idle time, and its socket is shut down for receiving only
     void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
     void end_idle();
 
-    /// Whether the socket was shut down to make way for another connection.
+    /// Whether the Capacity has shut down the socket in favour of another connection.
     bool is_closed() const;
 
-    /// Counts the connection for another address from now on, or for no address if `address` is empty.
-    /// @returns  false if that address is at its limit; the connection then counts as before
+    /// Counts the connection towards the limit of another address from now on; towards none if `address` is empty.
+    /// @returns  false if that address is at its limit; nothing is changed then
     bool count_by(const std::string& address);
 
 private:
@@ -155,15 +154,14 @@ private:
     std::string address_;
     Entry entry_ = Entry::Full;
     ConnectionClass class_ = ConnectionClass::Common;
-    bool closed_ = false;  ///< whether the socket was shut down to make way for another connection; guarded by the
-                           ///< capacity's mutex
+    bool closed_ = false;  ///< the socket was shut down for another connection; guarded by the capacity's mutex
     std::optional<Capacity::IdleConnections::iterator> idle_;  ///< guarded by the capacity's mutex
 };
 
 /// Marks a connection as idle during the lifetime of this object.
 class IdleTime {
 public:
-    /// @param slot        null: the connection is not marked, and never closed to make way for another
+    /// @param slot        null: does nothing
     /// @param head_begun  as for ConnectionSlot::begin_idle
     IdleTime(ConnectionSlot* slot, int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {})
         : slot_(slot) {
@@ -179,7 +177,7 @@ private:
     ConnectionSlot* const slot_;
 };
 
-/// Counts the bytes that a connection takes in a Capacity. The destructor releases them.
+/// Adds the memory that a connection uses to the count of a Capacity. The destructor subtracts it.
 class CountedBytes {
 public:
     /// @param capacity  null: nothing is counted

@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// Whether bodies of a media type may be compressed: texts, except event streams. Pictures are compressed already.
+/// Whether bodies of a media type may be compressed. True for texts except event streams.
 bool is_compressible(std::string_view media_type);
 
 /// Whether a body is text of more than a kilobyte.
@@ -28,7 +28,7 @@ public:
 
     /// Compresses a piece.
     /// @param last    whether the piece ends the text
-    /// @param target  the compressed bytes that are available so far are appended to this string
+    /// @param target  the compressed bytes that are available are appended to this string
     void add(std::string_view piece, bool last, std::string& target);
 
 private:
@@ -36,7 +36,7 @@ private:
     const std::unique_ptr<Stream> stream_;
 };
 
-/// Compresses for speed rather than size: about 50 MB of JSON per second, to less than half of its size.
+/// Compresses a whole text fast: about 50 MB of JSON per second, to less than half of its size.
 /// @returns  none if a stop was requested, which is checked every 256 KiB
 std::optional<std::string> gzip(std::string_view text, const std::stop_token& stop = {});
 

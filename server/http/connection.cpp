@@ -20,17 +20,17 @@ using std::chrono::milliseconds;
 
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::string_view kLineEnd = "\r\n";
-constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk's size or a trailer
-constexpr std::size_t kMaxFraming = 8;       ///< maximum of framing bytes per body byte, beyond the first kLargestHead
+constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk size or a trailer
+constexpr std::size_t kMaxFraming = 8;       ///< framing bytes allowed per body byte, beyond kLargestHead bytes
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
-constexpr std::size_t kTrustedBytes = 1 << 20;  ///< once so many bytes have arrived, the announced length is trusted
+constexpr std::size_t kTrustedBytes = 1 << 20;  ///< received bytes above which Content-Length is trusted
 constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes per second
 constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
 constexpr milliseconds kPauseUnderPressure{2'000};
 constexpr milliseconds kLinger{2'000};
-constexpr milliseconds kWaitStep{200};  ///< interval at which a wait checks whether its deadline has moved
+constexpr milliseconds kWaitStep{200};  ///< interval at which a wait recomputes its deadline
 constexpr int kNoTime = 0;
 
 /// Waits for an event on the socket until the deadline.
@@ -185,7 +185,7 @@ void Connection::Transfer::move_to(std::uint64_t total) {
     bytes = total;
 }
 
-/// Waits for the first byte or the end of a connection, which counts as idle meanwhile.
+/// Waits until a byte arrives or the client closes the connection, which is marked as idle meanwhile.
 /// @returns  false if `should_stop` returned true
 bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const {
     const IdleTime idle(slot_, socket_);
@@ -196,8 +196,8 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
     return true;
 }
 
-/// Computes the deadline of a transfer: one pause after its latest progress or, if that is earlier, one pause after the
-/// time at which the minimum rate would have transferred the bytes so far.
+/// Computes the deadline of a transfer, the earlier of two times: the maximum pause after the latest progress; the
+/// maximum pause after the time at which the minimum rate would have transferred the same bytes.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -205,8 +205,8 @@ Connection::Clock::time_point Connection::deadline(const Transfer& transfer) con
     return std::min(transfer.moved + pause, transfer.begun + pause + milliseconds(transfer.bytes * 1000 / rate));
 }
 
-/// Waits for an event on the socket. The deadline may move during the wait. After the deadline, the result is false
-/// even if an event has already occurred; otherwise a client that sends one byte at a time would never be late.
+/// Waits for an event on the socket. The deadline may move during the wait. Returns false after the deadline, even if
+/// an event has occurred. Otherwise, a client that sends one byte at a time would never be late.
 bool Connection::wait(short events, const Deadline& deadline) const {
     while (true) {
         const auto now = Clock::now();
@@ -228,8 +228,8 @@ HttpResult<void> Connection::fill(const Deadline& deadline) {
     return {};
 }
 
-/// Makes the function that receives more bytes of a head whose first byte has arrived. While the function waits, the
-/// connection may be closed to make way for a new one; the client is then told that it was too slow.
+/// Returns a function that receives more bytes of a head whose first byte has arrived. While the function waits, the
+/// connection may be closed in favour of a new one. The client then gets a 408.
 Connection::Fill Connection::fill_head() {
     const auto start = Clock::now();
     const auto deadline = [this, start] {
@@ -243,7 +243,7 @@ Connection::Fill Connection::fill_head() {
     };
 }
 
-/// Receives more of the body.
+/// Receives more of the body. Fails if the bodies of all connections take too much memory.
 HttpResult<void> Connection::fill_body() {
     const auto passed = body_->progress.bytes;
     body_->held.resize(passed);
@@ -252,8 +252,8 @@ HttpResult<void> Connection::fill_body() {
     return fill([this] { return deadline(body_->progress); });
 }
 
-/// Consumes received bytes.
-/// @returns  these bytes, valid until more are received
+/// Consumes the next `size` received bytes.
+/// @returns  the consumed bytes; valid until more are received
 std::string_view Connection::use(std::size_t size) {
     const auto used = unread_.view().substr(0, size);
     unread_.use(size);
@@ -263,7 +263,7 @@ std::string_view Connection::use(std::size_t size) {
 
 /// Looks for the end of a line in the received bytes, and receives more bytes until the end has arrived.
 /// @param begin  start of the line
-/// @param limit  last position that its CRLF may have
+/// @param limit  last permitted position of the CRLF
 /// @returns      position of the CRLF; npos: beyond the limit
 /// Problems, in addition to those of receiving: 400 if the line contains a NUL, or a CR or LF outside a CRLF. Other
 /// programs might take these for the end of a line.
@@ -287,8 +287,8 @@ HttpResult<std::string_view> Connection::read_line() {
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-/// Passes on framing, or content that has arrived. There may be many small chunks, so the function waits, counts memory
-/// and checks the clock only if nothing has arrived.
+/// Copies the next bytes of the body, framing or content, to `target`. Waits, counts memory and checks the clock only
+/// if no byte has arrived, because a body may consist of many small chunks.
 HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     Body& body = *body_;
     if (body.is_complete()) return 0;
@@ -309,7 +309,7 @@ HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     return part.copy(target, size);
 }
 
-/// Reads the framing between two chunks, or before or after all of them.
+/// Reads the line end of the previous chunk and the size of the next one. Skips trailers after the last chunk.
 HttpResult<void> Connection::begin_chunk() {
     Body& body = *body_;
     const auto passed = body.progress.bytes;

@@ -18,21 +18,19 @@
 
 namespace ccdt::server {
 
-/// Time-outs of a client. Under pressure they are shorter: see Capacity.
+/// Time-outs of a client. They are shorter while Capacity::is_pressed() or the server shuts down.
 struct Patience {
-    std::chrono::milliseconds header{10'000};  ///< for the whole head of a request
-    /// Longest pause within a body or an answer. Also the time that a transfer may take in excess of its size divided
-    /// by the minimum rate, 32 KiB/s.
+    std::chrono::milliseconds header{10'000};  ///< limit for the whole head of a request
+    /// Maximum pause within a transfer, and maximum delay compared with a transfer at the minimum rate, 32 KiB/s.
     std::chrono::milliseconds body{30'000};
-    std::chrono::milliseconds idle{
-        60'000};  ///< between two requests; also the time that an idle thread waits for another connection
+    std::chrono::milliseconds idle{60'000};  ///< between requests; also for idle threads
 };
 
-/// A client's socket, and the bytes received from it that are not processed yet.
+/// A client's socket and the received bytes that are not processed yet.
 ///
 /// Belongs to the thread that serves the client. Requests are read one after another: the head, then, if the handler
 /// asks for it, the body. If a body was not read to its end, no further request is read, because the rest of the body
-/// must never be taken for a request. Whatever the client sends or receives, no wait exceeds its time-outs.
+/// must never be parsed as a request. No wait exceeds the time-outs, whatever the client does.
 class Connection {
 public:
     using Milliseconds = std::chrono::milliseconds;
@@ -46,8 +44,8 @@ public:
     /// @returns        false if the client closed the connection, or `should_stop` returned true
     bool wait_for_request(const std::function<bool(Milliseconds waited)>& should_stop);
 
-    /// Reads the PROXY header. If there is one, the client that it names becomes the peer. Requires that the first
-    /// bytes have arrived.
+    /// Reads the PROXY header at the start of a connection, if there is one. The client that it names becomes the peer.
+    /// The first byte must have arrived.
     /// Problems: 400 malformed, 408 too slow. Afterwards the connection is unusable.
     HttpResult<void> read_proxy_header();
 
@@ -57,7 +55,7 @@ public:
 
     /// Takes a piece of a body; returns false to stop.
     using Receive = std::function<bool(std::string_view piece)>;
-    /// Decodes a body, which it takes from read_content(). Returns false if it failed or was stopped.
+    /// Decodes a body from read_content(), and passes the pieces to `receive`. Returns false if this failed.
     using Decode = std::function<bool(const Receive& receive)>;
 
     /// Sets the function that decodes the body of the current request; null: the body cannot be read.
@@ -67,13 +65,12 @@ public:
     ///
     /// Sends 100 Continue to a client that waits for it. Requires decode_with().
     /// Problems: 400 malformed, 408 too slow, 411 no length, 413 larger than the limit (at once if the head says so),
-    /// 503 all bodies together take too much memory.
+    /// 503 the bodies of all connections take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
-    /// Copies the next bytes of the body that read_body() reads. They have the client's framing, plain or in chunks,
-    /// but no chunk extensions and no trailers. Every line of the framing has been checked.
-    /// @returns  number of bytes, at least 1; 0: the body has ended; -1: there is a problem, or read_body() is not
-    ///           running
+    /// Copies the next bytes of the body that read_body() is reading, for the decoder. Chunked bodies stay chunked, but
+    /// without extensions and trailers. Every line between chunks has been checked.
+    /// @returns  number of bytes; 0: the body has ended; -1: a problem, or read_body() is not running
     ssize_t read_content(char* target, std::size_t size);
 
     const Patience& patience() const { return patience_; }
@@ -84,27 +81,25 @@ public:
     /// Whether the last request was read completely, so that the next byte begins another request.
     bool between_requests() const { return between_requests_; }
 
-    /// Whether the client has closed its sending side. The client then counts as gone even if it might still receive,
-    /// because browsers and proxies close both directions at once.
+    /// Whether the client has closed its sending side. Such a client counts as gone, because browsers and proxies close
+    /// both directions at once.
     bool client_gone() const;
 
     /// Sends bytes; returns false if the client has closed the connection or receives too slowly.
     bool write(std::string_view bytes);
 
-    /// Closes our side. If the client has sent bytes that are unread, they are read and discarded for a while: closing
-    /// a socket with unread bytes resets the connection, and the client would lose the answer. If the client received
-    /// its answer too slowly, the connection is reset; otherwise the system would keep the unsent part of the answer in
-    /// memory.
+    /// Closes the server's side. Reads and discards unread bytes of the client for up to 2 s, because closing a socket
+    /// with unread bytes resets the connection, and the client would lose the answer. If the client received its answer
+    /// too slowly, the connection is reset instead, which frees the unsent bytes in the kernel.
     void close_gently();
 
-    /// Arranges that closing resets the connection, so that the client does not mistake a partial answer for a whole
-    /// one.
+    /// Makes close_gently() reset the connection, so that the client does not mistake a partial answer for a whole one.
     void reset() { resets_ = true; }
 
     /// Moves the connection's slot to the class that the current request needs; returns false if that class is full.
     bool move_to(ConnectionClass connection_class) { return slot_ == nullptr || slot_->move_to(connection_class); }
 
-    /// Whether the connection is in the reserve. Such connections are closed after their first request.
+    /// Whether the connection has a reserve slot. Such connections are closed after their first request.
     bool in_reserve() const { return slot_ != nullptr && slot_->connection_class() == ConnectionClass::Reserve; }
 
     /// The client or proxy that connected.
@@ -114,7 +109,7 @@ public:
     const Peer& client() const { return client_; }
     void set_client(Peer client) { client_ = std::move(client); }
 
-    /// Name of the sender for fair queueing: its address, unless name_client() has set a name.
+    /// Name of the sender for fair queueing: the name set by name_client(), or else the address.
     const std::string& client_name() const { return client_name_.empty() ? client_.address : client_name_; }
     void name_client(std::string name, std::string key) {
         client_name_ = std::move(name);
@@ -145,7 +140,7 @@ private:
         std::size_t used_ = 0;
     };
 
-    /// The progress of a body or an answer, regardless of its framing.
+    /// The progress of a body or an answer, from which its deadline is computed.
     struct Transfer {
         Clock::time_point begun = Clock::now();
         Clock::time_point moved = begun;  ///< time of the latest progress
@@ -160,11 +155,11 @@ private:
             : limit(max_size), begin(first), left(size), at_end(!chunked), held(capacity) {}
 
         const std::size_t limit;    ///< maximum size of the body
-        const std::uint64_t begin;  ///< position of the body's first byte within the request
-        std::uint64_t left;         ///< bytes of the plain body or of the current chunk that are not passed on yet
-        bool at_end;                ///< no chunk follows the bytes that `left` counts
-        std::string framing;        ///< framing that is passed on before the bytes that `left` counts
-        Transfer progress;          ///< counts the bytes that were passed on, without framing
+        const std::uint64_t begin;  ///< position of the body's first byte within the request [bytes]
+        std::uint64_t left;   ///< bytes of the body, or of its current chunk, that read_content() has not returned yet
+        bool at_end;          ///< no chunk follows the bytes that `left` counts
+        std::string framing;  ///< chunk line or line end that read_content() returns before the next content
+        Transfer progress;    ///< counts the returned content, without framing
         CountedBytes held;
         HttpResult<void> outcome;
 

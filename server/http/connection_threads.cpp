@@ -55,13 +55,12 @@ void ConnectionThreads::work(Threads::iterator self) {
         idle_.splice(idle_.end(), busy_, self);
     }
     if (closing_) return;
-    // A thread cannot join itself, so the next thread that ends joins it. Until then its stack stays allocated. At most
-    // one ended thread is in this state.
+    // A thread cannot join itself, so the next thread that ends joins it. At most one ended thread keeps its stack.
     const auto before = std::exchange(ended_, std::move(self->handle));
     idle_.erase(self);
     const bool last = idle_.empty();
     lock.unlock();
-    // Memory that many threads used at once is fragmented, and would not be returned to the system without this.
+    // Returns memory to the system. Otherwise, it stays fragmented after many threads were busy.
     if (last) malloc_trim(0);
 }
 

@@ -11,9 +11,9 @@
 
 namespace ccdt::server {
 
-/// Runs each task in a thread of its own, so that no task waits for another. Threads are reused, and created when none
-/// is idle. The most recently busy thread takes the next task, so that after a peak the others reach their time-out and
-/// end. The destructor returns once all tasks are done.
+/// Runs each task in a separate thread, so that no task waits for another. A thread is created if none is idle. The
+/// idle thread that was busy last takes the next task; after a peak, the other threads reach their time-out and end.
+/// The destructor returns once all tasks are done.
 class ConnectionThreads {
 public:
     /// @param idle_timeout  time-out of an idle thread
@@ -48,7 +48,7 @@ private:
     /// Guards the members below. After closing_ is set, the threads belong to the destructor.
     mutable std::mutex mutex_;
     bool closing_ = false;
-    std::jthread ended_;  ///< the thread that ended last; joined by the next one that ends
+    std::jthread ended_;  ///< the thread that ended last; joined by the next thread that ends
     Threads busy_;
     Threads idle_;  ///< most recently busy last
 };

@@ -9,21 +9,20 @@
 
 namespace ccdt::server {
 
-/// Whether pages of an origin may send requests to the server and read the answers.
+/// Whether pages of an origin may send requests to this server and read the answers.
 /// @param allowed  origins, kLoopback, or kAny
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Makes the headers that let pages of other origins read an answer.
 /// @param allowed  as for allows_origin(); empty: no other origin
-/// @param origin   origin of the calling page; empty: not a browser, or one of our own pages
+/// @param origin   value of the Origin header; empty: not a browser, or a page of this server
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Makes the headers that answer an OPTIONS preflight. They permit pages of other origins to send requests.
+/// Makes the headers that permit a request in the answer to a CORS preflight (OPTIONS).
 /// @param methods  permitted methods, separated by commas
 std::vector<Header> preflight_headers(std::string_view methods);
 
-/// Whether a browser sends this request for a page of another origin, as a preflight or as a simple request. Such
-/// requests need permission.
+/// Whether a browser sent this request for a page of another origin, as a preflight or as a simple request.
 bool asks_for_other_origin(const Request& request);
 
 }  // namespace ccdt::server

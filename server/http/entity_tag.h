@@ -8,12 +8,12 @@
 
 namespace ccdt::server {
 
-/// Finds the tag of the answer `name` in an If-None-Match header. The tag may be weak or strong, and of any content
-/// coding of the answer (RFC 9110, 13.1.2). `*` does not match.
-/// @returns  the tag as it appears in the header; none if it is not there
+/// Finds the entity tag `name` in an If-None-Match header (RFC 9110, 13.1.2). Also matches the weak tag and the tag of
+/// the gzip coding (`-gzip`). `*` does not match.
+/// @returns  the tag as written in the header, with its quotes; none if the header does not contain it
 std::optional<std::string_view> find_tag(std::string_view if_none_match, std::string_view name);
 
-/// Makes a 304 for a client that already has the answer with this tag.
+/// Makes a 304 answer for a client that has already stored the answer with this tag.
 Response not_modified(std::string_view tag);
 
 }  // namespace ccdt::server

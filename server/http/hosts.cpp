@@ -33,8 +33,7 @@ bool allows_host(const std::vector<std::string>& allowed, std::string_view autho
     if (authority.empty() || std::ranges::find(allowed, kAny) != allowed.end()) return true;
     auto host = host_of_authority(authority);
     if (!host || host->empty()) return false;
-    if (host->ends_with('.'))
-        host->remove_suffix(1);  // a trailing dot denotes the root and does not change the meaning
+    if (host->ends_with('.')) host->remove_suffix(1);  // a trailing dot denotes the DNS root and is redundant
     const std::string name = to_lower_case(*host);
     return std::ranges::any_of(
         allowed, [&](const std::string& one) { return one == kLoopback ? is_loopback(name) : one == name; });

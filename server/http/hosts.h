@@ -8,10 +8,10 @@
 
 namespace ccdt::server {
 
-/// List entry for all hosts or origins of this machine.
+/// Entry of a list of hosts or origins that stands for all loopback names and addresses.
 inline constexpr std::string_view kLoopback = "loopback";
 
-/// List entry for all hosts or origins.
+/// Entry of a list of hosts or origins that stands for all of them.
 inline constexpr std::string_view kAny = "*";
 
 /// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and similar.
@@ -22,12 +22,10 @@ bool is_loopback(std::string_view host);
 /// @returns  none if the authority is malformed
 std::optional<std::string_view> host_of_authority(std::string_view authority);
 
-/// Whether requests for an authority, as in a Host header, are answered. Requests without an authority are always
-/// answered.
+/// Whether requests with an authority (`host` or `host:port`) are answered. An empty authority is always allowed.
 ///
-/// A stranger's page can reach a server on loopback by a name of the stranger's domain that resolves to 127.0.0.1 (DNS
-/// rebinding). The browser considers such a request as going to the page's own origin. The server recognises it by the
-/// name in Host.
+/// Prevents DNS rebinding: a foreign page can reach a server on loopback by a name of the page's own domain that
+/// resolves to 127.0.0.1. The browser treats the request as same-origin, but Host contains the foreign name.
 /// @param allowed  hosts in lower case without port and brackets, kLoopback, or kAny
 bool allows_host(const std::vector<std::string>& allowed, std::string_view authority);
 

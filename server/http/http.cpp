@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::string_view kAuthority = "://";      ///< separates scheme and authority
-constexpr std::size_t kLongestRequestLine = 8'192;  ///< with its CRLF
+constexpr std::size_t kLongestRequestLine = 8'192;  ///< including its CRLF [bytes]
 
-/// Fields that the server reads and that take one value, not a list. If a request had several values, a proxy and the
-/// server might use different ones. Content-Length and Transfer-Encoding are checked where they are read.
+/// Fields that the server reads and that must not be repeated. Otherwise, a proxy and the server might use different
+/// values. Content-Length and Transfer-Encoding are checked in read_framing().
 constexpr std::array<std::string_view, 6> kSingleFields{
     "Access-Control-Request-Method", "Authorization", "Content-Type", "Host", "Origin", "X-Request-ID"};
 
@@ -34,7 +34,7 @@ bool is_token_character(char c) {
            std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
 }
 
-/// Whether a character may occur in a host: a name, an address or a port. Some of these characters have no use.
+/// Whether RFC 3986 permits a character in `host:port`.
 bool is_host_character(char c) {
     return is_digit(c) || (to_lower(c) >= 'a' && to_lower(c) <= 'z') ||
            std::string_view("-._~%!$&'()*+;=:[]").find(c) != std::string_view::npos;
@@ -78,7 +78,7 @@ struct Target {
     std::string_view resource;   ///< path and query
 };
 
-/// @returns  none if a target has neither origin-form nor absolute-form
+/// Splits a request target; none if it has neither origin-form nor absolute-form.
 std::optional<Target> take_apart(std::string_view target) {
     if (target.starts_with('/')) return Target{{}, target};
     const auto colon = target.find(kAuthority);
@@ -128,8 +128,7 @@ HttpResult<Header> parse_header(std::string_view line) {
     return Header{std::string(line.substr(0, colon)), std::string(value)};
 }
 
-/// Whether a field may be a trailer. Fields of framing, routing, authentication and content format may not: RFC 9110,
-/// section 6.5.1.
+/// Whether a field may be a trailer. RFC 9110, 6.5.1, forbids fields of framing, routing, authentication and format.
 bool may_be_trailer(std::string_view name) {
     constexpr std::string_view kForbidden[] = {
         "Authorization", "Connection",        "Content-Encoding", "Content-Length",

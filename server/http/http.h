@@ -14,45 +14,44 @@ namespace ccdt::server {
 
 /// Parses the head of a request, from the request line to the empty line, including both.
 ///
-/// Stricter than most servers, because two servers that parse the same bytes differently can be exploited. Lines end in
-/// CRLF. Names are tokens. There is at most one Content-Length of digits or one `Transfer-Encoding: chunked`, but not
-/// both. The target is a path, an `http` or `https` URL with a host, or `*` for OPTIONS.
+/// Stricter than most servers, because an attacker can exploit two servers that parse the same bytes differently. Lines
+/// end in CRLF. Names are tokens. There is at most one framing header: a Content-Length of digits, or
+/// `Transfer-Encoding: chunked`. The target is a path, an `http` or `https` URL with a host, or `*` for OPTIONS.
 HttpResult<Request> parse_head(std::string_view head);
 
-/// Parses the line before a chunk, without its CRLF: the chunk's size in bytes, and extensions, which are ignored.
+/// Parses the line before a chunk, without its CRLF. Returns the chunk's size in bytes, and ignores extensions.
 /// Problem (400): anything that RFC 9112, section 7.1, forbids; more than 16 digits.
 HttpResult<std::uint64_t> parse_chunk_size(std::string_view line);
 
-/// Checks a line after the last chunk, without its CRLF.
-/// Problem (400): a malformed field, or one that must not be a trailer, such as a length.
+/// Checks a trailer: a line after the last chunk, without its CRLF.
+/// Problem (400): a malformed field, or a field that must not be a trailer, such as Content-Length.
 HttpResult<void> check_trailer(std::string_view line);
 
-/// Checks a request whose head was parsed.
-/// Problems: no Host (400), several values of a field that takes one, such as Authorization (400), an unsupported
-/// expectation (417).
+/// Checks a parsed head for errors after which the client can still get an answer that suits its request.
+/// Problems: no Host (400), a repeated field that must be single (400), an unsupported expectation (417).
 HttpResult<void> check_request(const Request& request);
 
 /// Whether a Prefer header (RFC 7240) contains a preference, regardless of its value.
 bool prefers(const Request& request, std::string_view preference);
 
-/// Returns the parameters of a query in order, including repeated ones; `+` is a space.
+/// Returns the decoded parameters of a query in order, including repeated ones; `+` becomes a space.
 std::vector<api::TextOption> parse_query(std::string_view query);
 
-/// Encodes a name or value of a query so that `parse_query` restores it, whatever it contains.
+/// Percent-encodes a name or value of a query. `parse_query` restores any bytes.
 std::string encode_percent(std::string_view text);
 
-/// Returns the type and subtype of a Content-Type, in lower case.
+/// Returns `type/subtype` of a Content-Type in lower case, without parameters.
 std::string media_type(std::string_view content_type);
 
-/// Returns the value of a parameter such as `boundary` in `multipart/form-data; boundary="x"`; empty if there is none,
-/// or more than one.
+/// Returns the value of a parameter, such as `boundary` in `multipart/form-data; boundary="x"`, without quotes. Empty
+/// if the parameter is missing or repeated.
 std::string header_parameter(std::string_view value, std::string_view name);
 
 bool equals_ignoring_case(std::string_view a, std::string_view b);
 
 std::string to_lower_case(std::string_view text);
 
-/// Returns the standard phrase of a status.
+/// Returns the reason phrase of a status, such as "Not Found" for 404.
 std::string_view status_phrase(int status);
 
 }  // namespace ccdt::server

@@ -14,11 +14,11 @@
 namespace ccdt::server {
 namespace {
 
-// The library refuses lines of more than 8,192 bytes. Escapes may triple a value.
+// Limits in bytes. The library refuses lines of more than 8,192 bytes, and escapes may triple the length of a value.
 constexpr std::size_t kLongestName = 1'024;
 constexpr std::size_t kLongestPiece = 2'048;
 
-/// Marks both sides of a cut in a value. Checked values contain no control characters but tabs.
+/// Character on both sides of each cut in a long value. Checked values contain no control characters except tabs.
 constexpr char kCut = '\x01';
 
 /// Headers that the library adds to a request.
@@ -27,13 +27,13 @@ constexpr std::array<std::string_view, 4> kAdded{"REMOTE_ADDR", "REMOTE_PORT", "
 /// Methods that the library dispatches.
 constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
 
-/// Whether a header is hidden from the library: Range, which it would parse with a regular expression, and names that
-/// are too long for it. The server uses none of these.
+/// Whether a header is hidden from the library. The library would parse Range with a regular expression, and refuse
+/// long names. The server uses no such header.
 bool is_hidden(std::string_view name) {
     return name.size() > kLongestName || equals_ignoring_case(name, "Range");
 }
 
-/// Appends a header. Percent signs are escaped, because the library decodes them. Long values become several lines.
+/// Appends a header. Escapes percent signs, because the library decodes them. Cuts long values into several lines.
 void append_header(std::string& head, const Header& header) {
     std::string_view rest = header.value;
     bool first = true;
@@ -50,8 +50,7 @@ void append_header(std::string& head, const Header& header) {
     } while (!rest.empty());
 }
 
-/// Writes a head that the library parses as parse_head() does, without the query. A request without a method becomes
-/// an empty line.
+/// Returns a head, without the query, that the library parses as parse_head() does; an empty line without a method.
 std::string head_for_library(const Request& request) {
     if (request.method.empty()) return "\r\n";
     std::string head = request.method + ' ';
@@ -63,7 +62,7 @@ std::string head_for_library(const Request& request) {
     return head + "\r\n";
 }
 
-/// Returns the headers that the library parsed, except for those that it added.
+/// Returns the headers that the library parsed, and joins cut values. Omits the headers that the library added.
 std::vector<Header> take_headers(httplib::Headers& parsed) {
     std::vector<Header> headers;
     for (auto& [name, value] : parsed) {
@@ -82,7 +81,7 @@ class CheckedStream : public httplib::Stream {
 public:
     CheckedStream(Connection& connection, std::string head) : connection_(connection), head_(std::move(head)) {}
 
-    /// Makes all writes fail.
+    /// Makes all further writes fail.
     void fail() { failed_ = true; }
     bool failed() const { return failed_; }
 
@@ -103,7 +102,7 @@ public:
 
     void get_remote_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
     void get_local_ip_and_port(std::string& /*ip*/, int& /*port*/) const override {}
-    /// Returns no socket, because the library would refuse a descriptor of 1,024 or more.
+    /// Returns no socket, because the library refuses descriptors of 1,024 or more.
     socket_t socket() const override { return -1; }
 
 private:
@@ -113,7 +112,7 @@ private:
     bool failed_ = false;
 };
 
-/// A server for one request.
+/// A cpp-httplib server that processes one request and is then destroyed.
 class RequestServer : public httplib::Server {
 public:
     RequestServer(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle)
@@ -123,7 +122,7 @@ public:
           response_(response),
           last_(last),
           handle_(handle) {
-        svr_sock_ = 0;  // Without a socket, the library would take itself for stopped, and send no streams.
+        svr_sock_ = 0;  // With an invalid socket, the library would send no streams.
         set_keep_alive_max_count(kRequestsPerConnection);
         set_keep_alive_timeout(std::chrono::ceil<std::chrono::seconds>(connection.patience().idle).count());
         const auto answer_plain = [this](const httplib::Request&, httplib::Response& theirs) { answer(theirs, {}); };
@@ -139,7 +138,7 @@ public:
             [this](const httplib::Request&, httplib::Response& theirs) { return answer_refused(theirs); }));
         set_post_routing_handler(
             [this](const httplib::Request&, httplib::Response& theirs) { finish_headers(theirs); });
-        // Memory has run out. The default handler would reveal the exception's text to the client.
+        // Handles lack of memory. The default handler would show the exception's text to the client.
         set_exception_handler([this](const httplib::Request&, httplib::Response& theirs, const std::exception_ptr&) {
             response_.status = theirs.status = 500;
             answered_ = last_ = true;
@@ -156,8 +155,8 @@ public:
     }
 
 private:
-    /// Takes over what the library parsed. Leaves the library only what it needs afterwards: a path without traps for
-    /// its regular expressions, and the framing of the body.
+    /// Takes over the method and headers that the library parsed. Leaves only a path that is harmless for its regular
+    /// expressions, and the framing of the body.
     void take(httplib::Request& theirs) const {
         request_.method = theirs.method;
         request_.headers = take_headers(theirs.headers);
@@ -174,8 +173,7 @@ private:
         fill(theirs);
     }
 
-    /// Answers requests that the library refuses: requests without a valid head, and requests with methods that it does
-    /// not dispatch.
+    /// Answers requests that the library refuses because of an invalid head or an unknown method.
     HandlerResponse answer_refused(httplib::Response& theirs) {
         if (answered_) return HandlerResponse::Unhandled;
         const bool expected = std::ranges::find(kMethods, request_.method) == kMethods.end();
@@ -217,10 +215,10 @@ private:
         }
     }
 
-    /// Sends a body while it is produced. Without a known length, the body is sent in chunks or, to clients that do
-    /// not support chunks, ends with the connection.
+    /// Sends a body while it is produced. A body without a known length is sent in chunks. For HTTP/1.0 clients, the
+    /// end of the connection ends it.
     /// @param left  bytes that may be sent
-    /// @returns     false if not everything was sent, or the client did not receive all of it
+    /// @returns     false if the client did not receive the whole body
     bool send_stream(httplib::DataSink& sink, std::size_t left) {
         if (stream_.failed()) return false;
         const auto send = [&](std::string_view piece) {

@@ -9,23 +9,23 @@
 
 namespace ccdt::server {
 
-/// Limit of requests on one connection.
+/// Maximum number of requests on one connection.
 constexpr std::size_t kRequestsPerConnection = 10'000;
 
-/// Handles a request: sets the response, and whether this request is the last one of the connection.
-/// @param dispatched  a problem if cpp-httplib refused a request that it should accept
+/// Handles a request: sets the `response` and `last` that process_request() was given.
+/// @param dispatched  a problem if cpp-httplib refused a request that is valid
 using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 
-/// Processes a request with cpp-httplib 0.11.4, which is included in this function's source file only: calls `handle`
-/// once, then writes the response.
+/// Processes a request with cpp-httplib 0.11.4: calls `handle` once, then writes the response. Only this function's
+/// source file includes the library.
 ///
 /// The library parses the head, dispatches the request by its method, decodes the body and writes the answer. It never
-/// reads the socket. Its input is the head that Connection has checked, rewritten so that the library parses it as
-/// parse_head() does, followed by the body that Connection has checked and framed again. If the connection refused a
-/// head, the library reads an empty line, and refuses it, too. tests/fuzz/http_library.cpp compares the two parsers.
+/// reads the socket. Its input is the checked head, rewritten so that the library parses it as parse_head() does,
+/// followed by the body that Connection has checked and framed again. If Connection refused the head, the library's
+/// input is an empty line, which it refuses. tests/fuzz/http_library.cpp compares the two parsers.
 ///
-/// The table lists code of our own that replaces parts of the library, and the reasons: measurements of the library
-/// (its pool of 8 threads, two cores, loopback), or its source:
+/// The table lists our own code that replaces parts of the library. The second column describes the library, from
+/// measurements (its pool of 8 threads, two cores, loopback) or its source:
 ///
 /// | our own | the library |
 /// |---|---|
@@ -43,10 +43,10 @@ using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 /// | TCP_NODELAY: http_server.cpp | takes 44 ms for a small answer on a kept connection without it, 0.04 ms with it |
 /// | shutdown: http_server.h | drops its queue, and waits 4 s for an idle connection |
 ///
-/// @param request   request whose head the connection has read; if its method is empty, it has no valid head. Before
-///                  `handle` is called, its method and headers are replaced by those that the library parsed
-/// @param response  set by `handle`. Its body is moved out. If it cannot be sent, its status becomes kClientGone or 500
-/// @param last      set by `handle`; true if memory ran out and a 500 was written
+/// @param request   request whose head the connection has read; its method is empty if the head is invalid. The
+///                  library's method and headers replace those of `request` before `handle` is called
+/// @param response  set by `handle`. Its body is moved out. If sending fails, its status becomes kClientGone or 500
+/// @param last      whether the connection serves no further request; set by `handle`, or if memory ran out
 /// @returns         false if the client did not receive the whole answer
 bool process_request(Connection& connection, Request& request, Response& response, bool& last, const Handle& handle);
 

@@ -26,25 +26,27 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Time-out of connections without a request if few slots are left or the server drains.
+/// Time-out of connections without a request while Capacity::is_pressed(), while the server drains and is not busy, and
+/// for connections with a reserve or stream slot.
 constexpr milliseconds kIdleUnderPressure{500};
 
-/// Time that refused clients have to read the answer.
+/// Time for which the connection of a refused client stays open, so that the client can read the answer.
 constexpr milliseconds kTimeToRead{500};
 
-/// Pause after accepting failed because of missing descriptors or memory.
+/// Pause after accept() failed for lack of descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Time that a new connection waits for the thread of an idle connection that was closed.
+/// Maximum time that a new connection waits for a thread while idle connections are closed to free theirs.
 constexpr milliseconds kTimeToFreeThread{500};
 
-/// Time limit to complete TCP handshakes after new connections are refused. Load balancers are nearby.
+/// Time for TCP handshakes in progress to complete after the socket begins to refuse new ones, and interval of the
+/// checks. Short, because load balancers are nearby.
 constexpr milliseconds kHandshake{2};
 constexpr milliseconds kHandshakeStep{1};
 
 using Clock = std::chrono::steady_clock;
 
-/// Increments a counter during its lifetime.
+/// Increments a counter during the lifetime of this object.
 class Counted {
 public:
     explicit Counted(std::atomic<int>& count) : count_(count) { ++count_; }
@@ -56,14 +58,13 @@ private:
     std::atomic<int>& count_;
 };
 
-/// Runs a task and ignores exceptions, whose most likely cause is a lack of memory. So the failure affects only one
-/// client.
+/// Runs a task and ignores exceptions, so that a failure, most likely a lack of memory, affects only one client.
 template <class Task>
 void contain(const Task& task) {
     try {
         task();
     } catch (...) {
-        // The error cannot be reported: the client's connection is closed, and the log itself may have failed.
+        // The error cannot be reported: the connection is already broken, and the log itself may have failed.
     }
 }
 
@@ -80,11 +81,11 @@ bool is_fatal(int accept_error) {
 
 }  // namespace
 
-/// Keeps sockets of refused clients open for a moment. Closing a socket with unread bytes resets the connection, and
-/// the client might lose the answer. Nothing is read from these sockets.
+/// Keeps the sockets of refused clients open for kTimeToRead. Nothing is read from them. Closing a socket with unread
+/// bytes at once would reset the connection, and the client might lose the answer.
 class RefusedClients {
 public:
-    /// @param max_sockets  limit of sockets that are kept open
+    /// @param max_sockets  maximum number of sockets kept open; beyond it, the oldest is closed
     explicit RefusedClients(std::size_t max_sockets) : max_sockets_(max_sockets) {}
 
     bool empty() const { return sockets_.empty(); }
@@ -159,7 +160,7 @@ void HttpServer::recover(int accept_error) {
           "; idle connections are closed to make room. Further failures of this kind are not logged");
 }
 
-/// Accepts clients that had connected, or had begun to connect, when the socket began to refuse new connections.
+/// Accepts the connections that existed, or whose handshake had begun, when the socket began to refuse new ones.
 void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
     const auto end = Clock::now() + kHandshake;
     for (int left = ListeningSocket::kBacklog; left > 0; --left) {
@@ -169,8 +170,8 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
     }
 }
 
-/// Gives a connection a thread of its own, which then owns the socket. If the system has no more threads, an idle
-/// connection is closed to free its thread.
+/// Starts a thread for a connection; the thread then owns the socket. If the system has no more threads, closes idle
+/// connections to free theirs.
 bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
     const auto end = Clock::now() + kTimeToFreeThread;
     while (true) {
@@ -182,7 +183,7 @@ bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared
     }
 }
 
-/// Gives a new connection a thread of its own, or answers that the server is full.
+/// Starts a thread for a new connection, or answers that the server is full.
 void HttpServer::receive(UniqueFd socket, const Peer& peer, ConnectionThreads& threads, RefusedClients& refused) {
     const int yes = 1;
     setsockopt(socket.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof(yes));
@@ -209,11 +210,11 @@ void HttpServer::serve_socket(const UniqueFd& socket, ConnectionSlot& slot) {
         contain([&] { serve_connection(connection, slot); });
         connection.close_gently();
     });
-    slot.end_idle();  // while the socket is still open
+    slot.end_idle();  // must precede the closing of the socket
 }
 
 void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) {
-    // A new connection is expected to send a request soon.
+    // A new connection has less time than an idle one to send a request.
     auto longest = patience_.header;
     const auto should_stop = [&](milliseconds waited) {
         const bool idles_elsewhere = slot.connection_class() != ConnectionClass::Common;
@@ -239,7 +240,7 @@ void HttpServer::serve_connection(Connection& connection, ConnectionSlot& slot) 
     }
 }
 
-/// Identifies the client, and counts the connection by that client's address until the request is answered.
+/// Identifies the client, and counts the connection towards the limit of the client's address until the answer is sent.
 HttpResult<void> HttpServer::take_client(const Request& request, Connection& connection, ConnectionSlot& slot) const {
     connection.set_client(client_of(request, connection.peer(), proxies_));
     return count(connection.client(), slot);
@@ -250,14 +251,14 @@ HttpResult<void> HttpServer::count(const Peer& client, ConnectionSlot& slot) con
     return {};
 }
 
-/// Returns the address for which a connection counts towards the limit per address; empty: none. Connections of proxies
-/// do not count: the health checks of a load balancer must not fail because of its clients.
+/// Returns the address whose limit a connection counts towards; empty for trusted proxies, which have no limit. A load
+/// balancer's health checks must not fail because of its clients.
 std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }
 
-/// Has cpp-httplib process a request, and logs it.
-/// @param last  whether this is the last request of the connection, regardless of the answer
+/// Processes a request with cpp-httplib, and logs it.
+/// @param last  whether this is known to be the last request of the connection
 /// @returns     whether another request may follow
 bool HttpServer::answer(Connection& connection, Request request, const HttpResult<void>& received, bool last) {
     const auto start = Clock::now();

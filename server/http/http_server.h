@@ -32,24 +32,22 @@ struct Exchange {
 
 /// The connection layer: accepts clients, reads their requests and writes the answers.
 ///
-/// Every connection has its own thread from the start, and there may be as many threads as open connections. An idle
-/// thread is kept for the same time as an idle connection. So no connection waits for a thread: clients that send
-/// nothing, or send or receive slowly, delay nobody. Each of them only takes a slot (some 40 kB). The number of slots
-/// per address is limited, and time-outs shrink as slots become scarce. The accepting thread refuses connections beyond
-/// the limits.
+/// Every connection has its own thread, so slow or silent clients delay nobody. Such a client only takes a slot (about
+/// 40 kB). The number of slots per address is limited, and time-outs shrink as slots become scarce. Idle threads are
+/// kept as long as idle connections. The accepting thread refuses connections beyond the limits.
 ///
-/// An event loop would hold more connections. But it would need a state machine for every body and answer, and handlers
-/// could not simply read and write.
+/// An event loop could hold more connections, but would need a state machine for every body and answer. Handlers could
+/// then not read and write with blocking calls.
 class HttpServer {
 public:
-    /// Answers a request. If the request was incomplete or malformed, `received` says why, and the request contains
-    /// what could be parsed. Called on many threads at once. If it throws, the client gets a 500 without a body.
+    /// Answers a request. If the request is incomplete or malformed, `received` has the problem, and the request the
+    /// parsed parts. Called on many threads at once. If the handler throws, the client gets a 500 without a body.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
     using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  socket on which clients wait until `serve` is called
-    /// @param proxies   trusted proxies; a connection through such a proxy is counted by the address of its client
+    /// @param proxies   trusted proxies; their connections count for the addresses of their clients
     /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,
@@ -58,12 +56,11 @@ public:
     HttpServer(const HttpServer&) = delete;
     HttpServer& operator=(const HttpServer&) = delete;
 
-    /// Serves until `drain` is called. Then answers the requests of all connections that were made before, and returns
-    /// once these connections are closed.
-    /// @returns  false if it ended because accepting connections failed
+    /// Serves until `drain` is called. Then answers requests on existing connections until all are closed.
+    /// @returns  false if accepting connections failed permanently
     bool serve();
 
-    /// Makes `serve` end: new connections are refused. May be called from any thread, at any time.
+    /// Refuses new connections and makes `serve` end. May be called from any thread, at any time.
     void drain();
 
     /// Numbers of open and refused connections.
@@ -93,7 +90,7 @@ private:
     const Warn warn_;
     bool warned_ = false;
     std::atomic<bool> draining_ = false;
-    std::atomic<int> busy_ = 0;  ///< number of connections with a request
+    std::atomic<int> busy_ = 0;  ///< number of connections that are processing a request
 };
 
 }  // namespace ccdt::server

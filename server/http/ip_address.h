@@ -17,27 +17,27 @@ public:
     explicit IpAddress(const in_addr& address);
     explicit IpAddress(const in6_addr& address);
 
-    /// Parses `192.0.2.1` or `2001:db8::1`, without brackets, port or zone; none if it is neither.
+    /// Parses an address such as `192.0.2.1` or `2001:db8::1`; none if malformed or with a bracket, port or zone.
     static std::optional<IpAddress> parse(std::string_view text);
 
     bool is_version_4() const;
     std::string text() const;
 
-    /// Returns, as text, the range of addresses that counts as one client: an IPv4 address, or a 64-bit IPv6 network.
+    /// Returns the text by which limits identify a client: the IPv4 address, or the IPv6 /64 network.
     std::string of_one_client() const;
 
-    /// Whether the first `bits` of the 128 bits of both addresses are equal. An IPv4 address is the last 32 of its 128
-    /// bits.
+    /// Whether the first `bits` of 128 bits are equal in both addresses. IPv4 addresses are compared in IPv4-mapped
+    /// form, as the last 32 bits.
     bool shares(const IpAddress& other, int bits) const;
 
 private:
-    std::array<std::uint8_t, 16> bytes_{};  ///< in IPv6 form, IPv4 addresses as IPv4-mapped ones
+    std::array<std::uint8_t, 16> bytes_{};  ///< in IPv6 form; IPv4 addresses are IPv4-mapped
 };
 
-/// Addresses with a common prefix.
+/// A network: all addresses with a common prefix.
 class IpNetwork {
 public:
-    /// Parses `10.0.0.0/8`, `fd00::/8`, or an address, which is a network of one. Bits after the prefix are ignored.
+    /// Parses a network such as `10.0.0.0/8` or `fd00::/8`, or a single address. Bits after the prefix are ignored.
     /// @returns  none if the text is malformed
     static std::optional<IpNetwork> parse(std::string_view text);
 
@@ -49,7 +49,7 @@ private:
     IpNetwork(const IpAddress& base, int bits) : base_(base), bits_(bits) {}
 
     IpAddress base_;
-    int bits_;  ///< length of the prefix of the 128 bits
+    int bits_;  ///< length of the prefix, of 128 bits
 };
 
 }  // namespace ccdt::server

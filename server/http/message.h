@@ -26,18 +26,18 @@ struct Request {
     std::string resource;         ///< path and query as sent, without scheme and host
     std::string path;             ///< percent-decoded
     std::string query;            ///< query as sent, without the question mark
-    std::string authority;        ///< host and port of the target, or else of the Host header; empty: neither has one
-    std::vector<Header> headers;  ///< in order, values as sent
+    std::string authority;        ///< `host:port` of the target, or else the Host header; empty: none
+    std::vector<Header> headers;  ///< in the order received, values as sent
     std::optional<std::uint64_t> content_length;
     bool chunked = false;
     bool is_http_1_0 = false;
-    bool keep_alive = true;  ///< the client may send more requests on this connection
+    bool keep_alive = true;  ///< the client permits more requests on this connection
     bool expects_continue = false;
 
-    /// Value of the first header of that name, ignoring case; empty if there is none.
+    /// Value of the first header with a name, ignoring case; empty if there is none.
     std::string_view header(std::string_view name) const;
 
-    /// Whether a body follows, even an empty one.
+    /// Whether a body follows the head, even an empty one.
     bool is_framed() const { return chunked || content_length.has_value(); }
 };
 
@@ -47,7 +47,7 @@ struct Stages {
     api::Timings work;
 };
 
-/// Amounts computed for an answer.
+/// Numbers of sites and pixels that were computed for an answer.
 struct Computed {
     std::size_t sites = 0;
     std::size_t pixels = 0;
@@ -70,12 +70,11 @@ struct Record {
 /// @returns  false if the client no longer receives
 using Send = std::function<bool(std::string_view piece)>;
 
-/// Sends a body while it is produced, and adds to the record how that ended.
-/// @returns  false if part of the body could not be sent although the client still receives; the connection is then
-///           closed so that the client notices
+/// Produces a body and sends it piece by piece. Adds the outcome to the record.
+/// @returns  false if the body is incomplete; closing the connection then tells the client
 using Stream = std::function<bool(const Send& send, Record& record)>;
 
-/// Status of an answer whose client has closed the connection. Nothing is sent; the status is for the log.
+/// Status for the log if the client has closed the connection. It is never sent.
 constexpr int kClientGone = 499;
 
 /// An answer to a request.
@@ -84,11 +83,11 @@ struct Response {
     std::vector<Header> headers;
     std::string media_type;
     std::string body;
-    Stream stream;                      ///< null: `body` has the whole body; not called for HEAD
+    Stream stream;                      ///< null: `body` has the whole body; not called for HEAD requests
     std::optional<std::size_t> length;  ///< length of a streamed body, if it is known
     std::string coding;                 ///< content coding of the body; empty: none
-    std::string tag;  ///< entity tag; a strong one identifies the body before compression; empty: none
-    std::shared_ptr<const void> lease;  ///< reserved memory, released when the answer has been sent
+    std::string tag;                    ///< entity tag; if strong, of the body before compression; empty: none
+    std::shared_ptr<const void> lease;  ///< memory reservation, released when the answer has been sent
     Record record;
 };
 

@@ -62,7 +62,7 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
     if (boundary.empty()) return problem(400, "the form's Content-Type names no boundary, or more than one");
     if (!is_boundary(boundary))
         return problem(400, "the form's boundary must have 1 to 70 of the characters that RFC 2046 allows");
-    // Only the first character of the delimiter is a CR, so a search reads each byte of the body at most twice.
+    // The delimiter contains only one CR, its first character, so a search reads each byte of the body at most twice.
     const std::string delimiter = "\r\n--" + boundary;
     const auto truncated = [] { return problem(400, "the form ends before its last boundary"); };
 

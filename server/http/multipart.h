@@ -19,11 +19,11 @@ struct FormPart {
     std::string_view content(std::string_view body) const { return body.substr(begin, size); }
 };
 
-/// Finds the parts of a multipart/form-data body. Only names are copied.
+/// Finds the parts of a multipart/form-data body. Copies only the names.
 ///
 /// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name or with
 /// several names; a part whose headers exceed 16 KiB; more than 1,000 parts; a body that ends before its last boundary;
-/// a boundary followed by anything but a line end. O(n), regardless of the body and its boundary.
+/// a boundary that no line end follows. O(n) for any body and boundary.
 HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type);
 
 }  // namespace ccdt::server

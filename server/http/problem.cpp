@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Time after which a request that could not be served at present may succeed.
+/// Retry-After for unavailable resources.
 constexpr std::chrono::seconds kSoon{2};
 
 }  // namespace

@@ -13,8 +13,7 @@
 
 namespace ccdt::server {
 
-/// The reason why a request or a job has no result: the only kind of error that clients see. api and core return
-/// Errors, which `problem` converts.
+/// The reason why a request or a job has no result, as the client sees it. `problem` converts an Error of api or core.
 struct Problem {
     int status = 500;
     Error error;                       ///< the error as the client sees it
@@ -22,19 +21,19 @@ struct Problem {
     std::string cause = {};            ///< cause of an internal failure, for the log
 };
 
-/// The value of a function, or why the client gets no result.
+/// The result of a function, or the problem that the client is told.
 template <class T>
 using HttpResult = tl::expected<T, Problem>;
 
-/// Returns the status for an error of api or core.
+/// Returns the HTTP status for an error of api or core.
 int http_status(ErrorCode code);
 
-/// Makes a problem of an error or a message. If the status is 500, the client learns only that the server failed; the
-/// message becomes the cause, for the log.
+/// Converts an error or a message to a problem. If the status is 500, the client learns only that the server failed,
+/// and the message becomes the cause for the log.
 tl::unexpected<Problem> problem(Error error);
 tl::unexpected<Problem> problem(int status, std::string message);
 
-/// Makes a refusal of a request that may succeed later.
+/// Makes a problem with a Retry-After header, for a request that may succeed later.
 tl::unexpected<Problem> busy(int status, std::string message, std::chrono::seconds retry_after);
 
 }  // namespace ccdt::server

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLongestPort = 5;
 
-/// Addresses in a header field, in the order in which proxies wrote them. A malformed address is represented by none.
+/// Addresses in a header field, in the order in which proxies wrote them; none for a malformed address.
 using Hops = std::vector<std::optional<IpAddress>>;
 
 bool is_port(std::string_view text) {
@@ -48,7 +48,7 @@ Hops x_forwarded_for(std::string_view field) {
     return hops;
 }
 
-/// Takes the text up to the first separator outside quotes; `text` keeps the rest.
+/// Removes the text up to the first separator outside quotes from `text`, and returns it.
 /// @returns  none if a quote is not closed
 std::optional<std::string_view> take_unquoted(std::string_view& text, char separator) {
     bool quoted = false;
@@ -63,13 +63,13 @@ std::optional<std::string_view> take_unquoted(std::string_view& text, char separ
     return part;
 }
 
-/// Removes quotes, if there are any. Escapes are not decoded, because addresses need none.
+/// Removes enclosing quotes, if any. Does not decode escapes, because addresses need none.
 std::string_view unquote(std::string_view value) {
     const bool quoted = value.size() >= 2 && value.starts_with('"') && value.ends_with('"');
     return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
-/// Parses the `for` address in the element of one proxy, such as `for="[2001:db8::1]:80";proto=https`.
+/// Parses the `for` address of a Forwarded element such as `for="[2001:db8::1]:80";proto=https`; none if malformed.
 std::optional<IpAddress> forwarded_for(std::string_view element) {
     std::optional<IpAddress> found;
     for (bool seen = false; !element.empty();) {
@@ -92,7 +92,7 @@ Hops forwarded(std::string_view field) {
     return hops;
 }
 
-/// Follows the addresses in all fields of a header, from the last to the first.
+/// Finds the client by following the addresses in all fields of a header, from the last to the first.
 /// @returns  none if there is no such header
 std::optional<Peer> follow(const Request& request, std::string_view header, Hops (*read)(std::string_view),
                            const Peer& peer, const TrustedProxies& proxies) {

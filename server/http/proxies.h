@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// Proxies whose information about their clients is trusted.
+/// Proxies whose headers about their clients are trusted.
 struct TrustedProxies {
     std::vector<IpNetwork> networks;
     bool unix_socket = false;  ///< any peer on a Unix socket is a trusted proxy
@@ -17,13 +17,13 @@ struct TrustedProxies {
     bool include(const Peer& peer) const;
 };
 
-/// Finds the client of a request by the addresses that proxies write to X-Forwarded-For or Forwarded (RFC 7239).
+/// Finds the client of a request from the addresses in X-Forwarded-For or Forwarded (RFC 7239).
 ///
-/// Each proxy appends the address of its client to the addresses that it received. The search starts with the peer. As
-/// long as the current address belongs to a trusted proxy, the search goes on to the address before it. So addresses
-/// written by an untrusted client are never used. A malformed, `unknown` or hidden address ends the search; the proxy
-/// that wrote it then counts as the client. A proxy that sets one of the two headers forwards the other one unchanged.
-/// If both are present, they must name the same client; otherwise the peer is returned.
+/// Each proxy appends the address of its client to the header. The search starts with the peer and follows the header
+/// from its end. It stops at the first address that is not a trusted proxy, so that addresses written by an untrusted
+/// client are never used. It also stops at a malformed, `unknown` or hidden address; the proxy that wrote it then
+/// counts as the client. If both headers are present and name different clients, the peer is returned, because a proxy
+/// that sets one header forwards the other unchanged.
 Peer client_of(const Request& request, const Peer& peer, const TrustedProxies& proxies);
 
 }  // namespace ccdt::server

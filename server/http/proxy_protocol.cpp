@@ -37,7 +37,7 @@ tl::unexpected<Problem> malformed() {
     return problem(400, "the PROXY header is malformed");
 }
 
-/// Parses the words after `PROXY TCP4` or `PROXY TCP6`: both addresses, both ports.
+/// Parses the words after `PROXY TCP4` or `PROXY TCP6` (both addresses, both ports), and returns the client.
 HttpResult<Peer> parse_addresses(std::string_view words, bool version_4) {
     const auto client = IpAddress::parse(api::take_until(words, " "));
     const auto proxy = IpAddress::parse(api::take_until(words, " "));
@@ -63,7 +63,7 @@ HttpResult<ProxyHeader> parse_version_1(std::string_view received) {
     });
 }
 
-/// Reads the client's address and port. The two addresses are followed by the two ports.
+/// Reads the client from the addresses of version 2: client and proxy address, client and proxy port, in binary.
 template <class Address>
 HttpResult<Peer> parse_addresses(std::string_view bytes) {
     if (bytes.size() < 2 * sizeof(Address) + 4) return malformed();

@@ -70,12 +70,12 @@ const sockaddr* generic(const void* address) {
     return static_cast<const sockaddr*>(address);
 }
 
-/// @returns  none if it failed, with the reason in errno
+/// Returns a listening socket; none after a failure, with the reason in errno.
 UniqueFd listen_on(int family, const sockaddr* address, socklen_t size) {
     UniqueFd descriptor(socket(family, kKind, 0));
     if (!descriptor) return {};
     const int yes = 1;
-    // SO_REUSEPORT is not used: with it, a second instance could start and would get half of the clients.
+    // SO_REUSEPORT is not set: with it, a second instance could start and would get half of the clients.
     if (family != AF_UNIX) setsockopt(descriptor.get(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
     if (bind(descriptor.get(), address, size) == 0 && listen(descriptor.get(), ListeningSocket::kBacklog) == 0)
         return descriptor;
@@ -196,7 +196,7 @@ void ListeningSocket::wait(std::optional<std::chrono::milliseconds> longest) con
 }
 
 void ListeningSocket::refuse_newcomers() const {
-    // The filter sees the TCP header first. It drops packets with SYN, that is, attempts to connect.
+    // The filter's data begin with the TCP header. It drops packets with SYN, which are attempts to connect.
     constexpr std::uint32_t kFlags = 13;
     constexpr std::uint32_t kWhole = 0xffff'ffff;
     std::array<sock_filter, 4> program{{BPF_STMT(BPF_LD | BPF_B | BPF_ABS, kFlags),

@@ -17,22 +17,22 @@
 
 namespace ccdt::server {
 
-/// The other end of a connection, or a client that a proxy names.
+/// The other end of a connection, or the client that a proxy names.
 struct Peer {
-    std::string name = "-";            ///< address and, if known, port, for the log
-    std::string address = {};          ///< result of IpAddress::of_one_client(), by which limits count; empty: none
+    std::string name = "-";            ///< text for the log: the address and, if known, the port
+    std::string address = {};          ///< IpAddress::of_one_client(), for limits; empty: none
     std::optional<IpAddress> ip = {};  ///< none: the peer has no IP address, or it is unknown
     bool is_local = false;             ///< connected over a Unix socket
 };
 
-/// @param address  as set by `accept`
+/// Describes a peer by its address, as set by `accept`, or by its IP address and port.
 Peer describe_peer(const sockaddr_storage& address);
 Peer describe_peer(const IpAddress& address, std::optional<std::uint16_t> port = std::nullopt);
 
 /// Returns the peer of a connected socket.
 Peer peer_of(int socket);
 
-/// A socket that listens on an address or, after `unix:`, on a path. The destructor closes it and removes the path.
+/// A socket that listens on an address or a path (`unix:/path`). The destructor closes it and removes the path.
 class ListeningSocket {
 public:
     /// @param port  0: any free port; ignored for a path
@@ -46,19 +46,18 @@ public:
     ListeningSocket& operator=(ListeningSocket&&) = delete;
     ~ListeningSocket();
 
-    /// Waits until a client may have connected, `refuse_newcomers` was called, or the time is over.
+    /// Waits until a client may have connected, `refuse_newcomers` was called, or the time limit is reached.
     /// @param longest  none: no time limit
     void wait(std::optional<std::chrono::milliseconds> longest) const;
 
     /// Refuses new connections; connections made before can still be accepted. May be called from any thread.
     ///
-    /// The socket is not shut down, because that would reset the connections in the backlog, whose requests may have
-    /// arrived already. A load balancer could not know that no server has read these requests. For TCP, a client that
-    /// tries to connect meanwhile tries again after a second, and then finds that nobody listens. On Unix sockets this
-    /// function has no effect: new clients wait until `shut_down`.
+    /// The socket is not shut down, because that would reset the connections in the backlog. Their requests may have
+    /// arrived, and a load balancer could not know that no server has read them. New TCP clients try again after a
+    /// second, and are refused after `shut_down`. New Unix clients wait until `shut_down`.
     void refuse_newcomers() const;
 
-    /// Resets connections that still wait to be accepted; further attempts to connect fail.
+    /// Resets connections that still wait to be accepted. Further attempts to connect fail.
     void shut_down() const;
 
     int descriptor() const { return descriptor_.get(); }  ///< nonblocking
@@ -70,19 +69,19 @@ private:
     static Result<ListeningSocket> open_port(const std::string& host, int port);
 
     UniqueFd descriptor_;
-    UniqueFd refusing_;  ///< an event that is set by `refuse_newcomers`
+    UniqueFd refusing_;  ///< eventfd that `refuse_newcomers` sets
     int port_ = 0;
     std::string path_;
-    dev_t device_ = 0;  ///< identifies, with the inode, our own socket file
+    dev_t device_ = 0;  ///< identifies our own socket file, with the inode
     ino_t inode_ = 0;
 };
 
 /// Connects to a ListeningSocket on this machine. A wildcard address means this machine.
-/// @param patience  time-out for connecting, and for each send and receive
+/// @param patience  time-out for connecting, and for each later send and receive
 /// Errors (Unusable): the address is unknown, or nobody listens there.
 Result<UniqueFd> connect_to(const std::string& bind, int port, std::chrono::milliseconds patience);
 
-/// Raises the soft limit of open files to `count`, as far as the hard limit allows. Many systems default to 1024.
+/// Raises the soft limit of open files to `count`, as far as the hard limit allows. The usual default is 1024.
 void allow_open_files(std::size_t count);
 
 }  // namespace ccdt::server

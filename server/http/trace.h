@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// The distributed trace of a request: its id and the id of the calling operation, in hexadecimal digits.
+/// The distributed trace of a request: the trace id (32 hexadecimal digits) and the id of the calling operation (16).
 struct Trace {
     std::string_view id;
     std::string_view parent;
@@ -16,7 +16,7 @@ struct Trace {
 /// Source: W3C Trace Context, section 3.2; later versions may append fields, which are ignored.
 std::optional<Trace> parse_traceparent(std::string_view header);
 
-/// Returns the part of a `traceparent` header that all versions have, for storage; empty if it is malformed.
+/// Returns the fields of a `traceparent` header that all versions have, for storage; empty if the header is malformed.
 std::string_view whole_traceparent(std::string_view header);
 
 }  // namespace ccdt::server

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Writes a header with the scripts: cmake -DFOLDER=... -DSCRIPTS=common,add,... -DOUTPUT=... -P embed_scripts.cmake
-# Each script is a constant of its own name.
+# Each script becomes a string constant with the name of the script.
 
 string(REPLACE "," ";" names "${SCRIPTS}")
 set(texts)

@@ -17,16 +17,16 @@
 
 namespace ccdt::server {
 
-/// A job that clients follow: its latest known state, and its progress after each iteration so far. Thread-safe.
+/// A job that clients follow: its latest known state, and its progress after each iteration. Thread-safe.
 class FollowedJob {
 public:
-    /// Updates the state, unless a later state is known.
+    /// Updates the state, unless `job` is older than the known state.
     void advance(const Job& job);
 
-    /// Notes that the store may have a newer state.
+    /// Records that the store may have a newer state.
     void mark_stale();
 
-    /// Notes that the job no longer exists.
+    /// Records that the job no longer exists.
     void mark_gone();
 
 private:
@@ -40,21 +40,20 @@ private:
     bool gone_ = false;
 };
 
-/// Follows a job's progress, for one client.
+/// Follows the progress of a job for one client.
 class JobWatch {
 public:
-    /// Asks the store for the state of a job, because another server may run it, and updates `job`.
+    /// Updates `job` with the state in the store, because another server may run the job.
     using LookUp = std::function<void(const std::string& id, FollowedJob& job)>;
 
     JobWatch(std::shared_ptr<FollowedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
 
-    /// Waits for the next state. The first call returns the current state. Each later call returns the state after the
-    /// next iteration, and the last call returns the final state. If another server runs the job, some iterations may
-    /// be skipped.
+    /// Waits for the next state. The first call returns the current state. Later calls return the state after each
+    /// iteration, and finally the state at the end. If another server runs the job, iterations may be skipped.
     /// @returns  none if there is no new state by `until`
     std::optional<Job> next(std::chrono::steady_clock::time_point until);
 
-    /// Makes the next call of next() ask the store, because the job may have been removed without a notification.
+    /// Makes the next call of next() ask the store. Needed because jobs can be removed without a notification.
     void look_again() { job_->mark_stale(); }
 
     /// Whether there will be no further states: the job has ended or no longer exists.
@@ -70,10 +69,10 @@ private:
 /// The jobs that clients follow. Thread-safe.
 class FollowedJobs {
 public:
-    /// Returns a job. It is followed as long as a caller keeps the returned pointer.
+    /// Starts to follow a job, until all returned pointers to it are destroyed.
     std::shared_ptr<FollowedJob> follow(const std::string& id);
 
-    /// Updates the state of a job if it is followed: see FollowedJob::advance.
+    /// Calls FollowedJob::advance() if the job is followed.
     void advance(const Job& job) const;
     void mark_stale(const std::string& id) const;
     void mark_all_stale() const;

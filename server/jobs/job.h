@@ -17,17 +17,17 @@ namespace ccdt::server {
 
 enum class JobStatus { Queued, Running, Succeeded, Failed, Cancelled };
 
-/// Returns the word for a status in answers, logs, metrics and stores.
+/// Returns the word for a status that answers, logs, metrics and stores use.
 std::string_view name_of(JobStatus status);
 
-/// @returns  none if the word is unknown
+/// Inverse of name_of(); none if the word is unknown.
 std::optional<JobStatus> status_named(std::string_view name);
 
 inline bool is_finished(JobStatus status) {
     return status != JobStatus::Queued && status != JobStatus::Running;
 }
 
-/// A point in time in milliseconds, the precision that clients see and stores keep.
+/// A point in time, in milliseconds, as shown to clients and kept in stores.
 using Time = std::chrono::sys_time<std::chrono::milliseconds>;
 
 inline Time time_now() {
@@ -40,7 +40,7 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// A request that is computed while its client does not wait. The request itself is stored separately.
+/// The state of a request that is computed while its client does not wait. The request is stored separately.
 struct Job {
     std::string id;
     std::string owner;        ///< name of the API key of the request; empty: none
@@ -48,19 +48,19 @@ struct Job {
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;  ///< number of runs: the current one, and earlier ones that ended because their server ended
-    std::uint64_t claim = 0;  ///< number of the latest claim, greater than all earlier ones
+    int starts = 0;           ///< number of runs: the current one, and those ended by the end of their server
+    std::uint64_t claim = 0;  ///< number of the latest claim, see JobStore
     Time created;
     std::optional<Time> started;
     std::optional<Time> finished;
     JobProgress progress;
-    std::optional<Problem> failure;  ///< why the job failed, as a synchronous answer would report it
+    std::optional<Problem> failure;  ///< the problem that a synchronous answer would report
 
     // Members of jobs that have succeeded:
     std::string media_type;
     std::size_t result_bytes = 0;
-    bool partial = false;         ///< whether the result is the state reached at the deadline
-    std::vector<Header> headers;  ///< headers with information that the body lacks
+    bool partial = false;         ///< whether the result is incomplete because of the deadline
+    std::vector<Header> headers;  ///< headers made by answer_headers()
     bool dropped = false;         ///< the result was deleted to free space
 };
 

@@ -7,10 +7,10 @@
 
 namespace ccdt::server {
 
-/// The listener of a store, if there is one. Thread-safe.
+/// Holds the listener of a store, and notifies it. Thread-safe.
 class JobNotifier {
 public:
-    /// Sets the listener. Returns once the previous one is no longer being notified.
+    /// Sets the listener; null: none. Waits until the previous listener is no longer being notified.
     void listen(JobListener* listener) {
         const std::lock_guard lock(mutex_);
         listener_ = listener;

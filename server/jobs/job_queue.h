@@ -15,7 +15,7 @@
 
 namespace ccdt::server {
 
-/// The queue of a store that only one server uses, and the claims of this server. Not thread-safe.
+/// The queue and the claims of a store that only one server uses. Not thread-safe.
 class JobQueue {
     using Clock = std::chrono::steady_clock;
 
@@ -32,27 +32,27 @@ public:
     std::size_t queued() const { return queue_.size(); }
     std::size_t claimed() const { return claims_.size(); }
 
-    /// Whether the queue has space for a job of this client: see JobStore::is_full.
+    /// Whether the queue has space for a job of this client, by the rule of JobStore::is_full.
     bool accepts_job_of(std::string_view client) const;
 
     void push(const Job& job) { queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory}); }
 
     /// Requeues the jobs whose leases have expired, then takes the next job that needs at most `memory` bytes. The
-    /// caller must claim the job or put it back, unless the job cannot be run.
+    /// caller must claim() the job or put_back() it, unless the job's data is damaged.
     std::optional<Entry> take_next(std::size_t memory);
     void put_back(Entry entry) { queue_.put_back(std::move(entry)); }
 
-    /// Claims a job that was taken, and sets the number of the claim.
+    /// Claims a job that take_next() returned, and sets `job.claim`.
     void claim(Entry entry, Job& job);
 
-    /// Returns the state of a claimed job; null if the job is not claimed.
+    /// Returns the latest state of a claimed job; null if the job is not claimed.
     const Job* find(const std::string& id) const;
 
     /// Whether the claim of a job is still valid.
     bool owns(const Job& job) const;
 
     /// Renews the lease of a claimed job, and stores its status and progress.
-    /// @param now  becomes the time of the start if `job` is running and has no such time yet
+    /// @param now  stored as the time of the start at the first call with a running job
     /// @returns    false if the claim is no longer valid
     bool renew(const Job& job, Time now);
 

@@ -16,12 +16,11 @@ namespace {
 using Clock = JobRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Maximum number of starts of a job whose servers end before it does. A computation cannot crash the server, so this
-/// limit guards against unforeseen faults.
+/// Maximum number of starts of a job whose servers end during its runs. Computations run in other processes and cannot
+/// crash the server, so this limit only guards against unforeseen faults.
 constexpr int kMaxStarts = 3;
 
-/// Bounds of the interval between deletions of expired jobs. A long interval is harmless, because clients cannot find
-/// an expired job even before it is deleted.
+/// Bounds of the interval between deletions of expired jobs, which clients cannot find even before.
 constexpr std::chrono::milliseconds kMinRemovalInterval{100};
 constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
@@ -32,7 +31,7 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
-/// Returns the request that a store has found. Errors: Internal if the store failed or has no such request.
+/// Returns the request that a store has found. Error: Internal if the store failed or has no such request.
 Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
     if (!stored) return failure(ErrorCode::Internal, stored.error().message);
     if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
@@ -43,7 +42,7 @@ Problem shut_down() {
     return {503, {ErrorCode::Stopped, "the server shut down", {}}};
 }
 
-/// Makes the end of a job without a result.
+/// Makes the end of a job that failed without a result.
 JobEnd failed(Job job, Problem failure) {
     JobEnd end{std::move(job), {}, {}, failure.cause};
     end.job.status = JobStatus::Failed;
@@ -51,7 +50,7 @@ JobEnd failed(Job job, Problem failure) {
     return end;
 }
 
-/// Makes the end of a job whose result could not be stored.
+/// Makes the end of a job that failed because its result could not be stored.
 JobEnd not_stored(Job job, const Error& error) {
     JobEnd end{std::move(job), {}, {}, error.message};
     end.job.status = JobStatus::Failed;
@@ -63,8 +62,7 @@ JobEnd not_stored(Job job, const Error& error) {
 
 }  // namespace
 
-/// Stores a result while it is written, except for the last piece. While the store cannot be reached, the computation
-/// waits.
+/// Stores all but the last piece of a result while it is computed. The computation waits for a store in an outage.
 class JobRunner::ResultWriter : public api::BodySink {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
@@ -83,8 +81,7 @@ public:
         return {};
     }
 
-    /// The next three functions return the part of the result that is stored, the part after it, and the error if
-    /// storing failed.
+    /// Returns the part of the result that is stored; the next two functions return the rest, and the error of storing.
     const JobStore::StoredPart& stored() const { return stored_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
@@ -105,7 +102,7 @@ private:
         return {};
     }
 
-    /// @returns  false if a stop was requested
+    /// Pauses for kPollInterval; returns false if a stop was requested.
     bool wait() {
         std::mutex mutex;
         std::unique_lock lock(mutex);
@@ -150,18 +147,18 @@ void JobRunner::claim_jobs(const std::stop_token& closing) {
     }
 }
 
-/// Claims a job if the pool has a worker for it.
-/// @returns  whether there may be another job
+/// Claims the next job if the pool has capacity for it.
+/// @returns  whether there may be another job to claim
 bool JobRunner::claim_next() {
     if (!runs_.may_claim()) return false;
-    // A job that is too large for this server has to fail if no other server shares the store.
+    // If no other server shares the store, claims jobs that are too large for this server, too, so that they fail.
     auto job = store_.claim(store_.is_shared() ? pool_.memory().total() : std::numeric_limits<std::size_t>::max());
     if (!job || !*job) return false;
     submit(**std::move(job));
     return true;
 }
 
-/// Passes a claimed job to the pool.
+/// Passes a claimed job to the pool. If that is not possible, fails or requeues the job.
 void JobRunner::submit(Job job) {
     std::optional<Problem> failure;
     if (job.starts > kMaxStarts)
@@ -193,7 +190,7 @@ void JobRunner::run(const Run& run, const std::stop_token& stop) {
     runs_.leave_pool();
 }
 
-/// Marks a run as started, here and in the store.
+/// Marks a run as started, in this server and in the store.
 /// @returns  false if the job must not be run any more
 bool JobRunner::begin(const Run& run) {
     Job job = run->job();
@@ -208,7 +205,7 @@ bool JobRunner::begin(const Run& run) {
 }
 
 /// Computes the result of a job.
-/// @returns  none if this run does not end the job
+/// @returns  the end to be stored; none if this run does not end the job
 std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_token& stop) {
     Stages stages;
     const Job job = run->job();
@@ -266,8 +263,8 @@ void JobRunner::note(const Run& run, const Progress& progress) {
     if (!run->is_gone()) followed_.advance(run->job());
 }
 
-/// Removes a run from the queue of the pool, or requests it to stop if it has started.
-/// @returns  true if it had not started
+/// Removes a run from the queue of the pool or, if it has started, requests it to stop.
+/// @returns  true if the run had not started
 bool JobRunner::cancel_in_pool(const Run& run) {
     const auto id = run->pool_id();
     if (!id || pool_.cancel(*id) != WorkerPool::Cancelled::Queued) return false;
@@ -275,7 +272,7 @@ bool JobRunner::cancel_in_pool(const Run& run) {
     return true;
 }
 
-/// Gives up a run if this server no longer owns the job.
+/// Stops and forgets a run if this server no longer owns the job.
 void JobRunner::give_up(const Run& run, JobStore::Owned owned) {
     if (owned == JobStore::Owned::Still || !run->give_up(owned)) return;
     if (owned == JobStore::Owned::Lost) runs_.count_lost();
@@ -294,7 +291,7 @@ void JobRunner::requeue(const Run& run) {
     runs_.erase(run);
 }
 
-/// Stores the end of a job, informs followers, and writes the log. Only the thread that started to settle may call it.
+/// Stores the end of a job, informs followers, and writes the log. Call JobRun::start_settling() before.
 void JobRunner::settle(const Run& run, JobRun::End end) {
     const auto stored = store_end(end);
     if (!stored && stored.error().code == ErrorCode::Stopped) return run->keep_end(std::move(end));
@@ -312,7 +309,7 @@ void JobRunner::settle(const Run& run, JobRun::End end) {
     logger_(end.summary);
 }
 
-/// Stores the end of a job. If the result cannot be stored, the job is stored as failed, which needs no space.
+/// Stores the end of a job. If the result cannot be stored, stores the job as failed, which needs no space.
 Result<std::optional<Time>> JobRunner::store_end(JobRun::End& end) {
     auto stored = store_.finish(end.summary.job, end.result, end.before);
     const bool has_result = end.summary.job.result_bytes > 0;

@@ -20,15 +20,13 @@ namespace ccdt::server {
 
 /// Claims jobs of a store, and runs them in the pool.
 ///
-/// A job waits in the queue of the store, which is fair between clients. When the job is next and the pool can accept
-/// it, the job is claimed and passed to the pool. In the pool, jobs compete with requests whose clients wait.
-/// Thread-safe.
+/// Jobs wait in the queue of the store, which is fair between clients. Whenever the pool has capacity for a job, the
+/// next one is claimed and passed to the pool. There, jobs compete with requests whose clients wait. Thread-safe.
 class JobRunner {
 public:
     using Logger = std::function<void(const JobEnd&)>;
 
-    /// Longest time until this server notices that a lease of another server has expired, or that the store can be
-    /// reached again.
+    /// Maximum time until this server notices an expired lease of another server, or the end of an outage of the store.
     static constexpr std::chrono::milliseconds kPollInterval{1000};
 
     /// Takes the same parameters as the constructor of Jobs; `followed` receives the states of the jobs.
@@ -43,24 +41,23 @@ public:
 
     void start() { runs_.start(); }
 
-    /// Stops all runs: see Jobs::drain.
+    /// Stops all runs, as described for Jobs::drain.
     void drain();
     bool is_draining() const { return runs_.is_draining(); }
 
     /// Fails all jobs in the store that can be claimed: jobs that wait, and jobs whose leases have expired.
     void fail_all();
 
-    /// Looks for jobs to claim.
+    /// Makes the claiming thread look for jobs.
     void claim() { runs_.wake_claimer(); }
 
-    /// Gives up the run of a job that was cancelled, if there is one.
+    /// Stops and forgets this server's run of a cancelled job, if any.
     void drop(const std::string& id);
 
     /// Stores the progress of all runs, and looks for jobs to claim.
     void refresh();
 
-    /// Updates a job that was read from the store with progress that the store does not have yet, if this server runs
-    /// the job.
+    /// Updates a job that was read from the store with progress that is not stored yet, if this server runs the job.
     void add_latest(Job& job) const;
 
     JobRuns::Counts counts() const { return runs_.counts(); }
@@ -96,7 +93,7 @@ private:
     const std::chrono::milliseconds renewal_interval_;
     JobRuns runs_;
 
-    std::jthread claimer_;     ///< claims jobs; both threads come last, because they use all other members
+    std::jthread claimer_;     ///< claims jobs; both threads come last: they use all members
     std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
 };
 

@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Interval at which a run's progress is stored.
+/// Minimum time between two stores of a run's progress.
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
 }  // namespace
@@ -35,11 +35,11 @@ JobRun::Next JobRun::begin(const Result<JobStore::Renewal>& renewal, Clock::dura
     const std::lock_guard lock(mutex_);
     if (settling_ || stop_ == Stop::Gone) return Next::Nothing;
     if (stop_ == Stop::Shutdown) return Next::Requeue;
-    // If the store fails, the job runs nevertheless: no other server can claim the job before the lease expires.
+    // The job runs even if the store failed, because no other server can claim the job before the lease expires.
     job_.status = JobStatus::Running;
     job_.started = renewal
                        ? renewal->now
-                       : std::max(time_now(), job_.created);  // the store's clock, which set `created`, may be ahead
+                       : std::max(time_now(), job_.created);  // `created` is from the store's clock, which may be ahead
     renewed_ = Clock::now();
     deadline_ = renewed_ + timeout;
     return Next::Proceed;
@@ -73,7 +73,7 @@ bool JobRun::give_up(JobStore::Owned owned) {
         unneeded_.request_stop();
         return true;
     }
-    // Another thread is storing an end, which the store will refuse.
+    // Another thread is storing the end of the job, which the store will refuse.
     const std::lock_guard lock(mutex_);
     if (owned == JobStore::Owned::Cancelled) stop_ = Stop::Gone;
     return false;
@@ -164,7 +164,7 @@ bool JobRuns::is_draining() const {
 
 bool JobRuns::may_claim() const {
     const std::lock_guard lock(mutex_);
-    // Ends that could not be stored yet take memory.
+    // Ends that are not stored yet count as jobs in the pool, because they take memory.
     const auto ends = std::ranges::count_if(runs_, [](const auto& run) { return run.second->has_end(); });
     return started_ && !draining_ && in_pool_ + static_cast<std::size_t>(ends) < at_once_;
 }

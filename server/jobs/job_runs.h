@@ -22,7 +22,7 @@
 
 namespace ccdt::server {
 
-/// A finished job, for the log and the metrics.
+/// A finished job with its costs, for the log and the metrics.
 struct JobEnd {
     Job job;
     Stages stages;
@@ -30,22 +30,22 @@ struct JobEnd {
     std::string cause;  ///< cause of an internal failure
 };
 
-/// A job that this server has claimed. Thread-safe.
+/// This server's run of a job that it has claimed. Thread-safe.
 class JobRun {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// The end of a job, to be stored.
+    /// The end of a job, before it is stored.
     struct End {
         std::string result;
         JobEnd summary;
-        JobStore::StoredPart before = {};  ///< part of the result that the store already has, before `result`
+        JobStore::StoredPart before = {};  ///< stored part of the result, which `result` follows
     };
 
-    /// The reason why a run is stopped.
+    /// The reason why a run is stopped. Gone: the job was cancelled, or another server has claimed it.
     enum class Stop { None, Deadline, Shutdown, Gone };
 
-    /// The next step of a run: proceed (begin the run, or store its end), requeue its job, or do nothing.
+    /// The next step of the caller: begin the run or store its end (Proceed), requeue the job, or do nothing.
     enum class Next { Proceed, Requeue, Nothing };
 
     explicit JobRun(Job job) : job_(std::move(job)) {}
@@ -53,63 +53,63 @@ public:
     Job job() const;
     bool is_gone() const;
 
-    /// A token that is stopped once nobody needs the result.
+    /// A token that is stopped when the result is no longer needed.
     std::stop_token unneeded() const { return unneeded_.get_token(); }
 
     /// Id of the job in the pool; none: not in the pool.
     std::optional<WorkerPool::JobId> pool_id() const;
 
-    /// Calls `submit`, which passes the job to the pool and returns its id there. The run cannot be stopped meanwhile.
+    /// Calls `submit`, which passes the job to the pool and returns its id there. Calls of stop() wait meanwhile.
     void enter_pool(const std::function<WorkerPool::JobId()>& submit);
 
     /// Marks the run as begun.
-    /// @param renewal  result of renewing the lease; an error if the store failed
+    /// @param renewal  result of JobStore::renew()
     /// @param timeout  time limit of the run
     Next begin(const Result<JobStore::Renewal>& renewal, Clock::duration timeout);
 
     /// Records progress.
-    /// @returns  whether the store had the latest progress until now
+    /// @returns  whether this progress is the first that the store does not have
     bool note(const Progress& progress);
 
-    /// Notes that the computation has ended.
-    /// @param whole  whether it ended without having been stopped
+    /// Records that the computation has ended.
+    /// @param whole  whether the computation was not stopped early
     Next finish(bool whole);
 
-    /// Notes that the run has to stop.
+    /// Records that the run has to stop.
     /// @returns  false if the end of the job is being stored, or the run was given up
     bool stop(Stop why);
 
-    /// Gives up the run, because this server does not own the job any more.
-    /// @returns  false in the same cases as stop()
+    /// Stops the run, because this server does not own the job any more.
+    /// @returns  false in the cases in which stop() returns false
     bool give_up(JobStore::Owned owned);
 
-    /// Gives the calling thread the exclusive right to store the end of the job.
-    /// @returns  false if another thread has this right
+    /// Reserves the right to store the end of the job for the calling thread.
+    /// @returns  false if another thread has the right
     bool start_settling();
 
-    /// Keeps an end that could not be stored.
+    /// Keeps an end that could not be stored, for a later attempt.
     void keep_end(End end);
     bool has_end() const;
     std::optional<End> take_end();
 
     bool is_overdue() const;
 
-    /// Returns the next time at which is_overdue() or take_due() may change.
+    /// Returns the next time at which the result of is_overdue() or take_due() may change.
     /// @param interval  pause between renewals of the lease
     Clock::time_point next_due(Clock::duration interval) const;
 
-    /// Returns the state to be stored if the lease or the stored progress is due for renewal; otherwise none.
+    /// Returns the job for JobStore::renew() if the lease must be renewed or new progress stored; otherwise none.
     /// @param interval  pause between renewals of the lease
     std::optional<Job> take_due(Clock::duration interval);
 
-    /// Notes that the state was passed to the store.
+    /// Records that JobStore::renew() was called with the job that take_due() returned.
     /// @param stored  false if the store failed
     void renewed(bool stored);
 
-    /// Notes that the store may not have the latest progress.
+    /// Records that the store may not have the latest progress.
     void forget_stored_progress();
 
-    /// Updates `job`, which was read from the store, with progress that the store does not have yet.
+    /// Updates `job`, which was read from the store, with progress that is not stored yet.
     void add_latest(Job& job) const;
 
 private:
@@ -122,31 +122,31 @@ private:
     std::optional<WorkerPool::JobId> pool_id_;
     std::optional<Clock::time_point> deadline_;
     Stop stop_ = Stop::None;
-    Clock::time_point renewed_ = Clock::now();  ///< time of the latest attempt to renew the lease
+    Clock::time_point renewed_ = Clock::now();  ///< latest attempt to renew the lease
     bool progress_stored_ = true;               ///< the store has the latest progress
     bool settling_ = false;                     ///< the end of the job is being stored
-    std::optional<End> end_;                    ///< an end that could not be stored yet
+    std::optional<End> end_;                    ///< end that could not be stored yet
 };
 
-/// The jobs that this server has claimed. Thread-safe.
+/// The runs of all jobs that this server has claimed. Thread-safe.
 class JobRuns {
 public:
     using Clock = JobRun::Clock;
     using Run = std::shared_ptr<JobRun>;
 
-    /// Events of this server's runs.
+    /// Numbers of events since the start.
     struct Counts {
         std::uint64_t lost = 0;      ///< runs given up because another server had claimed the job
-        std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
+        std::uint64_t repeated = 0;  ///< runs after the first of a job
     };
 
-    /// @param at_once  limit of jobs in the pool at a time
+    /// @param at_once  maximum number of jobs in the pool at the same time
     explicit JobRuns(std::size_t at_once) : at_once_(at_once) {}
 
     void start();
 
-    /// Lets no more jobs into the pool.
-    /// @returns  all runs at the first call; none later
+    /// Stops passing jobs to the pool.
+    /// @returns  all runs at the first call; an empty list later
     std::vector<Run> drain();
     bool is_draining() const;
 
@@ -154,15 +154,15 @@ public:
     bool may_claim() const;
 
     /// Adds a run.
-    /// @param for_pool  whether the job is to be passed to the pool
-    /// @returns         whether it may be passed to the pool; the caller must then call leave_pool() later
+    /// @param for_pool  whether the job should be passed to the pool
+    /// @returns         whether the caller must pass the job to the pool; leave_pool() must be called after its run
     bool add(const Run& run, bool for_pool);
     void leave_pool();
     void wait_until_pool_is_left();
 
     void erase(const Run& run);
 
-    /// @returns  null if this server has not claimed the job
+    /// Returns the run of a job; null if this server has not claimed the job.
     Run find(const std::string& id) const;
     std::vector<Run> all() const;
 
@@ -172,10 +172,10 @@ public:
     /// Makes wait_for_work() return.
     void wake_claimer();
 
-    /// Waits until there may be a job to claim, or until a pause has passed.
+    /// Waits until wake_claimer() is called, or for the duration `pause`.
     void wait_for_work(const std::stop_token& closing, Clock::duration pause);
 
-    /// Makes wait_for_change() return, because runs have changed.
+    /// Makes wait_for_change() return. Called when runs have changed.
     void wake_timekeeper();
     void wait_for_change(const std::stop_token& closing, Clock::time_point until);
 
@@ -184,8 +184,8 @@ private:
 
     mutable std::mutex mutex_;  ///< guards the members below; locked before the mutex of a JobRun
     std::condition_variable_any wake_;
-    bool has_work_ = false;  ///< there may be a job to claim
-    bool changed_ = false;   ///< runs have changed since wait_for_change() last returned
+    bool has_work_ = false;  ///< wake_claimer() was called
+    bool changed_ = false;   ///< wake_timekeeper() was called
     std::map<std::string, Run> runs_;
     std::size_t in_pool_ = 0;  ///< number of jobs in the pool
     Counts counts_;

@@ -13,36 +13,35 @@
 
 namespace ccdt::server {
 
-/// Receives notifications about the jobs of a store, whichever server changes them. Calls come from any thread, one at
-/// a time, and must not use the store.
+/// Receives notifications about all changes in a store, including those by other servers. The functions are called by
+/// any thread, one at a time, and must not use the store.
 class JobListener {
 public:
     virtual ~JobListener() = default;
 
     virtual void work() = 0;                          ///< there may be a job to claim
     virtual void changed(const std::string& id) = 0;  ///< a job's state has changed
-    virtual void stop(const std::string& id) = 0;     ///< a job was cancelled and must not be run any more
-    virtual void missed() = 0;                        ///< some of these notifications may have been lost
+    virtual void stop(const std::string& id) = 0;     ///< a job was cancelled or removed; its run must stop
+    virtual void missed() = 0;                        ///< notifications may have been lost
 };
 
-/// Stores jobs: their requests and, after the end, their results. Also keeps the queue, and records which server runs
-/// which job.
+/// Stores jobs, their requests and results, the queue of waiting jobs, and the claims of servers to jobs.
 ///
-/// A server claims a job before it runs it. The claim holds for a limited time, the lease, which `renew` extends. Once
-/// the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
-/// (`Job::claim`). A call with an older number than the latest reports that the job is lost, and changes nothing. So
+/// A server claims a job before it runs the job. The claim holds for a limited time, the lease, which `renew` extends.
+/// After the lease has expired, another server may claim the job. Each claim has a number greater than all earlier ones
+/// (`Job::claim`). A call with the number of an earlier claim reports that the job is lost, and changes nothing. So
 /// each job ends only once, even if servers crash. The queue is fair between clients, like FairQueue.
 ///
 /// All times are read from the store's clock, which all servers share. Changes are durable when a call returns, except
-/// for the progress of a running job. Thread-safe. The duration of a call does not depend on the number of finished
-/// jobs. Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged, Stopped
-/// if the storage cannot be reached in time, Internal for everything else.
+/// for the progress of a running job. The duration of a call does not depend on the number of finished jobs.
+/// Thread-safe. Errors of all calls: LimitExceeded if the capacity is exhausted, Unusable if stored data is damaged,
+/// Stopped if the storage cannot be reached in time, Internal for all other failures.
 class JobStore {
 public:
-    /// Whether a job was added, or why not.
+    /// Whether a job was added, or the reason for the refusal.
     enum class Added { Accepted, QueueFull, StoreFull };
 
-    /// The state of a claim: the claim is still valid, the job was cancelled, or another server has claimed the job.
+    /// The state of a claim: it is still valid, the job was cancelled, or another server has claimed the job.
     enum class Owned { Still, Cancelled, Lost };
 
     struct Renewal {
@@ -50,7 +49,7 @@ public:
         Time now;
     };
 
-    /// The part of a result that the store already has.
+    /// Size of the part of a result that is already stored.
     struct StoredPart {
         std::size_t pieces = 0;
         std::size_t bytes = 0;
@@ -69,57 +68,55 @@ public:
 
     virtual ~JobStore() = default;
 
-    /// Whether other servers may use the same storage.
+    /// Whether several servers may use the same storage.
     virtual bool is_shared() const { return false; }
 
-    /// Whether the queue is full for this client. As in WorkerPool, a client without a queued job is admitted to a full
-    /// queue, until the queue is twice as long as its limit.
+    /// Whether add() would refuse a job of this client. As in WorkerPool, a client without a queued job is admitted to
+    /// a full queue, until the queue is twice as long as its limit.
     virtual Result<bool> is_full(std::string_view client) = 0;
 
-    /// Adds a job and sets its time of creation; does nothing if a job with this id exists. If space is lacking,
-    /// results of finished jobs are deleted, starting with the jobs that ended first. If that is not enough, finished
-    /// jobs are removed entirely.
+    /// Adds a job and sets its time of creation. Does nothing if a job with this id exists. To free space, deletes the
+    /// results of finished jobs, starting with the job that ended first, and then whole finished jobs.
     virtual Result<Added> add(Job& job, const ComputeRequest& request) = 0;
 
-    /// Claims the next job in the queue, or a job whose lease has expired, and counts a start of this job.
-    /// @param memory  limit in bytes; jobs that need more are left to other servers
-    /// @returns       none if there is no such job
+    /// Claims the next job in the queue, or a job whose lease has expired, and increments `Job::starts`.
+    /// @param memory  limit in bytes; jobs that need more memory are left to other servers
+    /// @returns       the claimed job; none if there is no such job
     virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
 
-    /// @returns  none if the job does not exist or has ended
+    /// Reads the request of a job; none if the job does not exist or has ended.
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
-    /// Renews the lease of a claimed job, and stores the status and progress of the job. The first call with the status
-    /// Running sets the time of the start.
+    /// Renews the lease of a claimed job, and stores its status and progress. The first call with the status Running
+    /// sets the time of the start.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
-    /// Returns a claimed job to the front of the queue, and takes back the start that claim() counted.
+    /// Returns a claimed job to the front of the queue, and decrements `Job::starts`.
     virtual Result<void> requeue(const Job& job) = 0;
 
-    /// Appends a piece to the result of a claimed job. Frees space as add() does; if that is not enough, the error is
-    /// LimitExceeded. May be repeated after an error. The pieces are deleted unless the claim ends by a call of
-    /// finish() with a result.
-    /// @param before  the part of the result that this claim has stored already
+    /// Appends a piece to the result of a claimed job. Frees space as add() does. Error: LimitExceeded if there is not
+    /// enough space. May be repeated after an error. The pieces are deleted unless finish() is called with a result.
+    /// @param before  the part of the result that is already stored
     /// @param piece   1 to kPiece bytes
     /// @returns       false if the job was lost or cancelled
     virtual Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) = 0;
 
-    /// Stores the end of a claimed job: deletes its request, and stores its result. For a result, frees space as add()
-    /// does; if that is not enough, the error is LimitExceeded. The end of a job without a result needs no space. May
-    /// be repeated after an error.
+    /// Stores the end of a claimed job: deletes its request, and stores its result. Frees space for the result as add()
+    /// does. Error: LimitExceeded if there is not enough space. Needs no space without a result. May be repeated after
+    /// an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) = 0;
     Result<std::optional<Time>> finish(const Job& job, std::string_view result) { return finish(job, result, {}); }
 
     /// Cancels a job that has not ended.
-    /// @returns  the cancelled job; none if it does not exist or had ended
+    /// @returns  the cancelled job; none if the job does not exist or had ended
     virtual Result<std::optional<Job>> cancel(const std::string& id) = 0;
 
-    /// @returns  whether the job existed
+    /// Removes a job; returns whether it existed.
     virtual Result<bool> remove(const std::string& id) = 0;
 
-    /// @returns  none if the job does not exist or has expired
+    /// Reads a job; none if it does not exist or has expired.
     virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
     /// Reads a piece of a result. All pieces together have `Job::result_bytes`.
@@ -137,35 +134,35 @@ public:
 
     virtual Result<Load> load() = 0;
 
-    /// Sets the listener of future changes; null: none. Returns once the previous listener is no longer being notified.
-    /// If notifications come from another process, `missed` is called once they begin to arrive.
+    /// Sets the listener of future changes; null: none. Waits until the previous listener is no longer being notified.
+    /// If notifications come from another process, calls `missed` once their connection is established.
     virtual void listen(JobListener* listener) = 0;
 
-    /// Number of times that stored data was found damaged.
+    /// Number of times that damaged stored data was found.
     virtual std::uint64_t damages() const { return 0; }
 
-    /// Bytes that a job takes in the store.
+    /// Returns the bytes that a job takes in the store.
     /// @param held  bytes of its request or result
     static constexpr std::size_t bytes_of_job(std::size_t held) {
-        constexpr std::size_t kRow = 1024;  // including index entries
+        constexpr std::size_t kRow = 1024;  // for the job's data, including index entries
         return kRow + held;
     }
 
-    /// Returns the error for a result for which there is no space.
+    /// Returns the error for a result that exceeds the available space.
     /// @param result  bytes of the result received so far
     static tl::unexpected<Error> no_space_for(std::size_t result) {
         return failure(ErrorCode::LimitExceeded, "the result has at least " + std::to_string(result) +
                                                      " bytes, for which there is no space (job-bytes)");
     }
 
-    /// Bytes of a request.
+    /// Returns the size of a request in bytes.
     static std::size_t bytes_of(const ComputeRequest& request) {
         return request.path.size() + request.query.size() + request.content_type.size() + request.accept.size() +
                request.body.size();
     }
 };
 
-/// Returns the digest of a piece of a stored body. Stores compare it to detect damage.
+/// Returns the digest of a piece of a stored body, with which stores detect damage.
 /// @param id      id of the job
 /// @param number  number of the piece in the body, from 0
 std::string digest_of_piece(std::string_view id, std::size_t number, std::string_view piece);

@@ -11,7 +11,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Makes an id of 128 unpredictable bits: without API keys, anybody who knows the id can read the result.
+/// Makes an id of 128 random bits in hexadecimal. Without API keys, anybody who knows the id can read the result.
 std::string new_id() {
     std::array<unsigned char, 16> bytes{};
     if (getentropy(bytes.data(), bytes.size()) != 0)
@@ -24,8 +24,7 @@ std::string new_id() {
     return id;
 }
 
-/// Makes a problem of a failure of the store. The client learns the cause only if it is damage to the data of the
-/// client's own job.
+/// Converts an error of the store to a problem. The client learns the cause only if the job is damaged.
 tl::unexpected<Problem> store_problem(const Error& error) {
     if (error.code == ErrorCode::Stopped) {
         auto away = busy(503, "the store of jobs cannot be reached",

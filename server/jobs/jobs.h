@@ -18,18 +18,18 @@
 
 namespace ccdt::server {
 
-/// Jobs: requests whose clients do not wait.
+/// Runs jobs: requests whose clients do not wait.
 ///
-/// The store holds all accepted jobs and their outcomes: results, failures and cancellations. If servers share a store,
-/// each runs the jobs that it has claimed (see JobRunner), and answers requests about all jobs. A job may run for
-/// `timeout`, and is deleted `ttl` after its end. Thread-safe.
+/// The store contains all accepted jobs and their outcomes. If servers share a store, each server runs the jobs that it
+/// has claimed (see JobRunner), and answers requests about all jobs. A job may run for `JobLimits::timeout`, and is
+/// deleted `JobLimits::ttl` after its end. Thread-safe.
 class Jobs : private JobListener {
 public:
     using Clock = std::chrono::steady_clock;
     using Logger = JobRunner::Logger;
     using Counts = JobRuns::Counts;
 
-    /// @param survives  whether the store outlives the process; if so, unfinished jobs are left to the next process
+    /// @param survives  whether the store outlives this process, so that the next process can run unfinished jobs
     /// The references must outlive this object. The store must have no other listener.
     Jobs(const JobLimits& limits, JobStore& store, bool survives, WorkerPool& pool, Compute compute, Logger logger);
 
@@ -42,15 +42,14 @@ public:
     /// Starts to run jobs, including those already in the store.
     void start() { runner_.start(); }
 
-    /// Whether a job submitted by this client would be refused now.
+    /// Whether accept() would now refuse a job of this client, because the queue is full.
     bool is_full(std::string_view client) const;
 
-    /// Accepts a job. Once this returns, the job will not be lost.
+    /// Stores a job to be run. After success, the job is not lost if the server ends, as far as the store is durable.
     ///
-    /// @param job  job with its owner and cost; its memory must not exceed the limit of the pool
-    /// Problems: 413 the job or its result exceeds the capacity of the store; 429 the queue is full, or waiting jobs
-    /// fill the store; 503 the server is shutting down, or the store cannot be reached; 507 the store has no space; 500
-    /// the store fails.
+    /// @param job  job with its owner, client and cost; its memory must not exceed the limit of the pool
+    /// Problems: 413 the request or the result is larger than the store; 429 the queue is full, or waiting jobs fill
+    /// the store; 503 during a shutdown or an outage of the store; 507 the disk or Redis is full; 500 the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
     /// Finds a job.
@@ -59,14 +58,14 @@ public:
     HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
     /// Reads the result of a job that has succeeded.
-    /// Problems: 410 the result was dropped to free space, or the job is gone.
+    /// Problems: 410 the result was deleted to free space, or the job no longer exists.
     HttpResult<std::string> result(const std::string& id);
 
-    /// Reads a piece of the result: see JobStore::piece.
+    /// Reads a piece of the result, as JobStore::piece does.
     /// Problems: those of result().
     HttpResult<std::string> piece(const std::string& id, std::size_t number);
 
-    /// Cancels a job that has not ended, or deletes one that has.
+    /// Cancels a job that has not ended. Deletes a job that has ended.
     HttpResult<void> remove(const std::string& id, const std::string& owner);
 
     using Watch = JobWatch;
@@ -74,8 +73,8 @@ public:
     /// Follows a job's progress.
     HttpResult<Watch> watch(const std::string& id, const std::string& owner);
 
-    /// Stops all runs, and returns at once. If the store survives, unfinished jobs are left to the next process or to
-    /// other servers. Otherwise unfinished jobs fail, and no more jobs are accepted.
+    /// Requests all runs to stop, and returns at once. If the store survives, unfinished jobs stay for the next process
+    /// or other servers. Otherwise, they fail, and no more jobs are accepted.
     void drain() { runner_.drain(); }
     bool is_draining() const { return runner_.is_draining(); }
 

@@ -18,25 +18,25 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size, in bytes, of a body that is sent within the call that stores it. That saves one round trip and one
-/// wait for the disk. Larger bodies are sent by earlier, separate calls: a call with a body copies the body several
-/// more times, and Redis serves nobody else meanwhile.
+/// Maximum size of a body, in bytes, that is an argument of the script that stores it. This saves one round trip and
+/// one wait for the disk. Larger bodies are sent by separate calls before, because scripts copy their arguments several
+/// times, and Redis serves no other client meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
-/// Seconds after which unused pieces expire.
+/// Time in seconds after which temporary keys with pieces expire.
 constexpr std::string_view kPiecesKept = "600";
 
 /// Number of jobs that one call deletes; more would delay other calls.
 constexpr std::int64_t kRemovedAtOnce = 100;
 
-/// The first version whose scripts have flags.
+/// The first version of Redis whose scripts have flags.
 constexpr int kLeastVersion = 7;
 
-/// Flags of scripts that may run when the memory is full, because they free memory or need very little.
+/// Flags of scripts that may run when the memory of Redis is full, because they free memory or need very little.
 constexpr std::string_view kAnyway = "allow-oom";
 constexpr std::string_view kReads = "no-writes,allow-oom";
 
-/// Pause after a repair that did not help. A repair reads all jobs.
+/// Minimum time until the next repair after a repair without success, because repairs read all jobs.
 constexpr std::chrono::seconds kRepairPause{1};
 
 RedisScript script(std::string_view flags, std::string_view text) {
@@ -60,7 +60,7 @@ std::string key_of(std::string_view kind, const std::string& id) {
     return std::string(kPrefix).append(kind).append(":").append(id);
 }
 
-/// Returns the key of a body that is not complete yet.
+/// Returns the temporary key of a body that is not complete yet.
 std::string key_of_pieces(const Job& job) {
     return key_of("pieces", job.id) + ':' + std::to_string(job.claim);
 }
@@ -181,7 +181,7 @@ RedisSubscription::Callbacks RedisJobStore::callbacks() {
 void RedisJobStore::listen(JobListener* listener) {
     notifier_.listen(listener);
     if (subscribed_since_.load() != Clock::time_point::max())
-        notifier_.notify([](JobListener& now) { now.missed(); });  // otherwise called when the subscription begins
+        notifier_.notify([](JobListener& now) { now.missed(); });  // otherwise called when subscribed
 }
 
 void RedisJobStore::forward(std::string_view message) {
@@ -224,7 +224,7 @@ Result<RedisReply> RedisJobStore::run(const RedisScript& script, const RedisComm
     return reply;
 }
 
-/// Repairs keys that were overwritten, and reports them.
+/// Repairs all damaged keys, and reports them.
 void RedisJobStore::repair() {
     const std::string bytes = std::to_string(bytes_of_job(0));
     const std::string lease = text_of(limits_.lease);
@@ -236,7 +236,7 @@ void RedisJobStore::repair() {
             key.text, key.text.starts_with(jobs) ? "the job has failed, or is lost" : "it was rebuilt from the jobs");
 }
 
-/// Reports a damaged body.
+/// Reports a damaged body, and returns the error for the client.
 tl::unexpected<Error> RedisJobStore::damaged(const std::string& key) {
     client_.report_damage(key, "clients get an error");
     return failure(ErrorCode::Unusable, "the data of this job in Redis is damaged");
@@ -262,8 +262,8 @@ Result<std::optional<std::string>> RedisJobStore::read_piece(const std::string& 
     return piece;
 }
 
-/// Sends fields, and a body in pieces, to a temporary key, which expires unless it is renamed.
-/// @param before  part of the body that was sent already
+/// Sends fields, and a body in pieces, to the temporary key of a job. The key expires unless it is renamed.
+/// @param before  part of the body that was already sent
 Result<void> RedisJobStore::upload(const Job& job, RedisCommand fields, std::string_view body,
                                    const StoredPart& before) {
     const std::string key = key_of_pieces(job);

@@ -22,15 +22,15 @@ namespace ccdt::server {
 
 /// Jobs in a Redis that servers share.
 ///
-/// Operations that must be atomic are scripts in `redis_scripts`; common.lua describes the keys. All keys begin with
-/// the version of their layout, `ccdt:1:`. Large bodies are sent to a temporary key, in pieces of 1 MiB so that other
-/// calls are not delayed. Once the body is complete, its key is renamed to the final one.
+/// The scripts in `redis_scripts` make operations atomic; common.lua describes the keys. All keys begin with the
+/// version of their layout, `ccdt:1:`. Large bodies are sent to a temporary key, in pieces of 1 MiB, so that other
+/// calls are not delayed. When the body is complete, its key gets its final name.
 ///
-/// Before a server claims a job with an expired lease, it must have been subscribed to the notifications for the
-/// duration of a lease. So after an outage of Redis, all servers have time to renew their leases.
+/// After an outage of Redis, all servers get time to renew their leases: a server claims jobs with expired leases only
+/// when its subscription to notifications has lasted for the duration of a lease.
 ///
-/// Other programs may overwrite keys. A damaged key is reported and repaired by the call that finds it: see repair.lua.
-/// A damaged request fails its job, and a damaged result is an error (Unusable); bodies have digests.
+/// Other programs may overwrite keys. The call that finds a damaged key reports and repairs it (see repair.lua). Bodies
+/// have digests. A damaged request makes its job fail; reading a damaged result is an error (Unusable).
 class RedisJobStore : public JobStore {
 public:
     /// Functions that write log messages.
@@ -40,13 +40,12 @@ public:
         std::function<void(const std::string&)> error;
     };
 
-    /// Does not wait until Redis can be reached. Once Redis is reached, logs warnings about its settings by which jobs
-    /// may be lost.
+    /// Does not wait for the connection to Redis. When it is established, logs warnings about settings of Redis that
+    /// may cause a loss of jobs.
     /// `client` must outlive this object.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 
-    /// Lists faults of the version and settings of a Redis by which jobs may be lost, as far as Redis reveals its
-    /// settings.
+    /// Describes faults of the version and the readable settings of a Redis that may cause a loss of jobs.
     /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 

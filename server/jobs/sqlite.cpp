@@ -16,7 +16,7 @@ Database::Database(const std::string& path) {
     sqlite3_extended_result_codes(handle, 0);
 }
 
-/// Throws if a call failed. An exceeded quota or file size limit counts as SQLITE_FULL, like ENOSPC.
+/// Throws if a call failed. Reports an exceeded quota or file size limit as SQLITE_FULL, like a full disk.
 void Database::check(int code) const {
     if (code == SQLITE_OK) return;
     int reported = code & 0xff;
@@ -25,7 +25,7 @@ void Database::check(int code) const {
     throw SqliteError(reported, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
 }
 
-/// Allocates in large chunks, to avoid a system call for each page.
+/// Allocates disk space for the beginning of the file that `which` selects, in chunks of 1 MiB to save system calls.
 void Database::allocate(int which, std::size_t bytes) {
     sqlite3_file* file = nullptr;
     check(sqlite3_file_control(handle_.get(), "main", which, static_cast<void*>(&file)));
@@ -122,7 +122,7 @@ Transaction::~Transaction() {
     try {
         database_.execute("ROLLBACK");
     } catch (const SqliteError&) {
-        // The failed statement may have rolled back already.
+        // The statement that failed may have caused a rollback already.
     }
 }
 

@@ -23,30 +23,30 @@ private:
     int code_;
 };
 
-/// A database with one connection, used by one thread at a time. All failures throw SqliteError.
+/// A connection to a database, for one thread at a time. All failures throw SqliteError.
 class Database {
 public:
     explicit Database(const std::string& path);
 
     void execute(const char* statements);
 
-    /// Executes a statement that returns one value.
+    /// Executes a statement that returns one integer.
     std::int64_t value_of(const char* statement);
 
-    /// Reserves disk space for the first `bytes` of the file, so that writing them cannot fail later. Does nothing for
-    /// a database in memory. Throws SQLITE_FULL if there is no space.
+    /// Reserves disk space for the first `bytes` of the file, so that writing to them cannot fail for lack of space.
+    /// Does nothing for a database in memory. Throws SQLITE_FULL if there is no space.
     void allocate(std::size_t bytes);
 
-    /// Reserves disk space for the write-ahead log, which must exist: the database must have been read before.
+    /// Reserves disk space for the write-ahead log. The log must exist, so the database must have been read before.
     void allocate_log(std::size_t bytes);
 
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }
     std::int64_t changes() const { return sqlite3_changes64(handle_.get()); }
 
-    /// Writes `body` to the blob column `body` of a row, without an intermediate copy. The blob must already have the
-    /// size of this text.
+    /// Overwrites the blob column `body` of a row without an intermediate copy. The blob must have the size of `body`.
     void write_body(const char* table, std::int64_t row, std::string_view body);
 
+    /// Reads the blob column `body` of a row.
     /// @param max_bytes  size limit in bytes; a larger blob is an error (SQLITE_CORRUPT)
     std::string read_body(const char* table, std::int64_t row, std::size_t max_bytes);
 
@@ -70,7 +70,7 @@ private:
 /// A prepared statement that steps through its rows.
 class Statement {
 public:
-    /// Binds the values to the statement's parameters (`?`), in order. Texts must outlive the statement.
+    /// Binds the values to the parameters (`?`) of the statement, in sequence. Texts must outlive the statement.
     template <class... Values>
     Statement(Database& database, const char* sql, const Values&... values) : database_(database) {
         prepare(sql);
@@ -79,7 +79,7 @@ public:
     }
 
     /// Steps to the next row.
-    /// @returns  false if there is none
+    /// @returns  false if there is no further row
     bool step();
 
     /// Steps through all rows.
@@ -92,7 +92,7 @@ public:
     double real(int column) const { return sqlite3_column_double(handle_.get(), column); }
     std::string text(int column) const;
 
-    /// Returns a value with its type, as text. Different values have different texts.
+    /// Returns a value and its type as text. Different values have different texts.
     std::string image(int column) const;
 
     bool is_null(int column) const { return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL; }
@@ -108,7 +108,7 @@ private:
     void bind(int place, std::string_view value);
     template <class T>
     void bind(int place, const std::optional<T>& value) {
-        if (value) bind(place, *value);  // otherwise the parameter stays null
+        if (value) bind(place, *value);  // unbound parameters are null
     }
 
     Database& database_;

@@ -34,7 +34,7 @@ ErrorCode code_of(const SqliteError& error) {
     }
 }
 
-/// Creates the file, readable and writable for its owner only.
+/// Creates the file, with read and write access only for its owner.
 Result<void> make_file(const std::string& folder, const std::string& path) {
     const auto failed = [](const std::string& name) {
         return failure(ErrorCode::Unusable, "the data folder cannot be used: " + name + ": " + std::strerror(errno));
@@ -84,7 +84,7 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
     }
 }
 
-/// Runs a function that frees space, even if the disk is full.
+/// Calls a function that frees space, even if the disk is full. Then returns free pages to the disk.
 template <class Do>
 auto SqliteJobStore::run_freeing(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
@@ -115,7 +115,7 @@ Result<JobStore::Added> SqliteJobStore::add(Job& job, const ComputeRequest& requ
     return added;
 }
 
-/// Frees space: drops the oldest results and, if that is not enough, removes the jobs that finished first.
+/// Deletes the oldest results and then, if needed, the oldest finished jobs. Returns whether `bytes` are free.
 bool SqliteJobStore::free_space(std::size_t bytes) {
     const auto is_enough = [&] { return tables_.bytes() + bytes <= limits_.bytes; };
     const auto drop = [&] {
@@ -135,7 +135,7 @@ Result<std::optional<Job>> SqliteJobStore::claim(std::size_t memory) {
     });
 }
 
-/// Starts a job that was taken from the queue.
+/// Claims a job that was taken from the queue, and counts its start.
 /// @returns  none if the job cannot be run, because its data is damaged
 std::optional<Job> SqliteJobStore::begin(JobQueue::Entry entry) {
     try {
@@ -186,7 +186,7 @@ Result<void> SqliteJobStore::requeue(const Job& job) {
     return requeued;
 }
 
-/// Finds a job with its current state. The database does not have the state of running jobs.
+/// Finds a job with its current state. The state of running jobs is in the queue, not in the database.
 std::optional<SqliteJobTables::StoredJob> SqliteJobStore::find_stored(const std::string& id) {
     auto stored = tables_.find(id);
     if (!stored) return std::nullopt;

@@ -21,16 +21,16 @@ namespace ccdt::server {
 /// Jobs in a SQLite database, in a file or in memory.
 ///
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
-/// machine. Only one server at a time uses the file, and this server keeps the claims in memory. When a file is opened,
-/// unfinished jobs are queued in their original order. Data that the disk has damaged is never returned, but reported
-/// as an error: see SqliteJobTables. Jobs can be removed even when the disk is full. One thread at a time uses the
-/// database; other threads wait while a large request, or a piece of a result, is written.
+/// machine. Only one server at a time uses the file, and keeps the claims in memory. When a file is opened, unfinished
+/// jobs are queued in their original sequence. Damaged data is reported as an error (see SqliteJobTables). Jobs can be
+/// removed even when the disk is full. One thread at a time uses the database; others wait while a request or a piece
+/// of a result is written.
 class SqliteJobStore : public JobStore {
 public:
-    /// @param folder  folder of the database's files, created if it is missing; empty: in memory
+    /// @param folder  folder of the database files, created if missing; empty: in memory
     /// Errors (Unusable): the folder cannot be used; another server uses it; the file belongs to another program or has
-    /// another version of the tables; the file is damaged beyond single jobs. Single damaged jobs are marked as failed
-    /// instead. The message names the folder or file.
+    /// another version of the tables; the file is damaged so much that not even single jobs can be read. Damage to
+    /// single jobs makes them fail. The message names the folder or file.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
     Result<bool> is_full(std::string_view client) override;
@@ -68,7 +68,7 @@ private:
     const JobLimits limits_;
     JobNotifier notifier_;
     std::atomic<std::uint64_t> damages_ = 0;
-    std::mutex space_mutex_;  ///< held while space is freed and used; locked before `mutex_`
+    std::mutex space_mutex_;  ///< held while space is freed and used; lock before `mutex_`
 
     std::mutex mutex_;  ///< guards the members below
     SqliteJobTables tables_;

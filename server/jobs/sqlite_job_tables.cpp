@@ -8,23 +8,23 @@
 namespace ccdt::server {
 namespace {
 
-/// "ccdt" in ASCII, stored as SQLite's application id.
+/// The application id of the database file: "ccdt" in ASCII.
 constexpr std::int64_t kApplication = 0x63636474;
 
 /// Version of the tables.
 constexpr std::int64_t kVersion = 1;
 
-/// Bytes on disk that the log keeps, so that jobs can be deleted when the disk is full. Deleting a result of 36 MiB
-/// needs 0.1 MB in the log; returning `kFreePages` pages needs 4.2 MB.
+/// Bytes on disk reserved for the log, so that jobs can be deleted when the disk is full. The deletion of a result of
+/// 36 MiB needs 0.1 MB in the log, the return of `kFreePages` pages 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
-/// Number of free pages that the database keeps. If it has more, this many pages are returned to the disk at a time.
+/// Number of free pages that the database keeps. Further free pages are returned to the disk, this many at a time.
 constexpr std::int64_t kFreePages = 1024;
 
 constexpr const char* kDamagedJob = "the stored data of this job is damaged";
 constexpr const char* kDamagedResult = "the stored result is damaged";
 
-/// Every row has a digest of the data that was written, so that corruption by the disk is detected.
+/// The tables. Every row has a digest of its data, so that corruption by the disk is detected.
 constexpr const char* kTables = R"(
     CREATE TABLE jobs (
         row INTEGER PRIMARY KEY,
@@ -101,8 +101,8 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Returns a query for the columns that job_at() reads, followed by the four columns whose numbers are defined above.
-/// The last column is the digest of all other columns.
+/// Returns a query for the columns that job_at() reads, followed by the four columns with named numbers above. The last
+/// column is the digest of all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -145,8 +145,7 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// Returns the digest of a request. It includes the id of the job, so that a request cannot be mistaken for the request
-/// of another job.
+/// Returns the digest of a request and the id of its job, so that the request of another job is detected.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :
@@ -166,8 +165,8 @@ SqliteJobTables::StoredJob stored_job_at(const Statement& row) {
     return {job_at(row), row.integer(kRow), static_cast<std::size_t>(row.integer(kBytes))};
 }
 
-/// Checks the file. Damaged indices are rebuilt.
-/// @returns  number of repairs
+/// Checks the file, and rebuilds damaged indices. Throws SQLITE_CORRUPT for other damage.
+/// @returns  number of repairs, 0 or 1
 std::uint64_t repair_indices(Database& database) {
     const auto fault = [&database](const char* check) {
         Statement found(database, check);
@@ -181,13 +180,14 @@ std::uint64_t repair_indices(Database& database) {
     return 1;
 }
 
-/// Stores the digest of a job's row.
+/// Computes and stores the digest of a job's row.
 void seal(Database& database, std::int64_t row) {
     std::string digest;
     if (Statement query(database, select_jobs("WHERE row = ?").c_str(), row); query.step()) digest = digest_of(query);
     Statement(database, "UPDATE jobs SET digest = ? WHERE row = ?", digest, row).run();
 }
 
+/// Writes the state of a job to its row.
 /// @param bytes  bytes that the job takes from now on
 void write_job(Database& database, const Job& job, std::int64_t row, std::size_t bytes) {
     std::optional<std::int64_t> failure;
@@ -197,7 +197,7 @@ void write_job(Database& database, const Job& job, std::int64_t row, std::size_t
         failure = job.failure->status;
         message = job.failure->error.message;
         field = job.failure->error.field;
-    } else {  // jobs that have not failed store their headers as the message
+    } else {  // otherwise, the column `message` has the headers
         message = text_of(job.headers);
     }
     Statement(database,
@@ -225,7 +225,7 @@ void remove_question(Database& database, std::int64_t row) {
 }
 
 /// Removes the stored pieces of a job's result.
-/// @returns  their bytes
+/// @returns  size of the removed pieces, in bytes
 std::size_t remove_pieces(Database& database, std::int64_t row) {
     Statement sum(database, "SELECT sum(length(body)) FROM results WHERE job = ?", row);
     const auto bytes = sum.step() ? static_cast<std::size_t>(sum.integer(0)) : 0;
@@ -239,8 +239,8 @@ void remove_bodies(Database& database, std::int64_t row) {
     remove_pieces(database, row);
 }
 
-/// Removes one row of jobs.
-/// @returns  bytes that the row took
+/// Removes a job with its request and result.
+/// @returns  bytes that the job took
 std::size_t remove_row(Database& database, std::int64_t row) {
     remove_bodies(database, row);
     Statement removed(database, "DELETE FROM jobs WHERE row = ? RETURNING bytes", row);
@@ -262,7 +262,7 @@ SqliteJobTables::SqliteJobTables(const std::string& path) : database_(path) {
                           "it has version " + std::to_string(version) + ", not " + std::to_string(kVersion));
     if (empty) database_.execute("PRAGMA auto_vacuum = INCREMENTAL");
     database_.execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
-    // By default, Debian's SQLite overwrites deleted data, which would need as much space in the log.
+    // By default, Debian's SQLite overwrites deleted data, which would need the same space in the log.
     database_.execute("PRAGMA secure_delete = FAST");
     database_.execute(("PRAGMA journal_size_limit = " + std::to_string(kReserve)).c_str());
     damages_ += repair_indices(database_);
@@ -280,7 +280,7 @@ void SqliteJobTables::create() {
     transaction.commit();
 }
 
-/// Fails the jobs whose rows do not match their digests.
+/// Marks the jobs whose rows do not match their digests as failed.
 void SqliteJobTables::fail_damaged_jobs() {
     std::vector<std::int64_t> rows;
     Statement query(database_, select_jobs("").c_str());
@@ -310,7 +310,7 @@ std::vector<Job> SqliteJobTables::unfinished() {
     return jobs;
 }
 
-/// The id is compared, because a damaged index may lead to the row of another job.
+/// Compares the id, because a damaged index may lead to the row of another job.
 std::optional<SqliteJobTables::StoredJob> SqliteJobTables::find(const std::string& id) {
     Statement query(database_, select_jobs("WHERE id = ?").c_str(), id);
     if (!query.step()) return std::nullopt;
@@ -456,7 +456,7 @@ void SqliteJobTables::cut_log() {
         database_.execute("PRAGMA wal_checkpoint(TRUNCATE)");
         database_.allocate_log(kReserve);
     } catch (const SqliteError&) {
-        // The disk is full; a later call will succeed.
+        // The disk is full; a later call may succeed.
     }
 }
 
@@ -464,7 +464,7 @@ bool SqliteJobTables::return_free_pages() {
     const auto free_pages = [this] { return database_.value_of("PRAGMA freelist_count"); };
     const auto before = free_pages();
     if (before <= kFreePages) return false;
-    // Moves the last pages to free pages before them, and truncates the file.
+    // Moves pages at the end of the file to free pages before them, and truncates the file.
     database_.execute(("PRAGMA incremental_vacuum(" + std::to_string(kFreePages) + ")").c_str());
     database_.execute("PRAGMA wal_checkpoint(RESTART)");
     return free_pages() < before;
@@ -472,14 +472,14 @@ bool SqliteJobTables::return_free_pages() {
 
 /// Allocates space in the database file for data that is about to be written to the log.
 void SqliteJobTables::allocate_space(std::size_t bytes) {
-    constexpr std::int64_t kOthers = 64;  // pages of jobs and indices
+    constexpr std::int64_t kOthers = 64;  // pages for the job's row and the indices
     const auto page = database_.value_of("PRAGMA page_size");
     const auto more = number_of(bytes) / page + kOthers - database_.value_of("PRAGMA freelist_count");
     const auto pages = database_.value_of("PRAGMA page_count") + std::max<std::int64_t>(more, 0);
     database_.allocate(static_cast<std::size_t>(pages * page));
 }
 
-/// Subtracts freed bytes. A damaged row may claim more bytes than it had.
+/// Subtracts freed bytes. A damaged row may name more bytes than are counted, hence the minimum.
 void SqliteJobTables::release(std::size_t bytes) {
     bytes_ -= std::min(bytes_.load(), bytes);
 }

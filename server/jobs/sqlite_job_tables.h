@@ -18,71 +18,71 @@ namespace ccdt::server {
 
 /// The tables of jobs, requests and results in a SQLite database.
 ///
-/// All functions throw SqliteError. All stored data has digests, which are checked when the data is read: for damaged
-/// data, the error is SQLITE_CORRUPT. Each change is a transaction. Some disk space is reserved in advance, so that
-/// jobs can be removed when the disk is full. Not thread-safe, except for bytes() and damages().
+/// All functions throw SqliteError. All stored data has digests, which are checked when the data is read; the error for
+/// damaged data is SQLITE_CORRUPT. Each change is a transaction. The log has reserved disk space, so that jobs can be
+/// removed when the disk is full. Not thread-safe, except for bytes() and damages().
 class SqliteJobTables {
 public:
-    /// A stored job, its row, and the bytes that it takes.
+    /// A stored job, the number of its row, and the bytes that it takes.
     struct StoredJob {
         Job job;
         std::int64_t row = 0;
         std::size_t bytes = 0;
     };
 
-    /// Opens the database, or creates its tables. Damaged indices are rebuilt, and jobs whose rows are damaged fail.
-    /// @param path  of the file, or ":memory:"
+    /// Opens the database, or creates its tables. Rebuilds damaged indices, and marks jobs with damaged rows as failed.
+    /// @param path  path of the file, or ":memory:"
     explicit SqliteJobTables(const std::string& path);
 
-    /// Bytes that all jobs take.
+    /// Bytes that all jobs together take.
     std::size_t bytes() const { return bytes_; }
 
     /// Number of indices and jobs that were found damaged and repaired.
     std::uint64_t damages() const { return damages_; }
 
-    /// Returns the unfinished jobs in their original order.
+    /// Returns the unfinished jobs in the sequence in which they were added.
     std::vector<Job> unfinished();
 
-    /// @returns  none if there is no such job
+    /// Finds a job; none if there is no such job.
     std::optional<StoredJob> find(const std::string& id);
 
-    /// @returns  none if the job or its request does not exist
+    /// Reads a request; none if the job or its request does not exist.
     std::optional<ComputeRequest> request(const std::string& id);
 
-    /// @returns  none if the job or its result does not exist
+    /// Reads a piece of a result; none if the job or the piece does not exist.
     std::optional<std::string> piece(const std::string& id, std::size_t number);
 
     void insert(const Job& job, const ComputeRequest& request);
     void update(const StoredJob& stored);
     void append(const StoredJob& stored, std::size_t number, std::string_view piece);
 
-    /// Stores the state of a job that starts again, and deletes the pieces of its result.
+    /// Stores the state of a job before a new run, and deletes the pieces of its previous result.
     void restart(const StoredJob& stored);
 
-    /// Stores the end of a job: replaces its request by its result, if there is one.
+    /// Stores the end of a job. Deletes its request, and stores the last part of its result, if there is one.
     /// @param job     state at the end
     /// @param stored  state before the end
-    /// @param before  part of the result that is stored already
+    /// @param before  part of the result that is already stored
     void finish(const Job& job, const StoredJob& stored, std::string_view result,
                 const JobStore::StoredPart& before = {});
 
     /// @returns  false if there is no such job
     bool remove(const std::string& id);
 
-    /// Removes some of the jobs that had finished by `by`, oldest first.
+    /// Removes up to `max_jobs` of the jobs that finished until the time `by`, oldest first.
     /// @returns  number of removed jobs
     std::size_t remove_finished(Time by, std::size_t max_jobs);
 
-    /// Drops the result of the job that finished first.
-    /// @returns  false if there is none
+    /// Deletes the result of the job that finished first.
+    /// @returns  false if there is no result
     bool drop_oldest_result();
 
-    /// Moves the contents of the log to the database file, where space is allocated, and truncates the log to its
-    /// reserved size. Fails without an exception if the disk is full.
+    /// Moves the contents of the write-ahead log to the database file, which has space for them, and truncates the log
+    /// to its reserved size. Does nothing if the disk is full.
     void cut_log();
 
-    /// Returns some free pages of the file to the disk.
-    /// @returns  whether there may be more
+    /// Returns free pages of the file to the disk, up to 1,024 at a time.
+    /// @returns  whether there may be more free pages
     bool return_free_pages();
 
 private:

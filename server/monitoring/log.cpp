@@ -17,10 +17,10 @@
 namespace ccdt::server {
 namespace {
 
-/// Maximum length of a logged request target, in bytes; the beginning identifies it.
+/// Maximum length of a logged request target, in bytes; longer targets are truncated.
 constexpr std::size_t kMaxTargetLength = 512;
 
-/// Text that replaces values that clients sent and that must not be logged.
+/// Text that replaces confidential values in the log.
 constexpr std::string_view kHidden = "***";
 
 std::string member(LogFormat format, std::string_view message) {
@@ -28,7 +28,7 @@ std::string member(LogFormat format, std::string_view message) {
     return fmt::format(R"("message":"{}")", escape(message));
 }
 
-/// Whether a query parameter is certainly an option. Anything else may be a key.
+/// Whether a query parameter is an option of /halftone with a harmless value. Others may contain a key.
 bool is_plain_option(const api::TextOption& option) {
     static const auto known = [] {  // other paths have no options
         auto names = api::halftone_options();
@@ -42,7 +42,7 @@ bool is_plain_option(const api::TextOption& option) {
     return std::ranges::find(known, option.name) != known.end() && std::ranges::all_of(option.value, is_plain);
 }
 
-/// Returns the target of a request as sent, with the fragment and all parameters but options hidden.
+/// Returns the target of a request as sent, but hides the fragment and all parameters that are not plain options.
 std::string target_of(const Request& request) {
     std::string_view fragment = request.target;
     std::string_view query = api::take_until(fragment, "#");
@@ -56,7 +56,7 @@ std::string target_of(const Request& request) {
     return fragment.empty() ? target : target + '#' + std::string(kHidden);
 }
 
-/// Adds a member unless the value is empty.
+/// Adds a member to a log line, unless its value is empty.
 void add_member(std::string& line, const char* form, std::string_view value) {
     if (!value.empty()) line += fmt::format(fmt::runtime(form), escape(value));
 }

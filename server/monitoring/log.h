@@ -15,7 +15,7 @@ class logger;
 
 namespace ccdt::server {
 
-/// Writes to standard error, as text or as one JSON object per line. Thread-safe.
+/// Writes the log to standard error, as text or as one JSON object per line. Thread-safe.
 class Log {
 public:
     explicit Log(LogFormat format);
@@ -24,7 +24,7 @@ public:
     void warning(std::string_view message) const;
     void error(std::string_view message) const;
 
-    /// Writes one line for a request.
+    /// Writes one line for an answered request.
     void exchange(const Exchange& exchange) const;
 
     /// Writes one line for a finished job.
@@ -35,14 +35,13 @@ private:
     std::shared_ptr<spdlog::logger> logger_;
 };
 
-/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. The line contains only known
-/// options of the query, because the query may contain an API key under any name.
+/// Returns the line for a request: `key=value` pairs, or the members of a JSON object. Hides unknown parameters of the
+/// query, which may contain an API key.
 std::string exchange_line(const Exchange& exchange, LogFormat format);
 
 std::string job_line(const JobEnd& end, LogFormat format);
 
-/// Escapes a text for use in one line and in a JSON string: quotes, backslashes, control characters and bytes beyond
-/// ASCII.
+/// Escapes quotes, backslashes, control characters and bytes beyond ASCII, for one log line and JSON strings.
 std::string escape(std::string_view text);
 
 }  // namespace ccdt::server

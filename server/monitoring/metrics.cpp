@@ -23,7 +23,7 @@ using prometheus::Family;
 using prometheus::Gauge;
 using prometheus::Histogram;
 
-/// Bucket boundaries of durations, from a small request to the longest useful time-out.
+/// Bucket boundaries of durations in seconds, from a small request to the longest useful time-out.
 const Histogram::BucketBoundaries kSeconds = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25,
                                               0.5,   1,      2.5,   5,    10,    30,   60};
 
@@ -42,7 +42,7 @@ Family<Counter>& make_counters(prometheus::Registry& registry, const char* name,
     return prometheus::BuildCounter().Name(name).Help(help).Register(registry);
 }
 
-/// Raises a counter to a total that was counted elsewhere, because Prometheus' counters can only be incremented.
+/// Sets a counter to a total that another class has counted. The library can only increment counters.
 void raise(Counter& counter, double total) {
     counter.Increment(std::max(0.0, total - counter.Value()));
 }
@@ -150,7 +150,7 @@ struct Metrics::Families {
     Gauge& descriptors = make_gauge(registry, "process_open_fds", "Open file descriptors.");
     Gauge& max_descriptors = make_gauge(registry, "process_max_fds", "Maximum number of open file descriptors.");
 
-    std::mutex mutex;  ///< guards the update of counters by raise()
+    std::mutex mutex;  ///< held while raise() updates counters
 
     void raise_redis(const char* use, const RedisClient::Counts& counts) {
         raise(redis_calls.Add({{"use", use}}), counts.calls);
@@ -172,7 +172,7 @@ Metrics::Metrics(std::string_view version) : families_(std::make_unique<Families
     const std::chrono::duration<double> now = std::chrono::system_clock::now().time_since_epoch();
     make_gauge(all.registry, "process_start_time_seconds", "Start time of the process, in seconds since 1970.")
         .Set(now.count());
-    // Created at the start, so that the rate of an event that has not occurred yet is 0 rather than missing.
+    // Creates the counters at the start, so that the rate of an event that has not occurred is 0 rather than missing.
     for (const char* cause : {"client_gone", "deadline", "shutdown"}) all.cancellations.Add({{"cause", cause}});
     for (const char* status : {"succeeded", "failed", "cancelled"}) all.jobs_ended.Add({{"status", status}});
     for (const char* stage : {"queue", "decode", "optimise", "encode"}) all.stage(stage);

@@ -18,7 +18,7 @@
 
 namespace ccdt::server {
 
-/// Service metrics for Prometheus. Thread-safe.
+/// Counts events for Prometheus, and writes all metrics. Thread-safe.
 class Metrics {
 public:
     explicit Metrics(std::string_view version);
@@ -27,7 +27,7 @@ public:
     Metrics(const Metrics&) = delete;
     Metrics& operator=(const Metrics&) = delete;
 
-    /// Statistics of the calls to Redis.
+    /// Statistics of the calls to Redis, by purpose.
     struct RedisCounts {
         RedisClient::Counts jobs;
         RedisClient::Counts answers;
@@ -42,11 +42,11 @@ public:
         std::uint64_t decoder_restarts = 0;
         std::uint64_t decoder_silences = 0;
         ComputeBox::Counts computing;
-        std::size_t lent_threads = 0;        ///< threads that each computation may use now
-        std::optional<JobStore::Load> jobs;  ///< none: the metrics of jobs keep their values
+        std::size_t lent_threads = 0;        ///< number of threads that each computation may use
+        std::optional<JobStore::Load> jobs;  ///< none: unknown; the metrics keep their values
         Jobs::Counts job_runs;
         RedisCounts redis;
-        std::size_t job_capacity = 0;  ///< capacity of the store in bytes
+        std::size_t job_capacity = 0;  ///< capacity of the job store in bytes
         std::uint64_t job_damages = 0;
         ResultCache::Load cache;
     };
@@ -60,7 +60,7 @@ public:
     /// Counts a finished job.
     void add(const JobEnd& end);
 
-    /// Writes all metrics in Prometheus' text format, with the current values of the pool.
+    /// Returns all metrics in Prometheus' text format.
     std::string text(const WorkerPool::Load& load) const;
 
 private:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Generates a C++ source file that contains other files: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
-# Each file is served at its path.
+# Generates a C++ source file that embeds other files: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
+# Each file is served at the URL path before its `=`.
 
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")

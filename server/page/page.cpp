@@ -10,8 +10,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Content security policy of the page: forbids content from other hosts, inline scripts and styles, and embedding in
-/// frames.
+/// Content security policy of the page. Forbids content of other hosts, inline scripts and styles, and frames.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; connect-src 'self'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'none'";

@@ -8,11 +8,11 @@
 
 namespace ccdt::server {
 
-/// Finds the file that is served at a path.
-/// @returns  null if there is none
+/// Finds the file of the page with a URL path.
+/// @returns  null if there is no such file
 const PageFile* find_page_file(std::string_view path);
 
-/// Returns the answer with the file, or with status 304 if `if_none_match` contains the file's entity tag.
+/// Returns an answer with the file, or with status 304 if `if_none_match` contains the file's entity tag.
 Response page_response(const PageFile& file, std::string_view if_none_match);
 
 }  // namespace ccdt::server

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// A file of the page, which the build has embedded in the program.
+/// A file of the page that is embedded in the program.
 struct PageFile {
     std::string_view path;  ///< path of the URL
     std::string_view media_type;
@@ -14,7 +14,7 @@ struct PageFile {
     std::string_view content;
 };
 
-/// Returns all files of the page. The build generates the source file: see embed.cmake.
+/// Returns all files of the page. embed.cmake generates the definition during the build.
 std::span<const PageFile> page_files();
 
 }  // namespace ccdt::server

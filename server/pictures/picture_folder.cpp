@@ -13,11 +13,12 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::size_t kMaxNameLength = 255;  // Linux' limit
+constexpr std::size_t kMaxNameLength = 255;  // limit of Linux
 
-/// Time after which a client may retry.
+/// Retry-After for temporary failures.
 constexpr std::chrono::seconds kRetryAfter{1};
 
+/// Makes the problem for a missing picture.
 /// @param cause  for the log; empty: no log entry
 tl::unexpected<Problem> no_picture(std::string cause = {}) {
     auto refused = problem(404, "there is no picture of this name");
@@ -30,9 +31,8 @@ tl::unexpected<Problem> failed(const char* what, int error) {
     return problem(500, std::string(what) + ": " + std::strerror(error));
 }
 
-/// Makes the answer for a file that could not be opened. The client gets the same 404 for a missing file, for anything
-/// but a file, for a name that the file system rejects and for a file without read permission. The log reports only the
-/// missing permission.
+/// Makes the problem for a file that could not be opened. The client gets the same 404 for a missing file, a file that
+/// is not regular, a name that the file system rejects, and a missing permission. The log names the missing permission.
 tl::unexpected<Problem> not_opened(int error) {
     switch (error) {
         case ENOENT:
@@ -61,7 +61,7 @@ bool is_picture_name(std::string_view name) {
 
 HttpResult<std::string> PictureFile::read() {
     const UniqueFd file = std::move(file_);
-    std::string bytes(size_ + 1, '\0');  // one extra byte, to detect a file that has grown
+    std::string bytes(size_ + 1, '\0');  // one more byte, to detect a file that has grown
     std::size_t done = 0;
     while (done < bytes.size()) {
         const ssize_t count = ::read(file.get(), bytes.data() + done, bytes.size() - done);
@@ -85,9 +85,8 @@ Result<void> PictureFolder::check() const {
     return failure(ErrorCode::Unusable, path_ + ": " + std::strerror(errno));
 }
 
-/// A name is a single path component. So O_NOFOLLOW restricts access to the folder, like RESOLVE_BENEATH and
-/// RESOLVE_NO_SYMLINKS of openat2, which container engines may forbid. Anything but a regular file is not even opened,
-/// because opening a device can have side effects.
+/// Opens only regular files directly in the folder. Because the name is a single path component, O_NOFOLLOW suffices;
+/// container engines may forbid openat2. Checks the type before, because opening a device can have side effects.
 HttpResult<PictureFile> PictureFolder::open(std::string_view name, std::size_t largest) const {
     if (!is_picture_name(name)) return no_picture();
     const UniqueFd folder = open_folder();

@@ -12,8 +12,7 @@
 
 namespace ccdt::server {
 
-/// Whether a text may name a picture in a folder: a single path component of 1 to 255 bytes, without slashes and
-/// control characters, that does not begin with a dot, as hidden files do.
+/// Whether a text may name a picture: 1 to 255 bytes without slashes, control characters and a leading dot.
 bool is_picture_name(std::string_view name);
 
 /// An open picture file.
@@ -21,7 +20,7 @@ class PictureFile {
 public:
     PictureFile(UniqueFd file, std::size_t size) : file_(std::move(file)), size_(size) {}
 
-    /// Bytes of the file when it was opened.
+    /// Size of the file in bytes when it was opened.
     std::size_t size() const { return size_; }
 
     /// Reads the whole file and closes it. Must be called at most once.
@@ -33,20 +32,19 @@ private:
     std::size_t size_;
 };
 
-/// A folder of pictures that clients request by name. Only regular files in the folder itself are pictures: no links,
-/// no subfolders, no devices, and no names that is_picture_name rejects. The folder is never listed. Thread-safe.
+/// A folder of pictures that clients request by name. Pictures are the regular files directly in the folder whose names
+/// satisfy is_picture_name; links, subfolders and devices are not. The folder is never listed. Thread-safe.
 class PictureFolder {
 public:
     explicit PictureFolder(std::string path) : path_(std::move(path)) {}
 
-    /// Checks that the folder exists and may be searched. Errors: Unusable.
+    /// Checks that the folder exists and may be searched. Error: Unusable.
     Result<void> check() const;
 
-    /// Opens the picture of that name.
+    /// Opens a picture.
     ///
     /// @param largest  size limit of a picture, in bytes
-    /// Problems: 404 (the same for everything that is not a picture), 413, 503 if too many files are open, 500. No
-    /// message contains a path.
+    /// Problems: 404 for names of other files, 413, 503 if too many files are open, 500. No message contains a path.
     HttpResult<PictureFile> open(std::string_view name, std::size_t largest) const;
 
 private:

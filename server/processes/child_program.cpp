@@ -19,7 +19,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Actions of posix_spawn in the child before the program starts.
+/// Actions that posix_spawn performs in the child before the program starts.
 class SpawnActions {
 public:
     explicit SpawnActions(int socket) {
@@ -74,7 +74,7 @@ tl::unexpected<Error> cannot_start(const std::string& name, int error) {
     return failure(ErrorCode::Internal, "cannot start " + name + ": " + std::strerror(error));
 }
 
-/// Makes the system call directly: glibc 2.36 declares a function for it, but not for C++.
+/// Opens a descriptor of a process. Uses the system call, because glibc 2.36 does not declare a function for C++.
 UniqueFd open_pidfd(pid_t process) {
     return UniqueFd(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
 }
@@ -114,7 +114,7 @@ std::string ChildProgram::wait() {
     do reaped = waitpid(process_, &status, 0);
     while (reaped < 0 && errno == EINTR);
     process_ = 0;
-    // No status if this process was started with SIGCHLD ignored: then the kernel reaps children.
+    // There is no status if SIGCHLD is ignored, because the kernel then reaps children.
     return reaped > 0 ? describe_end(status) : "ended";
 }
 

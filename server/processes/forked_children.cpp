@@ -15,7 +15,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Blocks SIGCHLD and returns a nonblocking descriptor that reports the end of children instead.
+/// Blocks SIGCHLD, and returns a nonblocking descriptor that is readable instead when a child has ended.
 UniqueFd watch_children() {
     sigset_t signals;
     sigemptyset(&signals);
@@ -31,7 +31,7 @@ ForkedChildren::ForkedChildren(UniqueFd orders, ReportEnd report_end)
 
 std::optional<ForkedChildren::Files> ForkedChildren::wait_for_order(std::span<std::byte> order,
                                                                     const std::function<void()>& prepare) {
-    constexpr int kQuiet = 5;  // in milliseconds; if nothing happens for so long, probably nobody waits for a child
+    constexpr int kQuiet = 5;  // in milliseconds; after such a pause, probably no process waits for a child
     bool prepared = !prepare;
     while (true) {
         std::vector<pollfd> polled{{orders_.get(), POLLIN, 0}, {ends_.get(), POLLIN, 0}};
@@ -65,7 +65,7 @@ pid_t ForkedChildren::fork() {
     return process;
 }
 
-/// Kills a child that nobody waits for any more. It has not been reaped yet, so no other process can have its id.
+/// Kills a child for which no process waits any more. The child has not been reaped, so no other process has its id.
 void ForkedChildren::kill(Child& child) {
     ::kill(child.process, SIGKILL);
     child.socket.reset();

@@ -15,10 +15,10 @@
 
 namespace ccdt::server {
 
-/// The children of a process with one thread that forks a child for each order of the server.
+/// The children of a process that forks a child for each order of the server. The process must have one thread.
 ///
 /// For each child, this process has a socket to the process that waits for the child. The end of the child is reported
-/// there. Once the other end of this socket is closed, the child is killed.
+/// through this socket. When the waiting process closes its end, the child is killed.
 class ForkedChildren {
 public:
     /// Reports the end of a child to the process that waits for it.
@@ -27,27 +27,25 @@ public:
 
     using Files = std::array<UniqueFd, 3>;
 
-    /// @param orders  socket for orders, which preserves message boundaries
+    /// @param orders  socket from the server; must preserve message boundaries
     ForkedChildren(UniqueFd orders, ReportEnd report_end);
 
-    /// Whether the ends of children can be noticed; false if the system has no more descriptors.
+    /// Whether this object can notice ends of children; false if the system has no more descriptors.
     explicit operator bool() const { return static_cast<bool>(ends_); }
 
     int orders() const { return orders_.get(); }
 
-    /// Waits for an order. Meanwhile reports the ends of children, kills children that nobody waits for any more, and
-    /// replies to probes.
-    /// @param order    receives the message
-    /// @param prepare  prepares for the order; called once, as soon as there is no child or nothing has happened for 5
-    ///                 ms
-    /// @returns        files of the order, any of which may be missing; none once the server has ended
+    /// Waits for an order. Meanwhile, reports ends of children, kills abandoned children, and replies to probes.
+    /// @param order    receives the bytes of the order
+    /// @param prepare  prepares for the order; called once, when there is no child or nothing has happened for 5 ms
+    /// @returns        files of the order, any of which may be empty; none when the server has ended
     std::optional<Files> wait_for_order(std::span<std::byte> order, const std::function<void()>& prepare = {});
 
-    /// Forks the calling process. In the new process, no signal is blocked, and the sockets of this object are closed.
-    /// @returns  the same as the system's fork()
+    /// Forks the calling process. In the child, no signal is blocked, and the sockets of this object are closed.
+    /// @returns  result of the system's fork()
     pid_t fork();
 
-    /// Adds a process that fork() has returned. A process that is not added is only reaped.
+    /// Adds a child made by fork(), with its socket. The ends of other children are not reported.
     void add(pid_t process, UniqueFd socket) { children_.push_back({process, std::move(socket)}); }
 
 private:
@@ -60,7 +58,7 @@ private:
     void reap();
 
     UniqueFd orders_;
-    UniqueFd ends_;  ///< readable once a child has ended
+    UniqueFd ends_;  ///< readable when a child has ended
     const ReportEnd report_end_;
     std::vector<Child> children_;
 };

@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::size_t kMaxFiles = 4;
 
-/// Maximum size of texts that are joined and sent by one call.
+/// Maximum size of a text, in bytes, that is joined with its neighbours and sent in one call.
 constexpr std::size_t kShortText = 16'384;
 
-/// A message with space for its descriptors.
+/// A message for sendmsg() or recvmsg(), with space for descriptors.
 struct Envelope {
     Envelope(void* bytes, std::size_t size) : body{bytes, size} {
         message.msg_iov = &body;
@@ -58,7 +58,7 @@ std::optional<SocketPair> make_sockets(int type) {
 namespace {
 
 bool send_with(int flags, int socket, std::span<const std::byte> bytes, std::span<const int> files) {
-    // sendmsg does not write to the bytes, but takes a pointer to non-const.
+    // sendmsg() takes a pointer to non-const, but does not write to the bytes.
     Envelope envelope(const_cast<std::byte*>(bytes.data()), bytes.size());
     envelope.set_file_count(files.size());
     if (!files.empty()) {

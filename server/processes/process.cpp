@@ -27,11 +27,11 @@ constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 std::size_t limit_in(const std::filesystem::path& file) {
     std::size_t bytes = 0;
-    return std::ifstream(file) >> bytes ? bytes : kNoLimit;  // also for the word "max"
+    return std::ifstream(file) >> bytes ? bytes : kNoLimit;  // "max" means no limit
 }
 
-/// Returns the path of the control group that limits this process' memory, relative to the mount point. In version 2,
-/// the line in /proc/self/cgroup names no controllers.
+/// Returns the path of this process' control group, relative to the mount point.
+/// @param controllers  as in /proc/self/cgroup: "memory" for version 1, empty for version 2
 std::filesystem::path group(std::string_view controllers) {
     std::ifstream file("/proc/self/cgroup");
     for (std::string line; std::getline(file, line);) {
@@ -43,7 +43,7 @@ std::filesystem::path group(std::string_view controllers) {
     return {};
 }
 
-/// Returns the lowest limit of a control group and the enclosing groups.
+/// Returns the lowest limit among this process' control group and the enclosing groups.
 std::size_t limit_of_groups(const std::filesystem::path& root, std::string_view controllers, const char* name) {
     std::size_t limit = limit_in(root / name);
     auto inner = group(controllers).relative_path();
@@ -79,7 +79,7 @@ std::size_t open_descriptors() {
     std::error_code error;
     const std::filesystem::directory_iterator begin("/proc/self/fd", error);
     if (error) return 0;
-    // The iterator itself uses one of the descriptors.
+    // The iterator itself has one of the descriptors open.
     return static_cast<std::size_t>(std::distance(begin, std::filesystem::directory_iterator())) - 1;
 }
 

@@ -8,12 +8,12 @@
 
 namespace ccdt::server {
 
-/// A page of memory that processes share.
+/// A page of memory that several processes share.
 class SharedPage {
 public:
     SharedPage() = default;
 
-    /// Maps the first page of a file; `get` returns null if that failed.
+    /// Maps the first page of a file. After a failure, `get` returns null.
     SharedPage(const UniqueFd& file, int protection);
     ~SharedPage();
     SharedPage(SharedPage&& other) noexcept;
@@ -25,16 +25,16 @@ private:
     void* page_ = nullptr;
 };
 
-/// A number that any thread of one process writes and other processes read. Writing and reading need no system call.
+/// A number that the threads of one process write and other processes read, without system calls.
 class SharedNumber {
 public:
-    /// Errors: Internal.
+    /// Creates the number with a value. Error: Internal.
     static Result<SharedNumber> create(std::uint32_t value);
 
     void store(std::uint32_t value);
     std::uint32_t load() const;
 
-    /// A file through which another process can read the number, but not write it.
+    /// A file through which another process can map the number for reading only.
     const UniqueFd& file() const { return file_; }
 
 private:
@@ -47,10 +47,10 @@ private:
 /// Reads a SharedNumber of another process.
 class SharedNumberReader {
 public:
-    /// @param file  see SharedNumber::file; may be closed afterwards
+    /// @param file  from SharedNumber::file; may be closed afterwards
     explicit SharedNumberReader(const UniqueFd& file);
 
-    /// @returns  `otherwise` if the memory could not be mapped
+    /// Returns the number, or `otherwise` if the memory could not be mapped.
     std::uint32_t load(std::uint32_t otherwise) const;
 
 private:

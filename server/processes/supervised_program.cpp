@@ -22,14 +22,14 @@ using Clock = SupervisedProgram::Clock;
 /// Pause between two probes.
 constexpr std::chrono::seconds kPause{1};
 
-/// Time-out of the reply to a probe, long enough for a busy machine.
+/// Time-out of the reply to a probe. It suffices on a busy machine.
 constexpr std::chrono::seconds kLongestSilence{4};
 
 tl::unexpected<Error> cannot_start(const std::string& name, const std::string& why) {
     return failure(ErrorCode::Internal, "cannot start the " + name + ": " + why);
 }
 
-/// @returns  the first readable descriptor; -1 after the deadline
+/// Waits until a descriptor is readable, and returns the descriptor; -1 after the deadline.
 int wait_for_any(std::initializer_list<int> descriptors, std::optional<Clock::time_point> until = {}) {
     std::vector<pollfd> polled;
     for (const int descriptor : descriptors) polled.push_back({descriptor, POLLIN, 0});
@@ -74,7 +74,7 @@ Result<SupervisedProgram::Running> SupervisedProgram::launch() const {
     return Running{*std::move(program), std::make_shared<const UniqueFd>(std::move(sockets->ours)), started};
 }
 
-/// Waits until the program reports that it is ready; kills it if it does not.
+/// Waits until the program reports that it is ready. Kills the program if it does not report in time.
 Result<void> SupervisedProgram::await(Running& running) {
     constexpr std::chrono::seconds kLongestStart{30};
     const int ours = running.socket->get();
@@ -88,13 +88,13 @@ Result<void> SupervisedProgram::await(Running& running) {
         set_responsive(true);
         return {};
     }
-    // The program closes its end of the socket shortly before it ends, so it need not be killed.
+    // If the socket was closed, the program is about to end and need not be killed.
     if (ready != ours) running.program.kill();
     return cannot_start(name_, "it " + running.program.wait());
 }
 
-/// Starts the program again, with pauses, until it is ready.
-/// @returns  none once the program must not be restarted any more
+/// Restarts the program, after pauses, until it is ready.
+/// @returns  none if the program must not be restarted any more
 std::optional<SupervisedProgram::Running> SupervisedProgram::launch_again(Backoff& backoff, Clock::duration lived) {
     while (true) {
         if (wait_for_any({closing_.get()}, Clock::now() + backoff.after(lived)) >= 0) return std::nullopt;
@@ -126,11 +126,11 @@ void SupervisedProgram::watch(Running running) {
     }
     set_socket(nullptr);
     running.socket.reset();
-    wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // it ends by itself, because its socket is closed
+    wait_for_any({running.program.ended()}, Clock::now() + kToEnd);  // it ends because its socket is closed
 }
 
-/// Waits for the end of the program, and probes the program meanwhile.
-/// @returns  false once the program must not be restarted any more
+/// Probes the program until its end.
+/// @returns  false if the program must not be restarted any more
 bool SupervisedProgram::attend(const Running& running) {
     UniqueFd answer;
     auto unresponsive_at = Clock::time_point::max();

@@ -19,28 +19,27 @@
 
 namespace ccdt::server {
 
-/// A program that the server keeps running: if the program ends, it is reaped and restarted. Once a second, the server
-/// asks the program whether it is alive (send_probe). The program must reply even while it is busy.
+/// A program that the server keeps running. If the program ends, it is reaped and restarted. Once a second, the server
+/// sends a probe (send_probe), to which the program must reply even while it is busy.
 ///
-/// The program has a socket that preserves message boundaries. Its first message reports that it is ready. If this
-/// message is late, the program counts as not responding, like one that does not reply to a probe. Thread-safe.
+/// A socket that preserves message boundaries connects the server and the program. The program's first message reports
+/// that it is ready. If this message or a reply is late, the program counts as not responding. Thread-safe.
 class SupervisedProgram {
 public:
     using Clock = std::chrono::steady_clock;
     using Socket = std::shared_ptr<const UniqueFd>;
 
-    /// Starts the program. Called from any thread.
+    /// Starts the program with its end of the socket. Called from any thread.
     using Launch = std::function<Result<ChildProgram>(UniqueFd socket)>;
 
-    /// Reads the program's first message, which has arrived; returns false if it is invalid.
+    /// Reads the program's first message, which has arrived. Returns false if the message is invalid.
     using Greet = std::function<bool(int socket)>;
 
-    /// Receives a message when the program ends, stops responding or responds again. Called from any thread.
+    /// Receives a text for the log when the program ends, stops responding or responds again. Called from any thread.
     using Report = std::function<void(const std::string&)>;
 
-    /// Starts the program, which may need some time to load its libraries. Callers that need the program wait. Errors:
-    /// Internal.
-    /// @param name  name for messages
+    /// Starts the program, and does not wait until it is ready. Error: Internal.
+    /// @param name  name of the program for messages
     static Result<std::unique_ptr<SupervisedProgram>> start(std::string name, Launch launch, Greet greet,
                                                             Report report);
 
@@ -54,19 +53,19 @@ public:
     /// Errors: Internal if the program ended before it was ready, in which case it is not restarted; Stopped.
     Result<void> wait_until_ready(const std::stop_token& stop = {});
 
-    /// Returns the socket to the program, and waits while the program is restarted. The deadline does not limit the
-    /// wait for the first start.
-    /// @param lost  socket that must not be returned, because its program has ended; null: none
-    /// @returns     none if there was no program by the deadline, or if a stop was requested
+    /// Returns the socket to the program. Waits if the program is being restarted, until the deadline, or started for
+    /// the first time, without a deadline.
+    /// @param lost  socket of a program that has ended, to which sending failed; it is not returned; null: none
+    /// @returns     null if no program was ready by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 
     /// Whether the program is ready now, or starting for the first time.
     bool is_ready() const;
 
-    /// Whether the program, if it runs, has replied recently.
+    /// Whether the program has replied recently. Also true while the program does not run.
     bool is_responsive() const { return responsive_; }
 
-    /// Number of times that the program ended and was or is being restarted.
+    /// Number of restarts of the program, including one in progress.
     std::uint64_t restarts() const { return restarts_; }
 
     /// Number of times that the program stopped replying.
@@ -94,7 +93,7 @@ private:
     const Launch launch_;
     const Greet greet_;
     const Report report_;
-    const UniqueFd closing_;  ///< readable once the program must not be restarted any more
+    const UniqueFd closing_;  ///< readable when the program must not be restarted any more
     std::atomic<std::uint64_t> restarts_ = 0;
     std::atomic<std::uint64_t> silences_ = 0;
     std::atomic<bool> responsive_ = true;

@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::string_view kExpected = "redis://[[user]:password@]host[:port][/database], or rediss:// for TLS";
 
-/// Decodes %XX.
-/// @returns  none if a % is not followed by two digits
+/// Decodes percent-encoding.
+/// @returns  none if two hexadecimal digits do not follow a %
 std::optional<std::string> decode(std::string_view text) {
     std::string decoded;
     while (!text.empty()) {
@@ -38,7 +38,7 @@ bool set_credentials(RedisAddress& address, std::string_view text) {
     return true;
 }
 
-/// Parses a host, in brackets if it contains colons, and a port.
+/// Parses `host:port` or `[address]:port` into an address. Returns false if the text is malformed.
 bool set_place(RedisAddress& address, std::string_view text) {
     std::string_view host;
     if (text.starts_with('[')) {

@@ -8,7 +8,7 @@
 
 namespace ccdt::server {
 
-/// Address and credentials of a Redis.
+/// Address and credentials of a Redis server.
 struct RedisAddress {
     std::string host = "localhost";
     std::string port = "6379";
@@ -17,9 +17,8 @@ struct RedisAddress {
     std::string password;    ///< empty: none
     int database = 0;
 
-    /// Parses redis://[[user]:password@]host[:port][/database], or rediss:// for TLS. User and password may contain
-    /// %XX.
-    /// Errors (Malformed): any other form, or an address of Sentinel. The message does not contain the password.
+    /// Parses redis://[[user]:password@]host[:port][/database], or rediss:// for TLS. %XX is decoded.
+    /// Errors (Malformed): another form, or an address of Redis Sentinel. The message does not contain the password.
     static Result<RedisAddress> parse(std::string_view text);
 
     /// Host and port, for messages.

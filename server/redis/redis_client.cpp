@@ -7,13 +7,13 @@
 namespace ccdt::server {
 namespace {
 
-/// Maximum number of connections. More would be of no use, because Redis runs one command at a time.
+/// Maximum number of connections. More would not help, because Redis runs one command at a time.
 constexpr std::size_t kMaxConnections = 16;
 
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMaxPause{1'000};
 
-/// Errors of a Redis that cannot run commands now, but may recover or be replaced by another server.
+/// Error codes of a Redis that cannot run commands now, but may recover or be replaced by another server.
 constexpr std::string_view kNotNow[] = {"LOADING", "READONLY", "BUSY", "MASTERDOWN", "CLUSTERDOWN", "UNKILLABLE"};
 
 Error error_of(const RedisReply& reply, const RedisAddress& address) {
@@ -109,7 +109,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
         auto replies = connection->run(commands, deadline);
         if (replies) put_back(std::move(connection));
         if (replies) return replies;
-        drop_idle();  // the other idle connections were probably lost, too
+        drop_idle();  // other idle connections are probably lost, too
         if (Clock::now() >= deadline) return late(replies.error());
     }
     auto connection = connect(deadline);
@@ -120,8 +120,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     return replies;
 }
 
-/// Returns the error of a failed call. Makes other calls fail at once for a while, so that they do not wait for Redis
-/// as well.
+/// Returns the error of a call that could not reach Redis. Makes calls during the next pause fail at once.
 tl::unexpected<Error> RedisClient::late(const Error& error) {
     const std::lock_guard lock(mutex_);
     pause_locked(error);
@@ -142,12 +141,12 @@ RedisClient::Connection RedisClient::take_idle() {
     return connection;
 }
 
-/// Makes a connection, unless that failed a moment ago.
+/// Opens a connection. Fails at once during the pause after a failure.
 Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline) {
     {
         const std::lock_guard lock(mutex_);
         if (Clock::now() < retry_) return tl::unexpected(away_);
-        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // meanwhile, other calls do not try
+        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // other calls do not try meanwhile
     }
     auto connection = RedisConnection::open(address_, deadline);
     const std::lock_guard lock(mutex_);

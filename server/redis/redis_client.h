@@ -20,12 +20,12 @@
 
 namespace ccdt::server {
 
-/// Runs commands on a Redis server. Thread-safe; each call uses a connection of its own.
+/// Runs commands on a Redis server. Thread-safe. Simultaneous calls use different connections.
 ///
-/// A lost connection is replaced. If the connection had been idle before the call, the commands of the call are sent
-/// once more, so they should be idempotent. While Redis cannot be reached or does not reply in time, calls fail at
-/// once. After each pause of up to a second, one call tries again. If Redis reports that it is a replica, all
-/// connections are replaced, because the address may lead to another server by then.
+/// A lost connection is replaced. If the connection had been idle, the commands of the call are sent again, so they
+/// should be idempotent. After a failure to reach Redis, calls fail at once during a pause of up to a second; then one
+/// call tries again. If Redis reports that it is a replica, all connections are replaced, because the address may now
+/// lead to another server.
 /// Errors of all calls: Stopped if Redis cannot be reached within the deadline; LimitExceeded if its memory is full;
 /// Unusable if a key has a value of another type; Internal for all other errors.
 class RedisClient {
@@ -35,30 +35,30 @@ public:
     struct Counts {
         std::uint64_t calls = 0;
         std::uint64_t failures = 0;  ///< calls that failed
-        std::uint64_t damages = 0;   ///< keys that were reported as damaged
+        std::uint64_t damages = 0;   ///< calls of report_damage()
         double seconds = 0;          ///< total duration of all calls, in seconds
     };
 
     /// Writes a message to the log.
     using Warn = std::function<void(const std::string&)>;
 
-    /// @param deadline  time limit of each call
+    /// @param deadline  maximum duration of each call
     /// @param warn      receives reports of damaged keys, from any thread; may be empty
     explicit RedisClient(RedisAddress address, std::chrono::milliseconds deadline = kDeadline, Warn warn = {});
 
-    /// @returns  one reply for each command; none of the replies is an error
+    /// Runs commands. Returns one reply for each command; error replies become errors of the call.
     Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands);
     Result<RedisReply> run(RedisCommand command);
 
-    /// Runs a script, which is sent only if Redis does not know it.
-    /// @param key  key on which the script works
+    /// Runs a script. Sends its source only if Redis does not know it.
+    /// @param key  key that the script receives as KEYS[1]
     Result<RedisReply> run(const RedisScript& script, std::string_view key, const RedisCommand& arguments);
 
-    /// Logs and counts a key whose value is not what was written.
-    /// @param remedy  consequence or repair of the damage, for the log
+    /// Logs and counts a key whose value another program has damaged.
+    /// @param remedy  consequence or repair of the damage, for the message
     void report_damage(std::string_view key, std::string_view remedy);
 
-    /// Returns a setting of Redis; empty if Redis does not reveal it.
+    /// Returns a setting of Redis; empty if Redis does not permit reading it.
     std::string setting(std::string_view name);
 
     Counts counts() const;
@@ -69,7 +69,7 @@ public:
 private:
     using Connection = std::unique_ptr<RedisConnection>;
 
-    /// Counts one connection in use.
+    /// Counts a connection in use during the lifetime of this object.
     class Permit;
 
     Result<std::vector<RedisReply>> attempt(std::span<const RedisCommand> commands, Clock::time_point deadline);
@@ -88,9 +88,9 @@ private:
     std::condition_variable free_;
     std::size_t in_use_ = 0;
     std::vector<Connection> idle_;
-    Clock::time_point retry_;  ///< no attempt to connect before this time
+    Clock::time_point retry_;  ///< calls fail without connecting until this time
     std::chrono::milliseconds pause_{0};
-    Error away_;  ///< the error of the latest failed attempt to reach Redis
+    Error away_;  ///< error of the latest failed attempt to reach Redis
     Counts counts_;
 };
 

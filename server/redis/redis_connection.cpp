@@ -52,7 +52,7 @@ RedisReply reply_of(const redisReply& from) {
 
 }  // namespace
 
-/// TLS on buffers in memory. The connection owns the socket.
+/// Encrypts and decrypts with TLS in memory. RedisConnection sends and receives the bytes.
 class RedisConnection::Tls {
 public:
     explicit Tls(const std::string& host) : tls_(SSL_new(context()), SSL_free) {
@@ -77,7 +77,7 @@ public:
         return bytes.empty() || SSL_write(tls_.get(), bytes.data(), static_cast<int>(bytes.size())) > 0;
     }
 
-    /// Takes the encrypted bytes that are to be sent.
+    /// Removes and returns the encrypted bytes to be sent.
     std::string take_to_send() {
         std::string bytes(BIO_ctrl_pending(SSL_get_wbio(tls_.get())), '\0');
         if (!bytes.empty()) BIO_read(SSL_get_wbio(tls_.get()), bytes.data(), static_cast<int>(bytes.size()));
@@ -85,7 +85,7 @@ public:
     }
 
     /// Decrypts the received bytes, and appends them to `bytes`.
-    /// @returns  false if it failed, or the other end closed the connection
+    /// @returns  false after a failure, or if the other end closed the connection
     bool decrypt(std::string& bytes) {
         char part[16'384];
         int count = 0;
@@ -102,7 +102,7 @@ public:
     }
 
 private:
-    /// Trusts the certificate authorities of the system, or of SSL_CERT_FILE.
+    /// Returns the TLS settings. They trust the certificate authorities of the system, or of SSL_CERT_FILE.
     static SSL_CTX* context() {
         static const std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> kContext = [] {
             std::unique_ptr<SSL_CTX, decltype(&SSL_CTX_free)> made(SSL_CTX_new(TLS_client_method()), SSL_CTX_free);
@@ -140,7 +140,7 @@ tl::unexpected<Error> RedisConnection::away(const std::string& why) const {
     return failure(ErrorCode::Stopped, "Redis at " + address_.name() + ": " + why);
 }
 
-/// Waits for an event on the socket.
+/// Waits for an event on the socket; returns false if none has occurred by `until`.
 bool RedisConnection::wait(short events, Clock::time_point until) const {
     pollfd waited{socket_.get(), events, 0};
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
@@ -220,7 +220,7 @@ Result<void> RedisConnection::send_bytes(std::string_view bytes, Clock::time_poi
     return {};
 }
 
-/// @returns  the received bytes; empty if none have arrived by `until`
+/// Receives and decrypts bytes; returns an empty text if none have arrived by `until`.
 Result<std::string_view> RedisConnection::receive_bytes(Clock::time_point until) {
     if (!wait(POLLIN, until)) return std::string_view();
     received_.resize(kReadAtOnce);
@@ -250,7 +250,7 @@ Result<void> RedisConnection::send(const RedisCommand& command, Clock::time_poin
     return send_bytes({text, static_cast<std::size_t>(size)}, deadline);
 }
 
-/// Takes the next reply from the received bytes.
+/// Parses the next reply from the received bytes.
 /// @returns  none if no reply is complete
 Result<std::optional<RedisReply>> RedisConnection::take_reply() {
     void* found = nullptr;

@@ -18,7 +18,7 @@ struct redisReader;
 
 namespace ccdt::server {
 
-/// A command with its arguments, which may contain any bytes. The views must stay valid until the command is sent.
+/// A command and its arguments, which may contain any bytes. The views must stay valid until the command is sent.
 using RedisCommand = std::vector<std::string_view>;
 
 /// A reply of Redis.
@@ -27,22 +27,22 @@ struct RedisReply {
 
     Kind kind = Kind::Nothing;
     std::string text;               ///< text of a string, of a status or of an error
-    std::int64_t number = 0;        ///< 0 for anything but a number
+    std::int64_t number = 0;        ///< 0 for other kinds
     std::vector<RedisReply> items;  ///< the members of a list
 
     bool is_error(std::string_view code) const { return kind == Kind::Error && text.starts_with(code); }
 };
 
-/// A connection to a Redis, used by one thread at a time. After an error, the connection must be discarded.
+/// A connection to a Redis server, for one thread at a time. After an error, the connection must be discarded.
 ///
 /// Errors of all functions: Stopped if Redis cannot be reached or does not reply in time; Internal if a reply is
-/// malformed. hiredis formats commands and parses replies. This class handles the socket, because of deadlines and TLS.
+/// malformed. hiredis formats commands and parses replies; this class handles the socket, the deadlines and TLS.
 class RedisConnection {
 public:
     using Clock = std::chrono::steady_clock;
 
     /// Connects and authenticates. The deadline does not limit the name lookup.
-    /// Errors, in addition: the password is wrong.
+    /// Errors: also if the password is wrong.
     static Result<std::unique_ptr<RedisConnection>> open(const RedisAddress& address, Clock::time_point deadline);
     ~RedisConnection();
 
@@ -51,11 +51,11 @@ public:
 
     Result<void> send(const RedisCommand& command, Clock::time_point deadline);
 
-    /// Waits for the next reply or message.
-    /// @returns  none if nothing has arrived by `until`
+    /// Waits for the next reply, or message of a subscription.
+    /// @returns  none if no reply is complete by `until`
     Result<std::optional<RedisReply>> receive(Clock::time_point until);
 
-    /// Sends commands, and waits for the reply to each.
+    /// Sends commands, and waits for all replies.
     Result<std::vector<RedisReply>> run(std::span<const RedisCommand> commands, Clock::time_point deadline);
 
 private:

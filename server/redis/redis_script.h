@@ -6,16 +6,16 @@
 
 namespace ccdt::server {
 
-/// A program in Lua that Redis runs atomically.
+/// A Lua script, which Redis runs atomically.
 class RedisScript {
 public:
-    /// @param parts  parts of the program, in order; each declares functions or executes statements
-    /// @param flags  flags of Redis that say what the program may do, such as `no-writes`. Without flags, a program
-    ///               that is started while the memory is full fails at once.
+    /// @param parts  parts of the script, joined in sequence
+    /// @param flags  Redis' flags for scripts, separated by commas, such as `no-writes`. Without `allow-oom`, a script
+    ///               fails at once while the memory of Redis is full.
     RedisScript(std::string_view flags, std::initializer_list<std::string_view> parts);
 
     const std::string& source() const { return source_; }
-    const std::string& digest() const { return digest_; }  ///< the digest by which Redis identifies the script
+    const std::string& digest() const { return digest_; }  ///< SHA-1 by which Redis identifies the script
 
 private:
     std::string source_;

@@ -13,10 +13,10 @@ constexpr std::chrono::milliseconds kDeadline{2'000};
 constexpr std::chrono::milliseconds kLeastPause{50};
 constexpr std::chrono::milliseconds kMaxPause{1'000};
 
-/// Interval at which the thread checks whether it should end.
+/// Interval at which the thread checks for a stop request.
 constexpr std::chrono::milliseconds kPollInterval{100};
 
-/// Time without a message after which a PING is sent to Redis.
+/// Time without a message after which the thread sends a PING to Redis.
 constexpr std::chrono::milliseconds kSilence{1'000};
 
 }  // namespace
@@ -29,7 +29,7 @@ RedisSubscription::RedisSubscription(RedisAddress address, std::string channel, 
 
 void RedisSubscription::listen(const std::stop_token& closing) {
     auto pause = kLeastPause;
-    bool ended = false;  // `ended` was called
+    bool ended = false;  // `callbacks_.ended` was called
     while (!closing.stop_requested()) {
         const Error error = listen_once(closing);
         if (std::exchange(begun_, false)) {
@@ -45,7 +45,7 @@ void RedisSubscription::listen(const std::stop_token& closing) {
     }
 }
 
-/// @returns  why the subscription ended
+/// Subscribes, and delivers messages until the subscription ends. Returns the reason for its end.
 Error RedisSubscription::listen_once(const std::stop_token& closing) {
     auto connection = RedisConnection::open(address_, Clock::now() + kDeadline);
     if (!connection) return connection.error();
@@ -59,7 +59,7 @@ Error RedisSubscription::listen_once(const std::stop_token& closing) {
     return deliver(**connection, callbacks_, closing);
 }
 
-/// Delivers messages until the connection is lost.
+/// Delivers messages until the connection is lost. Returns the reason.
 Error RedisSubscription::deliver(RedisConnection& connection, const Callbacks& callbacks,
                                  const std::stop_token& closing) {
     auto last_message = Clock::now();

@@ -15,17 +15,17 @@
 
 namespace ccdt::server {
 
-/// Subscribes to a channel of a Redis, with its own thread and connection. Reconnects whenever the connection is lost,
-/// with pauses of up to a second.
+/// Subscribes to a channel of a Redis server, with a separate thread and connection. Reconnects after each loss of the
+/// connection, with pauses of up to a second.
 class RedisSubscription {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Callbacks, which the subscription's thread calls.
+    /// Functions that the thread of the subscription calls.
     struct Callbacks {
         std::function<void(std::string_view)> message;
-        std::function<void()> begun;              ///< subscribed: all later messages are delivered
-        std::function<void(const Error&)> ended;  ///< later messages may be lost; called once per outage
+        std::function<void()> begun;              ///< the subscription exists: later messages will be delivered
+        std::function<void(const Error&)> ended;  ///< messages may be lost; called once per outage
     };
 
     RedisSubscription(RedisAddress address, std::string channel, Callbacks callbacks);
@@ -41,7 +41,7 @@ private:
     const RedisAddress address_;
     const std::string channel_;
     const Callbacks callbacks_;
-    bool begun_ = false;   ///< used by the thread only
+    bool begun_ = false;   ///< only the thread uses it
     std::jthread thread_;  ///< last, because it uses all other members
 };
 

@@ -24,45 +24,44 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Interval at which a connection checks whether its client still waits.
+/// Interval at which the thread of a connection checks whether the client still waits.
 constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// Time that a computation may take after the deadline to stop and to write a partial answer.
+/// Time after the deadline within which a computation may stop and return a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of the pictures in the folder. With this type, a file is parsed neither as JSON nor as a form, whatever
-/// it contains.
+/// Content type of pictures by name. It prevents that a file is parsed as JSON or as a form.
 constexpr const char* kPicture = "image/*";
 
-/// Minimum body size, in bytes, of requests that certainly are not short.
+/// Body size, in bytes, from which on a request cannot be a short job.
 constexpr std::size_t kLongBody = 65'536;
 
-/// Makes the key of an answer in the cache. A compressed answer has its own key and is stored compressed, so that it is
-/// compressed only once.
+/// Returns the key of an answer in the cache. Compressed answers have different keys, and are stored compressed.
 ///
-/// @param owner  API key for which the answer is stored; empty: for all
+/// @param owner  API key that may get the answer; empty: all
 std::string cache_key(const std::string& name, bool compressed, const std::string& owner) {
     return (compressed ? name + "-gzip " : name + ' ') + owner;
 }
 
-/// Finds the tag of an answer among the tags that the client sent.
+/// Finds the tag of an answer among the tags in If-None-Match.
 std::optional<std::string_view> known_tag(const Incoming& incoming, const std::string& name) {
     return find_tag(incoming.request.header("If-None-Match"), name);
 }
 
-/// Whether a header says that the body is encoded.
+/// Whether a header is a Content-Encoding other than `identity`.
 bool is_encoding(const Header& header) {
     return equals_ignoring_case(header.name, "Content-Encoding") && !header.value.empty() &&
            !equals_ignoring_case(header.value, "identity");
 }
 
-/// Records why a computation was cancelled.
+/// Records why a computation was cancelled, and returns the problem for the client.
 tl::unexpected<Problem> cancelled(tl::unexpected<Problem> why, std::string_view cause, Record& record) {
     record.cancelled = cause;
     return why;
 }
 
-/// @param name  name of the answer, used as its tag unless the answer is partial
+/// Converts an answer to a response.
+/// @param name  name of the answer; becomes its tag, unless the answer is partial
 Response response_of(api::Answer answer, const std::string& name, Record& record) {
     Response response;
     response.headers = answer_headers(answer);
@@ -80,7 +79,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A request and its reserved memory. Shared with the worker, which may still read it when the connection has ended.
+/// A request with its memory reservation. Shared with the worker, because the connection may end earlier.
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
@@ -88,14 +87,14 @@ struct Computing::AcceptedRequest {
     MemoryBudget::Lease lease;
 };
 
-/// An answer and the memory that its computation reserved.
+/// An answer, and the memory reservation of its computation.
 struct Computing::ComputedAnswer {
     api::Answer answer;
     MemoryBudget::Lease lease;
-    std::shared_ptr<BodyPipe> pipe = {};  ///< passes on the rest of a large body, which is still being computed
+    std::shared_ptr<BodyPipe> pipe = {};  ///< delivers the body if it is still being computed; null: it is complete
 };
 
-/// A result that a worker passes to the connection waiting for it. The connection may end before the result arrives.
+/// A future result that a worker passes to the thread of a connection. The connection may end before.
 template <class T>
 class Computing::PendingResult {
 public:
@@ -104,7 +103,7 @@ public:
         stages_.queue = Milliseconds(Clock::now() - submitted_).count();
     }
 
-    /// Sets the result unless there is one already.
+    /// Sets the result. Only the first call has an effect.
     void finish(Result<T> result, const api::Timings& timings) {
         const std::lock_guard lock(mutex_);
         if (finished_already_) return;
@@ -114,7 +113,7 @@ public:
         finished_.notify_all();
     }
 
-    /// @returns  whether there is a result
+    /// Waits for the result; returns whether it has arrived.
     bool wait_until(Clock::time_point time) {
         std::unique_lock lock(mutex_);
         return finished_.wait_until(lock, time, [this] { return result_.has_value(); });
@@ -130,7 +129,7 @@ public:
         return stages_;
     }
 
-    /// Tells the computation that the result is not needed any more.
+    /// Signals the computation that the result is no longer needed.
     void abandon() { unwanted_.request_stop(); }
     std::stop_token unwanted() const { return unwanted_.get_token(); }
 
@@ -141,15 +140,14 @@ private:
     mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
-    bool finished_already_ = false;  ///< stays true when the result is taken
+    bool finished_already_ = false;  ///< also after the result was taken
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection. Also copies the body for the cache, unless it is too
-/// large.
+/// Passes a large body from its computation to the connection, and copies it for the cache, if it is not too large.
 class Computing::TeeWriter : public api::BodySink {
 public:
-    /// @param largest  size limit of cached bodies, in bytes
+    /// @param largest  maximum size of cached bodies, in bytes
     TeeWriter(PendingResult<ComputedAnswer>& pending, const api::Timings& timings, std::size_t largest,
               MemoryBudget& memory)
         : pending_(pending), timings_(timings), largest_(largest), memory_(memory) {}
@@ -172,13 +170,13 @@ public:
         return pipe_->push(piece);
     }
 
-    /// Ends the body. An error means that it is incomplete.
+    /// Ends the body. After an error, the body is incomplete.
     void close(Result<void> outcome) { pipe_->close(std::move(outcome), timings_, memory_); }
 
-    /// Stops the computation once nobody reads the body any more.
+    /// The source that stops the computation when the connection abandons the body.
     std::stop_source& stop() { return pipe_->stop(); }
 
-    /// Returns the complete answer once the body has ended; null if it is too large for the cache.
+    /// Returns the whole answer after the end of the body; null if it is too large for the cache.
     const api::Answer* copy() const { return copy_ ? &*copy_ : nullptr; }
 
 private:
@@ -228,7 +226,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     if (!lease) return tl::unexpected(lease.error());
     auto bytes = picture.read();
     if (!bytes) return tl::unexpected(bytes.error());
-    // If the query names the format, all browsers share the answer, regardless of their Accept headers.
+    // If the query names the format, ignores Accept, so that all browsers share the cached answer.
     const bool has_format = std::ranges::any_of(parse_query(options),
                                                 [](const api::TextOption& option) { return option.name == "format"; });
     ComputeRequest request{std::string(operation.path), std::move(options), kPicture,
@@ -238,8 +236,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, PictureFile p
     return respond(*accepted, incoming);
 }
 
-/// Answers with a 304 if the client has the answer already, otherwise with a cached answer or with one that is computed
-/// while the client waits.
+/// Answers with a 304 if the client has the answer, with a cached answer, or with a new one.
 HttpResult<Response> Computing::respond(const AcceptedPointer& accepted, const Incoming& incoming) {
     if (const auto tag = known_tag(incoming, accepted->name)) return not_modified(*tag);
     const bool compressed = accepts_gzip(incoming.request.header("Accept-Encoding"));
@@ -267,8 +264,8 @@ HttpResult<Response> Computing::compute(const AcceptedPointer& given, bool compr
     return response;
 }
 
-/// Makes the function that sends a large body while it is computed.
-/// @param latest  time by which the computation must have ended
+/// Returns the function that sends a large body while it is computed.
+/// @param latest  time by which the computation must end
 Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& incoming, Clock::time_point latest) const {
     return [this, pipe = computed.pipe, &connection = incoming.connection, latest](const Send& send, Record& record) {
         while (!pipe->is_over()) {
@@ -293,13 +290,13 @@ Stream Computing::stream_of(const ComputedAnswer& computed, const Incoming& inco
     };
 }
 
-/// Returns the owner of a cached answer: the API key or, if the cache is shared, nobody. From the response times of a
-/// shared cache, the user of one key can learn what the user of another key has requested.
+/// Returns the owner in cache_key(): the API key or, with --cache-shared, none. Separate answers prevent that response
+/// times reveal the requests of other keys.
 std::string Computing::cache_owner(const Connection& connection) const {
     return config_.cache_shared ? "" : connection.key();
 }
 
-/// Returns the answer of that name if it is cached and there is memory to send it.
+/// Returns the cached answer with a name; none if it is not cached or there is no memory to send it.
 std::optional<Response> Computing::find_cached(const std::string& name, bool compressed, const Incoming& incoming) {
     const auto answer = cache_.find(cache_key(name, compressed, cache_owner(incoming.connection)));
     if (answer == nullptr) return std::nullopt;
@@ -311,14 +308,14 @@ std::optional<Response> Computing::find_cached(const std::string& name, bool com
     return response;
 }
 
-/// While the server shuts down, refuses computations for all but the first request of each connection. Clients that
-/// reuse a connection can retry on a new one.
+/// Checks whether a computation is still accepted. During a shutdown, only the first request of each connection is,
+/// because other clients can retry on a new connection.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
 }
 
-/// Reads the body of a request, unless it is already clear that the request will be refused.
+/// Reads the body of a request. Refuses the request before, if its head, the shutdown or full queues are a reason.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
@@ -332,7 +329,7 @@ HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool defe
     return connection.read_body(request, config_.max_body);
 }
 
-/// Reserves memory for a request until the request is done.
+/// Reserves memory for a request until it is answered.
 HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
     if (size > waiting_memory_.total()) return too_large(size);
     auto lease = waiting_memory_.reserve(size);
@@ -340,7 +337,7 @@ HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
     return *std::move(lease);
 }
 
-/// Parses a form into its parts and names the answer.
+/// Names the answer, and takes a form apart.
 HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& operation, ComputeRequest request,
                                                           MemoryBudget::Lease lease) {
     auto fields = find_fields(request);
@@ -352,7 +349,7 @@ HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& opera
         AcceptedRequest{operation, std::move(request), std::move(name), std::move(lease)});
 }
 
-/// Makes a job of a request, which is parsed now and computed later.
+/// Turns a request into a job: parses the request now, and stores it to be computed later.
 HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incoming& incoming) {
     const auto deadline = Clock::now() + config_.timeout;
     const auto converted = convert_shapefile(given, incoming, deadline);
@@ -360,7 +357,7 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
     const AcceptedPointer& accepted = *converted;
     const auto forecast = this->forecast(accepted, incoming, deadline);
     if (!forecast) return tl::unexpected(forecast.error());
-    incoming.record.stages = {};  // the job has stages of its own
+    incoming.record.stages = {};  // the job records separate stages
     Job job;
     job.owner = incoming.connection.key();
     job.client = incoming.connection.client_name();
@@ -371,8 +368,7 @@ HttpResult<Response> Computing::defer(const AcceptedPointer& given, const Incomi
     return jobs_.accept(std::move(job), accepted->request).map(accepted_response);
 }
 
-/// Converts a zipped shapefile to GeoJSON, in a task that is admitted like a computation. Other requests stay as they
-/// are.
+/// Converts a zipped shapefile to GeoJSON in a worker. Returns other requests unchanged.
 HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const AcceptedPointer& accepted,
                                                                     const Incoming& incoming,
                                                                     Clock::time_point deadline) {
@@ -390,7 +386,7 @@ HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const Accept
         AcceptedRequest{accepted->operation, *std::move(request), accepted->name, *std::move(lease)});
 }
 
-/// Parses a request, in a worker unless that is quick, and estimates its cost.
+/// Parses a request and estimates its cost. Long requests are parsed in a worker.
 HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accepted, const Incoming& incoming,
                                                     Clock::time_point deadline) {
     const auto find = [accepted, &limits = config_.limits] {
@@ -407,8 +403,7 @@ HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accep
     return *found;
 }
 
-/// Has a worker run a task, and waits for the result. Writes the stages so far to the record. Their time in the queue
-/// is the sum over this task and earlier tasks of the request.
+/// Runs a task in a worker, and waits for the result. Adds the time in the queue to the record's stages.
 template <class T>
 HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, const Incoming& incoming,
                                        const TimeLimit& limit) {
@@ -438,8 +433,8 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, cons
     return *std::move(result);
 }
 
-/// Waits for a result until the client closes the connection, the server shuts down, or the deadline and the grace
-/// period have passed. A computation that still runs then ends in the background.
+/// Waits for a result until the client closes the connection, the server abandons its clients, or the deadline and the
+/// grace period have passed. A computation that still runs ends in the background.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {

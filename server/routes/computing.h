@@ -26,11 +26,10 @@
 
 namespace ccdt::server {
 
-/// Answers requests that need a computation. Computes the answer while the client waits or, if the client prefers, as a
-/// job. Thread-safe.
+/// Answers requests that need a computation: while the client waits or, if the client prefers, as a job. Thread-safe.
 class Computing {
 public:
-    /// @param waiting_memory  budget for requests until they are done, in addition to the memory of the pool's jobs
+    /// @param waiting_memory  budget for requests until they are answered; the pool's budget is separate
     /// @param answers         Redis in which servers share answers; null: none
     /// `pool`, `waiting_memory`, `jobs` and `answers` must outlive this object.
     Computing(const Config& config, WorkerPool& pool, MemoryBudget& waiting_memory, Compute compute,
@@ -38,21 +37,20 @@ public:
 
     HttpResult<Response> answer(const Operation& operation, const Incoming& incoming);
 
-    /// Answers a request for one of the server's pictures. The answer is the same as for a request whose body is the
-    /// picture and whose query is `options`.
+    /// Answers a request for a picture of the server. The answer is the same as for a request with this picture as the
+    /// body and `options` as the query.
     HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
                                 const Incoming& incoming);
 
     const ResultCache& cache() const { return cache_; }
 
-    /// From now on, computes only for the first request of each connection, and refuses later ones.
+    /// From now on, computes an answer only for the first request of each connection, and refuses later ones.
     void drain() { draining_ = true; }
 
-    /// From now on, tells all clients that wait for a result that the server is shutting down.
+    /// From now on, answers all waiting clients that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
-    /// Makes the refusal of a request. Its Retry-After is the estimated time in which the requests that wait now will
-    /// be computed.
+    /// Makes a problem whose Retry-After is the estimated time until the waiting requests are computed.
     tl::unexpected<Problem> busy(int status, std::string message) const;
 
 private:
@@ -64,20 +62,19 @@ private:
     class PendingResult;
     class TeeWriter;
 
-    /// Properties of a parsed request that determine how it is run.
+    /// Estimated cost of a request, and whether it accepts a partial answer.
     struct Forecast {
         api::Cost cost;
         bool accepts_partial = false;
     };
 
-    /// Limits on the wait for a result.
+    /// Limits of the wait for a result.
     struct TimeLimit {
-        Clock::time_point deadline;  ///< time at which the computation is requested to stop
-        Clock::duration grace =
-            Clock::duration();  ///< extra time in which a stopped computation may return a valid result
+        Clock::time_point deadline;                 ///< time of the stop request
+        Clock::duration grace = Clock::duration();  ///< extra time for the stopped computation to return a result
     };
 
-    /// A task for a worker. The task may deliver its result before it returns; then the returned result is ignored.
+    /// A task for a worker. If it sets the PendingResult before it returns, the returned result is ignored.
     template <class T>
     using Task = std::function<Result<T>(const Control&, api::Timings&, PendingResult<T>&)>;
 

@@ -11,14 +11,14 @@ namespace ccdt::server {
 
 struct Operation;
 
-/// The variable part of a request's path, and what it refers to.
+/// The variable part of a request's path, and the file or operation that the path refers to.
 struct Target {
-    std::string_view name;                 ///< the placeholder's value: a job's id, a picture's name
+    std::string_view name;                 ///< value of the placeholder: a job id or a picture name
     const PageFile* file = nullptr;        ///< file of the page
     const Operation* operation = nullptr;  ///< the operation to compute
 };
 
-/// A request being answered: its connection, its target, and the record for log and metrics.
+/// A request that is being answered.
 struct Incoming {
     const Request& request;
     Connection& connection;

@@ -13,15 +13,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Interval at which a stream checks whether its client is still connected.
+/// Interval at which an event stream checks whether its client is still connected.
 constexpr std::chrono::milliseconds kPollInterval{200};
 
 constexpr std::chrono::seconds kRetryAfter{1};
 
-/// Maximum size of a result that is sent whole, in bytes; larger ones are sent in pieces.
+/// Maximum size of a result, in bytes, that is loaded as a whole. Larger results are sent in pieces.
 constexpr std::size_t kMaxInMemory = api::Body::kMaxInMemory;
 
-/// Makes an answer that must not be stored, such as the status of a job.
+/// Makes an answer that caches must not store.
 Response uncached_response(std::string media_type, std::string body) {
     Response response;
     response.media_type = std::move(media_type);
@@ -34,11 +34,11 @@ Response document(const Job& job) {
     return uncached_response("application/json", status_json(job) + '\n');
 }
 
-/// Makes the problem that says why there is no result.
+/// Makes the problem for a request for a result that does not exist.
 tl::unexpected<Problem> no_result(const Job& job) {
     if (job.status == JobStatus::Cancelled) return problem(410, "the job was cancelled");
     if (job.failure) {
-        Problem failed{job.failure->status, job.failure->error};  // as in the status document of the job
+        Problem failed{job.failure->status, job.failure->error};  // same as in the status document
         if (failed.status == 500) failed.cause = failed.error.message;
         return tl::unexpected(std::move(failed));
     }
@@ -66,7 +66,7 @@ HttpResult<Response> JobRoutes::status(const std::string& id, const Connection& 
     return document(*job);
 }
 
-/// Returns a result. A result never changes, so the job's id is its tag.
+/// Answers with the result of a job. The job's id is the entity tag, because the result never changes.
 HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view if_none_match,
                                        const Connection& connection) {
     const auto job = jobs_.find(id, connection.key());
@@ -93,7 +93,7 @@ HttpResult<Response> JobRoutes::result(const std::string& id, std::string_view i
     return response;
 }
 
-/// Makes the function that sends a large result, one piece after another.
+/// Returns the function that sends a large result in pieces.
 Stream JobRoutes::stream_of(const Job& job, std::string first) const {
     return [this, id = job.id, left = job.result_bytes, piece = std::move(first)](const Send& send,
                                                                                   Record& record) mutable {
@@ -122,7 +122,7 @@ HttpResult<Response> JobRoutes::events(const std::string& id, const Connection& 
     auto watch = jobs_.watch(id, connection.key());
     if (!watch) return tl::unexpected(std::move(watch.error()));
     Response response = uncached_response("text/event-stream", {});
-    response.headers.push_back({"X-Accel-Buffering", "no"});  // disables nginx' buffering
+    response.headers.push_back({"X-Accel-Buffering", "no"});  // disables buffering by nginx
     response.stream = [this, &connection, watch = *std::move(watch)](const Send& send, Record&) {
         send_events(watch, connection, send);
         return true;

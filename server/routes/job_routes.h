@@ -17,7 +17,7 @@ namespace ccdt::server {
 class JobRoutes {
 public:
     /// @param memory  budget for results while they are sent
-    /// @param ping    longest time between two messages of an event stream
+    /// @param ping    maximum time between two messages of an event stream
     /// `jobs` and `memory` must outlive this object and all streamed answers.
     JobRoutes(Jobs& jobs, MemoryBudget& memory, std::chrono::milliseconds ping)
         : jobs_(jobs), memory_(memory), ping_(ping) {}
@@ -36,7 +36,7 @@ private:
     const std::chrono::milliseconds ping_;
 };
 
-/// Makes the answer that says that a job was accepted.
+/// Makes the 202 answer with the location of an accepted job.
 Response accepted_response(const Job& job);
 
 }  // namespace ccdt::server

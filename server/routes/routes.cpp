@@ -29,17 +29,17 @@ constexpr std::string_view kJson = "application/json";
 constexpr std::string_view kProblem = "application/problem+json";
 constexpr std::size_t kMaxIdLength = 64;
 
-/// Maximum length of a logged origin, in bytes: its host has at most 253.
+/// Maximum length of a logged origin, in bytes. Host names have at most 253.
 constexpr std::size_t kMaxOriginLength = 300;
 constexpr std::size_t kMaxHostLength = 260;
 
-/// Maximum size of a text, in bytes, that is compressed here; longer ones are compressed by workers.
+/// Maximum size of a text, in bytes, that the thread of a connection compresses. Workers compress longer texts.
 constexpr std::size_t kMaxQuicklyCompressed = 262'144;
 
-/// All methods that some path accepts, for `OPTIONS *`.
+/// Methods that at least one path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
-/// Seconds after which a worker that continues although its job was cancelled counts as stuck.
+/// Seconds after the cancellation of a job from which on a worker that still runs it counts as stuck.
 constexpr double kMaxOverdueSeconds = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
@@ -59,8 +59,8 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
-/// Adds the ETag header. A strong tag identifies bytes, so it must include the content coding. A weak tag identifies
-/// the content regardless of its coding.
+/// Adds the ETag header. A strong tag gets a suffix for the content coding, because it identifies bytes. A weak tag
+/// does not depend on the coding.
 void add_entity_tag(Response& response) {
     if (response.tag.empty()) return;
     if (!response.coding.empty() && response.tag.front() == '"')
@@ -68,8 +68,8 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Finds the part of a path that matches the placeholder of a pattern such as `/jobs/{id}/events`.
-/// @returns  none if the path does not match; empty if it matches and the pattern has no placeholder
+/// Finds the part of a path that a placeholder matches, in a pattern such as `/jobs/{id}/events`.
+/// @returns  none if the path does not match; empty if the pattern has no placeholder
 std::optional<std::string_view> match(std::string_view pattern, std::string_view path) {
     const auto begin = pattern.find('{');
     if (begin == std::string_view::npos) return pattern == path ? std::optional(std::string_view()) : std::nullopt;
@@ -79,17 +79,17 @@ std::optional<std::string_view> match(std::string_view pattern, std::string_view
     return name;
 }
 
-/// Whether a route for the method `of_route` accepts a request with `method`. The methods are equal, or the
-/// request is HEAD and the route is for GET.
+/// Whether a route for the method `of_route` accepts requests with `method`. Routes for GET also accept HEAD.
 bool accepts_method(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
 
-/// Seconds for which caches may reuse a picture by name without revalidation.
+/// Seconds for which caches may reuse the halftone of a picture by name without revalidation.
 constexpr std::int64_t kFreshSeconds = 60;
 
-/// Makes the Cache-Control header of a picture by name. If an API key was needed, only the client may store the answer.
-/// With a signed URL, it may be stored until the URL expires. A partial answer, which has no tag, must not be stored.
+/// Makes the Cache-Control header for a picture by name. The freshness ends when the signed URL expires. A partial
+/// answer, which has no tag, must not be stored.
+/// @param is_private  whether an API key was needed, so that only the client may store the answer
 Header cache_control(const Response& response, const SignedUrl& url, bool is_private) {
     if (response.tag.empty()) return {"Cache-Control", "no-store"};
     std::int64_t seconds = kFreshSeconds;
@@ -122,7 +122,7 @@ Response json_response(std::string body) {
 
 }  // namespace
 
-/// All routes: fixed ones, and one for each row of kOperations.
+/// The table of routes: fixed ones, and one for each operation in kOperations.
 struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
         {"/", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
@@ -169,7 +169,7 @@ Routes::Routes(const Config& config, Parts parts)
 Response Routes::answer(const Request& request, const HttpResult<void>& received, Connection& connection) {
     const auto found = find(request);
     Record record;
-    connection.name_client({}, {});  // keeps no name from the previous request while the client is unknown
+    connection.name_client({}, {});  // removes the name that the previous request has set
     const auto admitted = received.and_then([&] { return check_host(found, request); }).and_then([&] {
         return admit(found, request, connection, record);
     });
@@ -195,7 +195,7 @@ Response Routes::answer(const Request& request, const HttpResult<void>& received
     return response;
 }
 
-/// Finds the route of a path, preferably one with the request's method. All files of the page share one route.
+/// Finds the row with the path and, if possible, the method of a request. Files of the page share one route.
 Routes::Found Routes::find(const Request& request) {
     Found found;
     for (const Route& route : Table::kRows) {
@@ -212,8 +212,7 @@ Routes::Found Routes::find(const Request& request) {
     return found;
 }
 
-/// Returns the credential that a request needs. Unknown paths below /health/ need none, so that they are answered with
-/// 404.
+/// Returns the credential that a request needs. Unknown paths below /health/ need none, so that the answer is 404.
 AccessControl::Credential Routes::required_credential(const Found& found, const Request& request) {
     const auto key_unless = [](bool free) {
         return free ? AccessControl::Credential::None : AccessControl::Credential::Key;
@@ -232,7 +231,7 @@ AccessControl::Credential Routes::required_credential(const Found& found, const 
     return AccessControl::Credential::None;
 }
 
-/// Refuses requests for hosts that are not allowed. Health checks are answered for any host.
+/// Refuses requests for hosts that are not allowed, except health checks.
 HttpResult<void> Routes::check_host(const Found& found, const Request& request) {
     const bool is_for_anyone = found.route != nullptr && found.route->access == Access::Anyone;
     if (is_for_anyone || allows_host(config_.allowed_hosts, request.authority)) return {};
@@ -243,7 +242,7 @@ HttpResult<void> Routes::check_host(const Found& found, const Request& request) 
     return problem(421, "this server does not answer for the host " + host + " (allowed-host)");
 }
 
-/// Checks a request's credentials and rate, and stores the client's identity in the connection and the record.
+/// Checks the credentials and the rate of a request. Stores the client's name in the connection.
 HttpResult<void> Routes::admit(const Found& found, const Request& request, Connection& connection, Record& record) {
     auto verdict = access_control_.check(request, connection.client().address, required_credential(found, request));
     connection.name_client(std::move(verdict.client), std::move(verdict.key));
@@ -251,7 +250,7 @@ HttpResult<void> Routes::admit(const Found& found, const Request& request, Conne
     return std::move(verdict.admission);
 }
 
-/// Returns the methods that a path accepts, in the form of Allow.
+/// Returns the methods that a path accepts, as the value of the Allow header.
 std::string Routes::allowed_methods(const Route& route) {
     std::string methods;
     for (const Route& other : Table::kRows) {
@@ -368,12 +367,12 @@ Response Routes::describe(Problem problem, Record& record) {
     return response;
 }
 
-/// Compresses a text if the client accepts gzip, unless a worker has already compressed it.
+/// Compresses a text if the client accepts gzip and no worker has compressed it.
 void Routes::negotiate_coding(const Request& request, Response& response) {
     const bool done = !response.coding.empty();
-    const bool is_not_modified = response.status == 304;  // has the headers that the full answer would have had
+    const bool is_not_modified = response.status == 304;  // has the same headers as the full answer
     const bool streamed =
-        response.stream && !response.length && is_compressible(response.media_type);  // compressed by a worker
+        response.stream && !response.length && is_compressible(response.media_type);  // a worker compresses it
     if (!done && !is_not_modified && !streamed && !is_worth_compressing(response.media_type, response.body)) return;
     response.headers.push_back({"Vary", "Accept-Encoding"});
     if (!done && !is_not_modified && !streamed && response.body.size() <= kMaxQuicklyCompressed &&
@@ -384,8 +383,8 @@ void Routes::negotiate_coding(const Request& request, Response& response) {
     if (!response.coding.empty()) response.headers.push_back({"Content-Encoding", response.coding});
 }
 
-/// Logs a warning when a page of another origin is refused for the first time. The warning names the flag that would
-/// allow the origin, because browsers do not show the reason to users.
+/// Logs a warning at the first refusal of a page of another origin. The warning names the flag that would allow the
+/// origin, because browsers do not show the reason.
 void Routes::warn_of_refused_origin(const Request& request) {
     const auto origin = request.header("Origin").substr(0, kMaxOriginLength);
     if (!asks_for_other_origin(request) || allows_origin(config_.cors_origins, origin)) return;

@@ -24,40 +24,40 @@
 
 namespace ccdt::server {
 
-/// Maps paths and methods to handlers. Thread-safe.
+/// Answers requests by the handler of their path and method. Thread-safe.
 class Routes {
 public:
     /// Returns the reason why the server cannot compute now; empty if it can.
     using Obstacle = std::function<std::string()>;
 
-    /// Parts that answer requests. All of them must outlive the routes.
+    /// Parts of the server that handlers use. They must outlive the routes.
     struct Parts {
         AccessControl& access_control;
         WorkerPool& pool;
-        MemoryBudget& waiting_memory;  ///< budget for requests, in addition to the memory of the pool's jobs
+        MemoryBudget& waiting_memory;  ///< see Computing
         Compute compute;
         Jobs& jobs;
         const Metrics& metrics;
         Obstacle obstacle;
-        std::function<void(const std::string&)> warn;  ///< reports to the operator
+        std::function<void(const std::string&)> warn;  ///< logs a warning
         RedisClient* answers = nullptr;                ///< Redis in which servers share answers; null: none
         ReadShapefile read_shapefile = {};
     };
 
     Routes(const Config& config, Parts parts);
 
-    /// Answers a request. If the request could not be received, the answer says why.
+    /// Answers a request. If `received` is a problem, the answer reports the problem.
     Response answer(const Request& request, const HttpResult<void>& received, Connection& connection);
 
     const ResultCache& cache() const { return computing_.cache(); }
 
-    /// From now on, refuses new computations (see Computing::drain), and reports that the server is not ready.
+    /// From now on, reports that the server is not ready, and refuses computations (see Computing::drain).
     void drain() {
         draining_ = true;
         computing_.drain();
     }
 
-    /// From now on, tells all clients that wait for a result that the server is shutting down.
+    /// From now on, answers all waiting clients that the server is shutting down.
     void abandon() { computing_.abandon(); }
 
 private:
@@ -66,19 +66,19 @@ private:
     /// Credential that a request needs if there are API keys.
     enum class Access {
         ApiKey,     ///< an API key; the rate is limited
-        Signature,  ///< a signed URL if there are signing keys, because <img> sends no API key
-        Read,       ///< an API key, except for GET and HEAD: browsers send none when they open the page
-        Anyone      ///< nothing: load balancers send no keys with health checks
+        Signature,  ///< a signed URL if there are signing keys, for <img>, which sends no API key
+        Read,       ///< an API key, except for GET and HEAD, because browsers open the page without one
+        Anyone      ///< none, because load balancers send health checks without keys
     };
 
     /// A row of the table of routes; no column has a default.
     struct Route {
-        std::string_view path;             ///< a placeholder such as `{id}` matches anything without a slash
+        std::string_view path;             ///< a placeholder such as `{id}` matches any text without a slash
         std::string_view method;           ///< GET includes HEAD
-        ConnectionClass connection_class;  ///< class in which the connection needs a slot
+        ConnectionClass connection_class;  ///< class of the slot that the connection needs
         Access access;
         Handler handler;
-        const Operation* operation;  ///< operation that the handler computes; null: none
+        const Operation* operation;  ///< operation for the handler; null: none
     };
     struct Table;
 
@@ -127,7 +127,7 @@ private:
     std::atomic<bool> warned_of_origins_ = false;
     std::atomic<bool> warned_of_hosts_ = false;
     std::atomic<std::uint64_t> requests_ = 0;
-    const std::string id_prefix_;  ///< differs between processes
+    const std::string id_prefix_;  ///< prefix of request ids; differs between processes
 };
 
 }  // namespace ccdt::server

@@ -33,7 +33,7 @@ using State = Finding::State;
 
 constexpr std::size_t kColumn = 10;
 
-/// A state and its description; the table below names the part.
+/// The state of a part and its description.
 using Found = std::pair<State, std::string>;
 
 Found wrong(const Error& error) {
@@ -93,7 +93,7 @@ Found check_files(const Config& config) {
     return {plan->fits() ? State::Good : State::Weak, describe(*plan)};
 }
 
-/// Looks for faults of a Redis. The server starts even if this Redis cannot be reached.
+/// Looks for faults of a Redis server. Failures are Weak, because the server starts even without this Redis.
 template <class FindFaults>
 Found check_redis(const RedisAddress& address, const char* does, FindFaults find_faults) {
     RedisClient client(address);
@@ -105,7 +105,7 @@ Found check_redis(const RedisAddress& address, const char* does, FindFaults find
     return {State::Weak, words};
 }
 
-/// Checks that the folder of jobs, or the folder in which it would be created, is writable.
+/// Checks that the folder of jobs, or its nearest existing parent folder, is writable.
 Found check_jobs(const Config& config) {
     if (config.redis) return check_redis(*config.redis, "stored in", RedisJobStore::find_faults);
     if (config.data_dir.empty()) return {State::Good, "stored in memory, lost when the server ends"};
@@ -137,7 +137,7 @@ Found check_address(const Config& config) {
     return {State::Good, config.bind + (has_port ? " port " + std::to_string(listener->port()) : "")};
 }
 
-/// A part of the server and the function that checks it.
+/// The name of a part of the server, and the function that checks the part.
 struct Check {
     std::string_view part;
     Found (*run)(const Config&);

@@ -8,11 +8,11 @@
 
 namespace ccdt::server {
 
-/// The state of one part of the server.
+/// The result of the check of one part of the server.
 struct Finding {
     enum class State {
         Good,
-        Weak,   ///< the server starts, but with a fault
+        Weak,   ///< the server starts, but the part has a fault
         Wrong,  ///< the server does not start
     };
     std::string part;
@@ -20,12 +20,10 @@ struct Finding {
     std::string words;
 };
 
-/// Checks everything that the server needs to start with this configuration. The checks do not depend on each other.
-/// They cover the sibling programs and their sandbox, the key files, the folder of pictures, memory, the folder of
-/// jobs, each Redis, the listening address.
+/// Checks everything that the server needs to start with a configuration: its programs and their sandbox, the key
+/// files, the folder of pictures, memory, descriptors, the folder of jobs, each Redis, the listening address.
 ///
-/// Nothing is served, claimed or written. Stored jobs stay as they are, and another server that uses their folder is
-/// not detected. Started programs are ended again.
+/// Serves, claims and writes nothing. Does not detect another server that uses the folder of jobs.
 std::vector<Finding> check(const Config& config);
 
 /// Whether the server would start.

@@ -7,7 +7,7 @@
 namespace ccdt::server {
 
 /// Asks the server on the configured address whether it is alive. The container image uses this as its health check,
-/// because it contains no other program for that. Waits for at most 3 s for each of connecting, sending and receiving.
+/// because it contains no HTTP client. Connecting, sending and receiving each have a time-out of 3 s.
 /// Errors (Unusable): there is no answer, or its status is not 200.
 Result<void> check_health(const Config& config);
 

@@ -30,7 +30,7 @@ void log_confinement(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time limit for calls to the Redis of shared answers or rates. Requests can be answered without these calls.
+/// Time limit for calls to the Redis of shared answers or rates, without which requests can be answered.
 constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,
@@ -49,7 +49,8 @@ Result<void> check_pictures(const Config& config) {
     return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
 }
 
-/// @param redis  null: jobs are stored in this process, or in the data folder
+/// Opens the job store.
+/// @param redis  null: jobs are stored in memory or in the data folder
 Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient* redis, const Log& log) {
     if (redis != nullptr)
         return std::make_unique<RedisJobStore>(
@@ -76,7 +77,7 @@ RedisClient::Counts counts_of(const std::unique_ptr<RedisClient>& client) {
     return client ? client->counts() : RedisClient::Counts();
 }
 
-/// Raises the limit of open files. If that limit stays too low, reduces the limits of connections.
+/// Raises the limit of open files. If it stays too low, reduces the limits of connections.
 Result<Config> with_descriptors(Config config, const Log& log) {
     allow_open_files(wanted_descriptors(config));
     const auto plan = share_descriptors(config, max_descriptors());
@@ -192,7 +193,7 @@ void Service::drain() {
     jobs_.drain();
 }
 
-/// Returns the reason why the server cannot compute now; empty if it can.
+/// Returns the reason why the server cannot compute at present; empty if it can.
 std::string Service::obstacle() const {
     if (!parts_.decoder->is_ready()) return "the picture decoder is being restarted";
     if (!parts_.decoder->is_responsive()) return "the picture decoder does not answer";

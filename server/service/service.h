@@ -25,42 +25,42 @@
 
 namespace ccdt::server {
 
-/// All parts of the server, from its start to its end.
+/// Owns all parts of the server, and starts and ends them.
 class Service {
 public:
-    /// Starts the parts of the server: the decoder and the fork server of computations, the clients of Redis, the keys,
-    /// the job store, the port, and finally the stored jobs. The decoder and the fork server get ready in the
-    /// background, which takes longer than everything else. Clients that connect wait until `serve` is called.
+    /// Starts all parts: decoder, fork server, Redis clients, keys, job store, listening socket, and finally the stored
+    /// jobs. The decoder and the fork server take longest and get ready in the background. Clients that connect wait
+    /// until `serve` is called.
     ///
     /// @param log  must outlive the service
-    /// Errors: those of the parts. After an error, no part runs any more.
+    /// Errors: those of the parts. After an error, no part runs.
     static Result<std::unique_ptr<Service>> start(const Config& config, const Log& log);
 
     Service(const Service&) = delete;
     Service& operator=(const Service&) = delete;
 
-    /// Waits until the programs that decode and compute are ready, and logs how decoders are confined. Requests that
+    /// Waits until the programs that decode and compute are ready, and logs the confinement of decoders. Requests that
     /// need these programs wait meanwhile.
     /// Errors: Internal if a program did not become ready; Stopped.
     Result<void> wait_until_ready(const std::stop_token& stop) const;
 
-    /// The listening address: a URL, or `unix:` and a path.
+    /// The listening address: a URL, or `unix:PATH`.
     std::string address() const;
 
-    /// Reloads the key files. After an error, the keys stay as they were.
+    /// Reloads the key files. An error leaves the present keys in use.
     Result<void> read_keys() { return parts_.access_control->read_keys(); }
 
     /// Serves until `drain` is called. Returns once all accepted requests are answered.
-    /// @returns  false if it ended because accepting connections failed
+    /// @returns  false if accepting connections failed permanently
     bool serve() { return server_.serve(); }
 
-    /// Stops accepting connections and new computations. May be called from any thread.
+    /// Begins the shutdown: refuses new connections and new computations. May be called from any thread.
     void drain();
 
-    /// Tells all clients that wait for a result that the server is shutting down.
+    /// Answers all waiting clients that the server is shutting down.
     void abandon() { routes_.abandon(); }
 
-    /// Returns once no computation is running. To be called after `serve` has returned.
+    /// Waits until no computation runs. Must be called after `serve` has returned.
     void finish() { pool_.drain(); }
 
 private:
@@ -96,7 +96,7 @@ private:
     WorkerPool pool_;
     Metrics metrics_;
     Jobs jobs_;
-    DecoderClient decoding_;  ///< for shapefiles only: computing processes order the pictures that they need
+    DecoderClient decoding_;  ///< for shapefiles; computation processes have separate clients for pictures
     Routes routes_;
     HttpServer server_;
 };

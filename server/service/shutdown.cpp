@@ -12,11 +12,11 @@
 namespace ccdt::server {
 namespace {
 
-/// Time for telling waiting clients that there will be no result.
+/// Time between the call of `abandon` and the exit, in which waiting clients are answered.
 constexpr std::chrono::milliseconds kTimeToAnswer{1'000};
 
-/// Waits for a stop request.
-/// @returns  false if there was none within the time
+/// Waits for a stop request, for at most `time`.
+/// @returns  whether a stop was requested
 bool ended_within(std::chrono::milliseconds time, const std::stop_token& ended) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
@@ -39,7 +39,7 @@ void ServerSignals::wait_for_end(const std::function<void()>& reload) const {
     int number = 0;
     while (sigwait(&signals_, &number) == 0 && number == SIGHUP) reload();
     std::signal(SIGHUP, SIG_IGN);
-    // Handlers are needed, because the default action does not end the first process of a container.
+    // Sets handlers, because the default action does not end the first process of a container.
     for (const int other : kEndSignals) std::signal(other, [](int again) { _exit(128 + again); });
     pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);
 }

@@ -16,25 +16,24 @@ namespace ccdt::server {
 /// The signals that the server handles: SIGINT, SIGTERM and SIGQUIT end the server, SIGHUP reloads the key files.
 class ServerSignals {
 public:
-    /// Blocks these signals, and ignores kSignalsWithoutMeaning. Must be constructed before any thread is created:
-    /// threads inherit the mask, so only the thread that waits for the signals receives them.
+    /// Blocks these signals, and ignores kSignalsWithoutMeaning. Must be constructed before any thread is created, so
+    /// that all threads inherit the signal mask.
     ServerSignals();
 
-    /// Calls `reload` on each SIGHUP, and returns on the first other signal. After that, another SIGINT, SIGTERM or
-    /// SIGQUIT ends the program at once, and SIGHUP is ignored.
+    /// Calls `reload` on each SIGHUP, and returns on the first other signal. Afterwards, SIGINT, SIGTERM and SIGQUIT
+    /// end the program at once, and SIGHUP is ignored.
     void wait_for_end(const std::function<void()>& reload) const;
 
 private:
     sigset_t signals_;
 };
 
-/// Ends the program in time even if a request does not end: tells all waiting clients that there will be no result,
-/// then exits.
+/// Ends the program after a time-out, even if clients still wait. Calls `abandon` before, which answers them.
 class ShutdownDeadline {
 public:
-    /// Creates the thread now, because memory for it may be lacking later.
-    /// @param timeout  time from start() to the exit
-    /// @param abandon  called shortly before the exit, to tell the waiting clients
+    /// Creates the thread of the timer. Called early, because memory may be lacking at the shutdown.
+    /// @param timeout  time between start() and the exit
+    /// @param abandon  called a second before the exit
     ShutdownDeadline(std::chrono::milliseconds timeout, std::function<void()> abandon, const Log& log);
 
     /// Starts the timer.

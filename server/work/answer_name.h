@@ -10,9 +10,8 @@
 
 namespace ccdt::server {
 
-/// Computes a name for the answer to a request before the answer exists. Different requests have different names. The
-/// names also differ between servers with different limits or versions. Two forms with the same fields have the same
-/// name, whatever their boundaries.
+/// Computes a name for the answer to a request, from the request, the limits and the server's version. It is a hash, so
+/// different inputs give different names. The boundaries of a form do not change the name.
 ///
 /// @param fields  fields of the request's form, if it is one
 /// @returns       24 characters that are valid in an entity tag

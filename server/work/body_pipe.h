@@ -19,14 +19,14 @@ namespace ccdt::server {
 
 /// A pipe that passes a body in pieces from the worker that computes it to the connection that sends it.
 ///
-/// If the client receives fast enough, almost nothing is buffered. A slow client makes the worker wait for a few
-/// seconds in total at most. After that, the remaining body is buffered in the memory that was reserved for the
-/// computation, and the worker becomes free. Both threads may call all members.
+/// If the client receives fast enough, almost nothing is buffered. A slow client makes the worker wait, for at most
+/// kPatience in total. Afterwards, the worker does not wait for the client any more: the remaining body is buffered in
+/// the memory reserved for the computation. Both threads may call all members.
 class BodyPipe {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Number of buffered bytes at which the worker waits.
+    /// Number of buffered bytes from which on the worker waits.
     static constexpr std::size_t kMaxHeld = std::size_t{4} << 20;
 
     /// Limit of the worker's total waiting time.
@@ -37,11 +37,12 @@ public:
     /// Appends a piece. Errors: Stopped if the reader has abandoned the pipe.
     Result<void> push(std::string_view piece);
 
-    /// Ends the body, unless it has ended. The buffered bytes get a lease of their own from `memory`.
+    /// Ends the body; only the first call has an effect. Reserves `memory` for the bytes that are still buffered,
+    /// because the reservation of the computation ends.
     /// @param outcome  an error: the body is incomplete
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 
-    /// Waits for a piece.
+    /// Takes the next piece, and waits for it if necessary.
     /// @returns  none if no piece has arrived by `until`, or if the body has ended
     std::optional<std::string> pop(Clock::time_point until);
 
@@ -52,10 +53,10 @@ public:
     Result<void> outcome() const;
     api::Timings timings() const;
 
-    /// Accepts no more pieces, and stops the computation.
+    /// Stops the computation, and makes further push() calls fail.
     void abandon();
 
-    /// The source by which the computation is stopped.
+    /// The source of the computation's stop token.
     std::stop_source& stop() { return stop_; }
 
 private:

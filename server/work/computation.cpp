@@ -13,7 +13,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Compresses a body unless a stop was requested: a partial answer at the deadline is sent at once.
+/// Compresses a body, unless a stop was requested: partial answers are sent without delay.
 void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& timings) {
     if (!is_worth_compressing(answer.media_type, answer.body)) return;
     const auto start = std::chrono::steady_clock::now();
@@ -25,7 +25,7 @@ void compress(api::Answer& answer, const std::stop_token& stop, api::Timings& ti
     timings.encode += taken.count();
 }
 
-/// Compresses the pieces of a text and passes them on.
+/// Compresses the pieces of a text and passes them to another sink. Other media types are not compressed.
 class CompressingSink : public api::BodySink {
 public:
     explicit CompressingSink(api::BodySink& next) : next_(next) {}
@@ -42,7 +42,7 @@ public:
         return compressor_ ? pass_on(piece, false) : next_.write(piece);
     }
 
-    /// Ends a body that has begun.
+    /// Ends a body for which begin() was called.
     Result<void> finish() { return compressor_ ? pass_on({}, true) : Result<void>(); }
 
 private:

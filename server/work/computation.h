@@ -13,23 +13,23 @@
 
 namespace ccdt::server {
 
-/// The form of delivery of an answer, in addition to what the request says.
+/// Options for the delivery of an answer that are not part of the request.
 struct Delivery {
-    bool compressed = false;        ///< compress the body if that is worthwhile
+    bool compressed = false;        ///< compress the body, if is_worth_compressing()
     api::BodySink* sink = nullptr;  ///< receives a large body in pieces; null: the body is returned whole
-    std::stop_token unwanted = {};  ///< stopped once nobody needs the answer, not even a partial one
+    std::stop_token unwanted = {};  ///< stopped when not even a partial answer is needed
 };
 
-/// Computes the answer to a valid request. May take any time.
+/// Computes the answer to a valid request. The duration is not limited.
 ///
-/// When `control` requests a stop, the computation ends within a pass. The result is then the error Stopped or, if the
-/// request allows it, a partial answer.
-/// Errors: those of the operation, and Internal if the computation failed. After an error, pieces of the body that were
-/// delivered before it are useless. `timings` has the stages up to the end.
+/// When `control` requests a stop, the computation ends within a pass over the sites. The result is then the error
+/// Stopped or, if the request allows it, a partial answer.
+/// Errors: those of the operation; Internal if the computation failed. After an error, delivered pieces of the body
+/// must be discarded. `timings` receives the durations of all stages that ran.
 using Compute = std::function<Result<api::Answer>(const ComputeRequest& request, const Delivery& delivery,
                                                   const Control& control, api::Timings& timings)>;
 
-/// Computes an answer in this thread.
+/// Computes an answer in the calling thread.
 /// @param decode  functions that decode pictures
 Result<api::Answer> compute_here(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                                  const api::Decode& decode, const Control& control, api::Timings& timings);

@@ -9,7 +9,7 @@ namespace ccdt::server {
 struct ComputeRequest {
     std::string path;
     std::string query;         ///< query as sent, plus the fields of a form
-    std::string content_type;  ///< header as sent, like `accept`; empty once a form was parsed
+    std::string content_type;  ///< Content-Type as sent; empty once a form was parsed
     std::string accept;
     std::string body;
 };

@@ -9,8 +9,8 @@
 
 namespace ccdt::server {
 
-/// SHA-256 of a list of texts. Each text is hashed together with its length, so different lists never give the hash the
-/// same input. Throws std::bad_alloc.
+/// A SHA-256 digest of a list of texts. The length of each text is hashed, too, so that {"ab", "c"} and {"a", "bc"}
+/// have different digests. Throws std::bad_alloc.
 class Digest {
 public:
     Digest();

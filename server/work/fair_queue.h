@@ -13,9 +13,9 @@
 
 namespace ccdt::server {
 
-/// A fair queue for items of several clients. The next item belongs to the client that has received the least service,
-/// measured by the cost of its items. An idle client gains no credit. When the queue becomes empty, all accounts are
-/// cleared.
+/// A fair queue for the items of several clients. The next item belongs to the client that has received the least
+/// service, which is the total cost of its items. An idle client gains no credit. When the queue becomes empty, it
+/// forgets the service received.
 ///
 /// Not thread-safe. O(items) per operation.
 /// Source: Goyal, Vin, Cheng 1996, Start-time fair queuing.
@@ -45,7 +45,7 @@ public:
         entries_.push_back({client, cost, start_tag, std::move(item)});
     }
 
-    /// Returns the entry with the lowest start tag, the earliest one among equals. The queue must not be empty.
+    /// Returns the entry with the lowest start tag, and the first of several equal ones. The queue must not be empty.
     const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::start_tag); }
 
     Item take_next() {
@@ -68,7 +68,7 @@ public:
         return taken;
     }
 
-    /// Returns a taken entry to the front of the queue.
+    /// Puts an entry that was taken back at the front of the queue.
     void put_back(Entry entry) {
         entry.start_tag = std::min(entry.start_tag, virtual_time_);
         entries_.push_front(std::move(entry));
@@ -103,7 +103,7 @@ private:
     }
 
     std::deque<Entry> entries_;
-    double virtual_time_ = 0;                                 ///< the highest start tag that was taken
+    double virtual_time_ = 0;                                 ///< highest start tag of the entries taken so far
     std::map<std::string, double, std::less<>> finish_tags_;  ///< finish tags of clients, if above the virtual time
 };
 

@@ -10,17 +10,17 @@
 
 namespace ccdt::server {
 
-/// Finds the fields of the form in a request's body, according to its content type.
+/// Finds the fields of a request whose content type is multipart/form-data.
 /// @returns  empty if the body is not a form
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);
 
-/// Converts a request with a form to one with a plain body. The field named `part` or `file` becomes the body; the
-/// other fields are added to the query. Requests without a form stay as they are.
+/// Converts a request with a form to one with a plain body. The field named `part` or `file` becomes the body. The
+/// other fields are added to the query. Other requests are not changed.
 ///
-/// @param fields  the fields of this request
+/// @param fields  result of find_fields() for this request
 /// @param part    name of the field that becomes the body
-/// Errors (Malformed): there is no such field, or more than one.
+/// Errors (Malformed): the form has no field for the body, or more than one.
 Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part = "image");
 
 }  // namespace ccdt::server

@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// A limit for the memory of all requests together. Amounts are estimates made in advance; nothing is measured.
+/// A limit for the memory of all requests together. Callers reserve estimates; real use is not measured.
 ///
 /// Thread-safe; must outlive its leases.
 class MemoryBudget {
@@ -48,8 +48,7 @@ public:
     /// Reserves unconditionally, for buffers that are already allocated and were part of a larger lease.
     Lease reserve_unconditionally(std::size_t bytes);
 
-    /// Sets a function that is called whenever bytes are released, by the releasing thread. Must be called before the
-    /// first reservation.
+    /// Sets a function that each releasing thread calls. Must be called before the first reservation.
     void on_release(std::function<void()> callback) { callback_ = std::move(callback); }
 
 private:

@@ -19,7 +19,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Maximum size of JSON, in bytes, that a connection's thread parses; longer texts are parsed by a worker.
+/// Maximum size of JSON [bytes] that a connection's thread parses. Workers parse longer texts.
 constexpr std::size_t kQuickToParse = 8'192;
 
 bool is_json(std::string_view type) {
@@ -30,15 +30,15 @@ bool is_zip(std::string_view type) {
     return type == "application/zip" || type == "application/x-zip-compressed";
 }
 
-/// Whether a body of this content type may be JSON: the type is JSON, or a type that programs send by default.
+/// Whether a body of this content type may be JSON: the type is JSON, or a default of client programs.
 bool may_hold_json(std::string_view type) {
     constexpr auto kUnspecific = std::to_array<std::string_view>(
         {"", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"});
     return is_json(type) || std::ranges::find(kUnspecific, type) != kUnspecific.end();
 }
 
-/// Whether the body of a request for a path that accepts pictures is JSON. Its type decides or, if the type is
-/// unspecific, its first character: no picture begins with `{`.
+/// Whether the body is JSON rather than a picture. The content type decides. If the type is a default of client
+/// programs, the first character decides: no picture begins with `{`.
 bool holds_json(const ComputeRequest& request) {
     const std::string type = media_type(request.content_type);
     return is_json(type) || (may_hold_json(type) && api::trim(request.body, " \t\r\n").starts_with('{'));
@@ -80,7 +80,7 @@ Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limit
     return api::run_analyze(request, control, timings);
 }
 
-/// A parsed request of one of api's types. The overloaded functions above do the work for each type.
+/// A parsed request of one of api's request types. The overloaded functions above implement its members for each type.
 template <class Request>
 class Parsed : public ParsedRequest {
 public:

@@ -22,7 +22,7 @@ public:
     /// Cost of computing the answer, including the memory of the request itself.
     virtual api::Cost cost() const = 0;
 
-    /// Whether the client wants a partial answer at the deadline.
+    /// Whether the client accepts a partial answer at the deadline.
     virtual bool accepts_partial() const = 0;
 
     /// Computes the answer: see Compute.
@@ -31,14 +31,14 @@ public:
 };
 using ParsedPointer = std::unique_ptr<const ParsedRequest>;
 
-/// A row of the table of operations. All differences between operations are here, or in the object that `parse` makes.
+/// A row of the table of operations. All differences between operations are members here, or functions of the
+/// ParsedRequest that `parse` returns.
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
-    bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies, which become JSON
+    bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies and converts them to JSON
     bool takes_query;       ///< accepts options in the query
-    /// Name of the form field that becomes the body; a field named `file` is accepted instead. Empty: forms are not
-    /// accepted.
+    /// Name of the form field that becomes the body, unless it is named `file`. Empty: forms are refused.
     std::string_view form_part;
 
     /// Errors: those of the parser of the operation.
@@ -63,19 +63,19 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks everything except the body. Errors: those of parsing that do not depend on the body.
+/// Checks the content type and the presence of a query, before the body is read. Errors: Unsupported, Malformed.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
-/// Whether the body is a zipped shapefile, which only the decoder reads.
+/// Whether the body is a zipped shapefile. Only the decoder process may read such a body.
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
-/// Whether parsing is quick enough for the thread of a connection.
+/// Whether the thread of a connection may parse the request without a noticeable delay: JSON up to 8 KiB, or a picture.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
 /// Estimates the cost of parsing.
 api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request);
 
-/// Estimates the cost of computing the answer from a copy of the request, which includes parsing it again.
+/// Estimates the cost of parsing a copy of the request and computing the answer.
 api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed);
 
 }  // namespace ccdt::server

@@ -14,16 +14,16 @@
 
 namespace ccdt::server {
 
-/// Converts a zipped shapefile to GeoJSON, in the decoder: see DecoderClient.
+/// Converts a zipped shapefile to GeoJSON, in the decoder process (DecoderClient).
 using ReadShapefile = std::function<Result<std::string>(std::string_view archive, const api::ShapefileReading& reading,
                                                         const std::stop_token& stop)>;
 
-/// Returns the maximum size of a shapefile, inflated and as GeoJSON, in bytes.
+/// Returns the maximum size of a shapefile, both inflated and as GeoJSON, in bytes.
 /// @param max_body  maximum size of a body, in bytes
-/// @param memory    memory limit of all computations together, in bytes, which the cost of reading must not exceed
+/// @param memory    memory limit of all computations together, in bytes. The memory for reading stays below it
 std::size_t max_shapefile_bytes(std::size_t max_body, std::size_t memory);
 
-/// Estimates the cost of converting a shapefile, including the memory of the resulting text.
+/// Estimates the cost of converting a shapefile, including the memory of the GeoJSON.
 api::Cost cost_of_shapefile(std::string_view archive, std::size_t max_bytes);
 
 /// Converts a request whose body is a zipped shapefile to one with GeoJSON as the body. The query's option `object`

@@ -6,8 +6,7 @@
 
 namespace ccdt::server {
 
-/// Returns the number of threads that each computation may use. The running computations share the threads of idle
-/// workers equally.
+/// Returns the number of threads that each computation may use, including those of idle workers.
 /// @param workers      number of workers, >= 1
 /// @param running      number of computations, including those of short requests
 /// @param max_threads  limit for one computation, >= 1

@@ -14,13 +14,12 @@
 namespace ccdt::server {
 namespace {
 
-/// Weight of the newest job in the running average, which covers about ten jobs.
+/// Weight of the newest job in the running average `pace_`, which covers about ten jobs.
 constexpr double kNewestWeight = 0.2;
 
 constexpr double kLongestBacklog = 3600;
 
-/// Bounds of the ratio of actual to estimated duration. A ratio beyond them means that the job failed early or that its
-/// worker was delayed.
+/// Bounds of actual / estimated duration. Beyond them, the job has failed early or was delayed.
 constexpr double kLeastPace = 0.1, kMaxPace = 10;
 
 double seconds_since(WorkerPool::Clock::time_point start) {
@@ -31,8 +30,7 @@ bool is_short(const api::Cost& cost) {
     return cost.seconds <= WorkerPool::kShort;
 }
 
-/// Lowers the priority of the calling thread, so that it does not delay threads that read requests, answer at once or
-/// run short jobs.
+/// Lowers the priority of the calling thread below that of threads for connections and short jobs.
 void yield_to_other_threads() {
     constexpr int kNice = 10;
     setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
@@ -91,7 +89,7 @@ WorkerPool::Cancelled WorkerPool::cancel(JobId id) {
     if (!dropped) dropped = short_.withdraw(is_meant);
     if (!dropped) return Cancelled::Unknown;
     if (is_idle_locked()) idle_.notify_all();
-    job_waits_.notify_all();  // the job may have kept others waiting for memory
+    job_waits_.notify_all();  // other jobs may have waited behind it for memory
     return Cancelled::Queued;
 }
 
@@ -155,12 +153,11 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     try {
         job(stop);
     } catch (...) {
-        // A worker survives any job. Callers that need the result have the job report its failure.
+        // A failed job must not end the worker. Jobs report their own failures.
     }
 }
 
-/// Whether a queue accepts another job of this client. Jobs that an idle thread will take at once do not count as
-/// waiting.
+/// Whether a queue accepts another job of this client. Idle threads take jobs at once and increase the limit.
 bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));
@@ -170,8 +167,8 @@ bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     return queue.size() < 2 * capacity_ + free && !queue.has(client);
 }
 
-/// Takes the next job that a thread may run, with its memory. Long jobs come first, because short ones have a thread of
-/// their own. Only the next job of each queue is considered: while it waits for memory, the jobs behind it wait, too.
+/// Takes the next job that a thread may run, and reserves its memory. Long jobs come first, because short jobs have a
+/// separate thread. Considers only the next job of each queue, even if later jobs need less memory.
 std::optional<WorkerPool::Waiting> WorkerPool::take_job_locked(Lane lane, std::optional<MemoryBudget::Lease>& memory) {
     for (Queue* queue : {&long_, &short_}) {
         if (queue->empty() || (queue == &long_ && lane == Lane::Short)) continue;
@@ -189,7 +186,7 @@ std::stop_token WorkerPool::begin_locked(const Waiting& job, Lane lane) {
 
 void WorkerPool::finish_locked(JobId id) {
     const auto job = running_.find(id);
-    // The duration of a job with additional threads is not representative.
+    // Jobs that could use additional threads do not count, because they are faster than estimated.
     const bool was_lent = threads_for_each(worker_count_, running_.size(), worker_count_) > 1;
     if (!job->second.cancelled && job->second.expected > 0 && !was_lent) {
         const double taken = seconds_since(job->second.started) / job->second.expected;
@@ -209,7 +206,7 @@ double WorkerPool::waiting_seconds_locked() const {
     double pace = pace_;
     for (const auto& [id, job] : running_) {
         const double gone = seconds_since(job.started);
-        // A running job that already takes longer than the average says more about the present pace than finished jobs.
+        // A running job that is already slower than the average is more recent evidence than the finished jobs.
         if (job.expected > 0) pace = std::max(pace, std::min(gone / job.expected, kMaxPace));
         expected += std::max(job.expected - gone / pace, 0.0);
     }

@@ -22,20 +22,20 @@
 
 namespace ccdt::server {
 
-/// A fixed number of threads for all computations, with bounded queues.
+/// A fixed number of threads that run all computations, with bounded queues.
 ///
-/// The queue is fair between clients, by the estimated cost of their jobs. A client without a waiting job is admitted
-/// to a full queue, until the queue is twice as long as its limit. So even if one client has a hundred waiting jobs, a
-/// single job of another client only waits for running jobs. Short jobs do not wait for running long ones: they have
-/// their own queue and one additional thread that runs nothing else.
+/// The queues are fair between clients (FairQueue), by the estimated cost of jobs. A client without a waiting job is
+/// admitted to a full queue, until the queue is twice as long as its limit. So one client's hundred waiting jobs do not
+/// delay a single job of another client. Short jobs have a separate queue and one additional thread, so that they need
+/// not wait for long ones.
 ///
-/// A job starts only when its estimated memory is available. Until then, the jobs behind it in the same queue wait,
-/// too; otherwise a large job might never start.
+/// A job starts only when its estimated memory is available. Until then, the next jobs of the same queue wait, too.
+/// Otherwise, a large job might never start.
 ///
 /// Thread-safe; jobs may call all members.
 class WorkerPool {
 public:
-    /// A job has to pass on its result itself. Exceptions from jobs are ignored.
+    /// The function of a job. It must deliver its own result. Exceptions from it are ignored.
     using Job = std::function<void(std::stop_token)>;
     using JobId = std::uint64_t;
     using Clock = std::chrono::steady_clock;
@@ -45,40 +45,41 @@ public:
 
     struct Load {
         std::size_t workers = 0;
-        std::size_t busy = 0;        ///< threads that run a job; at most one more than workers
+        std::size_t busy = 0;        ///< threads that run a job; at most workers + 1
         std::size_t waiting = 0;     ///< waiting jobs
         std::size_t capacity = 0;    ///< limit of waiting jobs
-        double oldest_seconds = 0;   ///< longest time that a job has waited
-        double backlog_seconds = 0;  ///< time until all waiting jobs are done, at the recent pace
-        double overdue_seconds = 0;  ///< longest time that a job has continued after it was cancelled
+        double oldest_seconds = 0;   ///< longest time that a waiting job has waited so far
+        double backlog_seconds = 0;  ///< estimated time until all waiting jobs have started
+        double overdue_seconds = 0;  ///< longest time that a running job has continued after its cancellation
     };
 
     /// Limit of the estimated duration of short jobs, in seconds.
     static constexpr double kShort = 0.02;
 
     /// @param workers   >= 1
-    /// @param capacity  limit of waiting jobs when all workers are busy, for short and long jobs separately
+    /// @param capacity  limit of waiting jobs while all workers are busy, separately for short and long jobs
     /// @param memory    limit of the estimated memory of running jobs, in bytes
     WorkerPool(std::size_t workers, std::size_t capacity, std::size_t memory = std::numeric_limits<std::size_t>::max());
 
-    /// Stops running jobs and drops waiting ones. To finish all jobs, call `drain` before.
+    /// Stops running jobs and drops waiting ones. To finish all jobs, call `drain` first.
     ~WorkerPool();
 
     WorkerPool(const WorkerPool&) = delete;
     WorkerPool& operator=(const WorkerPool&) = delete;
 
+    /// Submits a job.
     /// @param client  name of the client, for fair queueing
-    /// @param cost    estimate; its memory must not exceed the limit
+    /// @param cost    estimated cost; its memory must not exceed the limit of the pool
     /// @returns       none if the queue is full
     std::optional<JobId> submit(const std::string& client, Job job, const api::Cost& cost = {0, 1});
 
     /// Submits a job even if the queue is full. The caller limits the number of such jobs.
     JobId submit_always(const std::string& client, Job job, const api::Cost& cost);
 
-    /// Drops a waiting job, or requests a running one to stop; does nothing for any other id.
+    /// Drops a waiting job, or requests a running one to stop. Ignores unknown ids.
     Cancelled cancel(JobId id);
 
-    /// Whether a job submitted by this client would be refused now: any job or, if `may_be_short` is false, a long one.
+    /// Whether submit() would now refuse a long job of this client and, if `may_be_short`, a short one, too.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
     /// Sets a function that is called with the number of running jobs whenever that number changes. The function must
@@ -89,12 +90,12 @@ public:
     MemoryBudget& memory() { return memory_; }
     const MemoryBudget& memory() const { return memory_; }
 
-    /// Returns once all submitted jobs are done.
+    /// Waits until all submitted jobs are done.
     void drain();
 
     Load load() const;
 
-    /// Estimates how long the waiting jobs will keep the workers busy, at the recent pace; at least one second.
+    /// Estimates the time until a job submitted now would start, from the recent speed of jobs; 1 s to 1 h.
     std::chrono::seconds backlog() const;
 
 private:
@@ -141,7 +142,7 @@ private:
     Queue short_;
     std::map<JobId, Running> running_;
     JobId last_id_ = 0;
-    double pace_ = 1;  ///< actual over estimated duration of jobs: a running average
+    double pace_ = 1;  ///< actual / estimated duration of jobs: a running average
 
     std::vector<std::jthread> workers_;  ///< last, because they use all other members
 };

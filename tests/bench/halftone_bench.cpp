@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kMaxPixels = 64'000'000;
 
-/// Returns the photograph, enlarged, as a PNG file with 8 bits per pixel.
+/// Returns camera.png, enlarged by a whole factor, as a PNG file with 8 bits per pixel.
 std::string enlarged_png(int factor) {
     if (factor == 1) return photograph("camera.png");
     const Picture small = *api::decode_image(photograph("camera.png"), kMaxPixels);
@@ -43,10 +43,10 @@ std::string enlarged_png(int factor) {
     return *api::write_png(api::overlay({std::move(large)}, {}, true));
 }
 
-/// Measures the stages of a photograph's halftone, in milliseconds. `core_over_delaunay` is the ratio of two medians of
-/// the same run: the time from the picture to the sites, and the time of one CGAL Delaunay triangulation of these
-/// sites. Arguments: side of the picture, number of sites, quality (0 draft, 1 standard, 2 best). Stages 3 to 7 are
-/// measured in a draft.
+/// Measures the stages of a photograph's halftone, in milliseconds. `core_over_delaunay` is the time from the picture
+/// to the sites, divided by the time of one CGAL Delaunay triangulation of these sites (medians of the same run).
+/// Arguments: side of the picture, number of sites, quality (0 draft, 1 standard, 2 best). Stages 3 to 7 are those of a
+/// draft.
 void Halftone(benchmark::State& state) {
     const std::string file = enlarged_png(static_cast<int>(state.range(0)) / 512);
     Options options;

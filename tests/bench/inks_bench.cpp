@@ -16,8 +16,8 @@ namespace ccdt::bench {
 namespace {
 
 /// Measures the distribution of dots in cyan, magenta, yellow and black for `astronaut.png`, 512 x 512 pixels, from the
-/// coverage of the inks to the sites. `over_delaunay` is the ratio to one CGAL Delaunay triangulation of each ink's
-/// sites, `over_alone` the ratio to distributing each ink alone; both are ratios of medians of the same run.
+/// coverage of the inks to the sites. `over_delaunay` is the ratio to the time of one CGAL Delaunay triangulation of
+/// each ink's sites, `over_alone` the ratio to distributing each ink alone. Both are ratios of medians of the same run.
 /// Arguments: number of sites, quality (0 draft, 1 standard, 2 best).
 void Inks(benchmark::State& state) {
     const ColourPicture picture = *api::decode_colour_image(photograph("astronaut.png"), 1'000'000);

@@ -34,9 +34,9 @@ std::vector<Point> points_of(const Domain& domain, const Density& density, std::
 }
 
 /// Measures the quality of uniform patterns on a torus, for 10 sets of 4,096 sites: distances relative to a hexagonal
-/// grid, and power relative to white noise. More rounds of the polish, or a longer reach, increase distances at the
-/// cost of a higher peak. First argument of all benchmarks here but OdtBorderPattern: quality (0 draft, 1 standard, 2
-/// best).
+/// grid, and power relative to white noise. More rounds of the polish, or a longer reach, increase distances and the
+/// highest power. First argument of all benchmarks in this file except OdtBorderPattern: quality (0 draft, 1 standard,
+/// 2 best).
 void TorusPattern(benchmark::State& state) {
     const Domain domain = *Domain::torus(1, 1);
     std::vector<std::vector<Point>> sets;
@@ -52,7 +52,7 @@ void TorusPattern(benchmark::State& state) {
 }
 
 /// Counts sites within 1 and 1.5 mean spacings of the border of a square, relative to the number expected from the area
-/// there, for 10 sets of 4,096 sites.
+/// of these strips, for 10 sets of 4,096 sites.
 /// @param points_of  function from the number of sites and the seed to points
 template <class Points>
 void count_at_border(benchmark::State& state, Points&& points_of) {
@@ -133,12 +133,12 @@ public:
     }
 
 private:
-    static constexpr int kHighest = 96;  ///< half periods per side; a blur by one spacing of 4,096 dots removes more
+    static constexpr int kHighest = 96;  ///< maximum half periods per side; blurs remove higher frequencies
     static constexpr double kPi = std::numbers::pi;
 
     static double sinc(double cycles) { return cycles == 0 ? 1 : std::sin(kPi * cycles) / (kPi * cycles); }
 
-    /// Adds a point and its mirror images at the sides, so that Fourier sums are cosine sums over the square.
+    /// Adds a point and its three mirror images, so that the Fourier sums are cosine sums over the square.
     static void add_mirrored(Point p, double weight, std::vector<WeightedPoint>& points) {
         for (const double x : {p.x / 2, 1 - p.x / 2}) {
             for (const double y : {p.y / 2, 1 - p.y / 2}) points.push_back({{x, y}, weight});
@@ -149,7 +149,7 @@ private:
     std::vector<double> column_factors_, row_factors_;  ///< ratios of the spectrum of cells to that of their centres
 };
 
-/// Measures the error of tone for a shaded body on white ground, for 10 sets of 4,096 dots, after blurs by 1, 2 and 4
+/// Measures the error of tone for a shaded body on white, for 10 sets of 4,096 dots, after blurs by 1, 2 and 4
 /// spacings.
 void PictureTone(benchmark::State& state) {
     const Domain domain = *Domain::rectangle(1, 1);
@@ -170,7 +170,7 @@ void PictureTone(benchmark::State& state) {
     state.counters["on_white"] = static_cast<double>(on_white);
 }
 
-/// Lowers the distance of each point to that of the nearest point in another set.
+/// Lowers `distances[i]` to the distance of point i from the nearest point in another set.
 void add_distances(const std::vector<Point>& from, const std::vector<Point>& to, std::vector<double>& distances) {
     for (std::size_t i = 0; i < from.size(); ++i) {
         for (const Point q : to) {

@@ -12,14 +12,14 @@ namespace ccdt::bench {
 
 /// Durations of the stages of one computation, in milliseconds.
 struct Stages {
-    double start = 0;        ///< drawing sites, and vertices along the border
+    double start = 0;        ///< random initial sites, and vertices along the border
     double triangulate = 0;  ///< inserting the sites
     double capacity = 0;     ///< exact integrals and goals
     double geometry = 0;     ///< passes
     double flips = 0;
 };
 
-/// Does the same as distribute(), and measures the time of each stage.
+/// Performs the stages of distribute(), and measures the time of each stage.
 Stages time_stages(const Domain& domain, const Density& density, const Options& options);
 
 class Clock {

@@ -48,7 +48,7 @@ def lab(picture, sigma):
 
 
 def colour_errors(url, data, dots, sites, blurs, inks="color=cmyk", margin=0, scale=4):
-    """Returns the CIEDE2000 errors after each blur, without a margin given in pitches."""
+    """Returns the CIEDE2000 errors after each blur, except in a margin given in pitches."""
     drawn = light(halftone(url, data, dots, sites, f"&{inks}&scale={scale}"))
     wanted = np.repeat(np.repeat(light(data), scale, 0), scale, 1)[:drawn.shape[0], :drawn.shape[1]]
     pitch = (drawn.shape[0] * drawn.shape[1] / sites) ** 0.5

@@ -27,8 +27,8 @@ Options options_for(std::int64_t sites) {
     return options;
 }
 
-/// Measures the distribution of uniform sites, with 5 iterations of 5 passes. `over_delaunay` is the ratio to one CGAL
-/// Delaunay triangulation of the same points, by medians of the same run.
+/// Measures the distribution of uniform sites, with 5 iterations of 5 passes. `over_delaunay` is the ratio to the time
+/// of one CGAL Delaunay triangulation of the same points (medians of the same run).
 /// Arguments: number of sites, quality (0 draft, 1 standard, 2 best).
 void distribute_uniformly(benchmark::State& state, const Domain& domain) {
     Options options = options_for(state.range(0));

@@ -8,7 +8,7 @@
 namespace ccdt::bench {
 
 /// Triangulates points once by CGAL's Delaunay_triangulation_2, inserted as one range, and returns the milliseconds.
-/// All benchmarks are compared with this time, in the same run on the same machine.
+/// All benchmarks are compared with this time, measured in the same run.
 double delaunay_ms(std::span<const Point> points);
 
 }  // namespace ccdt::bench

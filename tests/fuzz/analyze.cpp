@@ -10,12 +10,12 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 1'000, .max_pixels = 4'096};
-constexpr double kMaxWork = 256;  ///< limit of points * max_frequency^2 up to which a request is computed
+constexpr double kMaxWork = 256;  ///< maximum of points * max_frequency^2 for which a request is computed
 
 /// Numbers of points of a request.
 struct Count {
-    std::size_t largest = 0;  ///< in the largest set
-    std::size_t all = 0;      ///< in all sets
+    std::size_t largest = 0;  ///< points of the largest set
+    std::size_t all = 0;      ///< points of all sets
 };
 
 Count count_points(const api::AnalyzeRequest& request) {
@@ -27,7 +27,7 @@ Count count_points(const api::AnalyzeRequest& request) {
     return count;
 }
 
-/// Whether "nan" or "inf" occurs in place of a number. In pictures in base64, these words have no meaning.
+/// Whether "nan" or "inf" occurs in place of a number. Pictures in base64 may contain these letters, too.
 bool holds_no_number(std::string_view svg) {
     constexpr std::string_view kBefore = "\" ,-";
     for (const std::string_view word : {"nan", "inf"}) {
@@ -79,7 +79,7 @@ void check_request(const api::AnalyzeRequest& request, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses the input as the body of a request to /analyze, and computes small ones.
+/// Parses the input as the body of a request to /analyze, and computes the answer to small requests.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

@@ -13,7 +13,7 @@ namespace ccdt::fuzz {
 /// Checks that an estimate of the cost is finite and plausible.
 void check_cost(const api::Cost& cost);
 
-/// Returns the points of a JSON answer, of all inks in their order. Checks that all required numbers are present.
+/// Returns the points of a JSON answer, ink by ink. Checks that all required numbers are present.
 std::vector<Point> points_of_json(const std::string& body);
 
 /// Returns the points of a GeoJSON answer, and checks its numbers.

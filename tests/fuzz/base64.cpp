@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto text = text_of(data, size);
     const auto bytes = ccdt::api::decode_base64(text);
     if (bytes) {
-        // Only one text encodes these bytes, apart from the padding.
+        // Apart from the padding, only one text encodes the same bytes.
         const std::string again = encode(*bytes);
         CCDT_CHECK(text.starts_with(again));
         CCDT_CHECK(text.substr(again.size()).find_first_not_of('=') == std::string_view::npos);

@@ -13,7 +13,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMaxFieldLength = 64;  ///< length of an error's field above which it may be truncated
+constexpr std::size_t kMaxFieldLength = 64;  ///< maximum length of an error's field that is never truncated
 
 std::string unescape(std::string_view token) {
     std::string name;

@@ -11,8 +11,7 @@
 #include "core/result.h"
 #include "server/http/http.h"
 
-/// Aborts the program unless the condition holds, which the fuzzer reports as a crash. Unlike assert(), it is never
-/// disabled.
+/// Aborts the program if the condition is false; the fuzzer reports a crash. Unlike assert(), never disabled.
 #define CCDT_CHECK(condition) \
     (static_cast<bool>(condition) ? void() : ccdt::fuzz::give_up(#condition, __FILE__, __LINE__))
 
@@ -36,7 +35,7 @@ void check_error(const Error& error);
 /// Checks an error about a JSON body: its field is a JSON Pointer to a value of the body, or to a missing member.
 void check_error(const Error& error, std::string_view body);
 
-/// Checks an error about options: its field is empty or the name of one of them.
+/// Checks an error about options: its field is empty or the name of an option.
 void check_error(const Error& error, std::span<const api::TextOption> options);
 
 /// Checks that a problem has a message and a standard 4xx status, and is converted to a valid JSON document.
@@ -45,7 +44,7 @@ void check_problem(const server::Problem& problem);
 /// Checks that a text is valid JSON in valid UTF-8.
 void check_json(std::string_view text);
 
-/// Takes numbers from the front of an input; after its end, zeros.
+/// Takes numbers from the front of an input; zeros after its end.
 class Bytes {
 public:
     explicit Bytes(std::string_view bytes) : bytes_(bytes) {}

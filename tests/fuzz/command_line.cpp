@@ -12,7 +12,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Takes the lines before the first empty line.
+/// Removes the lines up to the first empty line from a text. Returns them without the empty line.
 std::vector<std::string> take_lines(std::string_view& text) {
     std::vector<std::string> lines;
     while (!text.empty()) {
@@ -46,8 +46,7 @@ void check_config(const server::Config& config) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses arguments and an environment. The input has one argument per line, an empty line, and one variable per line,
-/// NAME=value.
+/// Parses arguments and variables. The input has a line for each argument, an empty line, and lines NAME=value.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     auto text = fuzz::text_of(data, size);

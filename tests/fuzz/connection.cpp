@@ -16,10 +16,10 @@ namespace {
 using server::Connection;
 
 constexpr std::size_t kMaxBody = 4'096;
-constexpr std::size_t kMaxPieces = 8;  ///< fewer than the system buffers before the reader starts
-constexpr int kUntilItCloses = 0;      ///< status of a connection that ended between two requests
+constexpr std::size_t kMaxPieces = 8;  ///< below the number of pieces that the system buffers
+constexpr int kUntilItCloses = 0;      ///< in place of a status: the connection ended between two requests
 
-/// The result of reading one request; `status` is 200 or that of the problem.
+/// The result of reading one request. `status` is 200 or the status of the problem.
 struct Outcome {
     int status = 200;
     std::string target;
@@ -38,7 +38,7 @@ std::string_view take_strict_line(std::string_view& bytes) {
     return line;
 }
 
-/// Checks that the chunks can be interpreted in one way only: they contain `body`, and the request ends with them.
+/// Checks that chunks can be interpreted in one way only: as `body`, without further bytes.
 void check_chunks(std::string_view bytes, std::string_view body) {
     while (true) {
         const auto line = take_strict_line(bytes);
@@ -91,7 +91,7 @@ Outcome read_request(Connection& connection) {
     return {200, head->target, *body};
 }
 
-/// Reads requests from these pieces, up to the first malformed one.
+/// Reads requests that arrive in given pieces, up to the first malformed request.
 std::vector<Outcome> serve(const std::vector<std::string_view>& pieces) {
     Wire wire;
     std::string unread;
@@ -117,7 +117,7 @@ std::vector<Outcome> serve(const std::vector<std::string_view>& pieces) {
 }
 
 /// Divides bytes into pieces that are not empty.
-/// @param lengths  one byte for the length of each piece but the last; from 192 on, in steps of 64
+/// @param lengths  one byte for the length of each piece except the last; above 192, in steps of 64
 std::vector<std::string_view> cut(std::string_view bytes, std::string_view lengths) {
     constexpr std::size_t kStepFrom = 192;
     constexpr std::size_t kStep = 64;
@@ -136,7 +136,7 @@ std::vector<std::string_view> cut(std::string_view bytes, std::string_view lengt
 }  // namespace ccdt::fuzz
 
 /// Reads requests from a connection, and checks that the result does not depend on how the bytes are divided into
-/// pieces. The input has the lengths of the pieces, then the bytes.
+/// pieces. The input has the lengths of the pieces, followed by the bytes.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     auto bytes = text_of(data, size);

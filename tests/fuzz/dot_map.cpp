@@ -19,8 +19,7 @@ struct Map {
     std::vector<MapFeature> features;
 };
 
-/// Reads polygons on a grid of 16 x 16 points at one of several spacings, so that they touch, overlap and share
-/// borders. Each one becomes a feature.
+/// Reads polygons, one for each feature, on a grid of 16 x 16 points, so that they touch, overlap and share borders.
 std::vector<PolygonPart> read_polygons(Bytes& input) {
     constexpr std::array<double, 6> kSpacings = {1, 0.1, 1e-100, 1e-9, 1e9, 1e100};
     const double spacing = kSpacings[input.take<std::uint8_t>() % kSpacings.size()];
@@ -93,7 +92,7 @@ void check(const Map& map) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Computes dot maps with several classes, of polygons that overlap, touch and share borders.
+/// Computes dot maps with several classes for polygons that overlap, touch and share borders.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

@@ -34,7 +34,7 @@ struct Size {
 
 constexpr std::array<Size, 8> kSizes = {{{1, 1}, {2, 1}, {1, 2}, {3, 3}, {6, 4}, {64, 1}, {1, 64}, {16, 16}}};
 
-/// Takes a plane of one value, with up to seven exceptions.
+/// Takes a plane whose values are equal, with up to seven exceptions.
 Plane take_plane(std::size_t pixels, Bytes& input) {
     const auto bits = input.take<std::uint8_t>();
     const auto values = std::make_shared<float[]>(pixels);

@@ -6,8 +6,8 @@
 
 namespace ccdt::fuzz {
 
-/// Makes decoders that return a small picture for any file. The picture may be transparent. Its values are at the ends
-/// of their range or outside, mostly the same one with a few exceptions.
+/// Makes decoders that return a small picture for any file. The picture may be transparent. Its values lie at the ends
+/// of their range or outside it, and most of them are equal.
 ///
 /// @param input  remaining input, which determines the picture
 api::Decode decode_of(Bytes input);

@@ -12,8 +12,8 @@
 
 namespace ccdt::fuzz {
 
-/// Numbers from the smallest to the largest double, including those whose squares, floats or integers overflow or lose
-/// precision.
+/// Numbers from the smallest to the largest double, including those that overflow or lose precision when squared or
+/// converted to float or an integer.
 inline constexpr std::array<double, 32> kExtremes = {0,
                                                      5e-324,
                                                      2.2250738585072014e-308,
@@ -47,7 +47,7 @@ inline constexpr std::array<double, 32> kExtremes = {0,
                                                      1e154,
                                                      1.7976931348623157e308};
 
-/// Takes a finite number >= 0, mostly one of kExtremes or a neighbour of one.
+/// Takes a finite number >= 0 from an input, mostly an element of kExtremes or its neighbour.
 inline double take_number(Bytes& input) {
     const auto pick = input.take<std::uint8_t>();
     const double extreme = kExtremes[pick % kExtremes.size()];
@@ -67,7 +67,7 @@ inline double take_number(Bytes& input) {
     }
 }
 
-/// Takes an element of a list.
+/// Takes an element of a list, chosen by the next byte of an input.
 template <class All>
 const auto& take_one(const All& all, Bytes& input) {
     return all[input.take<std::uint8_t>() % all.size()];

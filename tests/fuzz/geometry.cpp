@@ -6,7 +6,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMaxCorners = 64;  ///< limit up to which points are distributed in a polygon
+constexpr std::size_t kMaxCorners = 64;  ///< maximum for which points are distributed
 constexpr std::size_t kSites = 12;
 
 void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
@@ -31,7 +31,7 @@ void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Reads the input as GeoJSON, like the member `geometry` of a request to /sample, and distributes points in it.
+/// Parses the input as the GeoJSON member `geometry` of a request to /sample, and distributes points in the polygons.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

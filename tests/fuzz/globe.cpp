@@ -65,8 +65,7 @@ void check(const Parts& parts, std::size_t sites) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Distributes points in polygons on the globe, which may be cut at the antimeridian, contain a pole or wind around the
-/// globe several times.
+/// Distributes points in polygons on the globe, which may cross the antimeridian, contain a pole or wind around it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     Bytes input(text_of(data, size));

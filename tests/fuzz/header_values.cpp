@@ -132,7 +132,7 @@ void check_framing(std::string_view value) {
     CCDT_CHECK(!server::check_trailer("Content-length:" + std::string(value)));
 }
 
-/// Returns the name of the client of a request that has these headers and comes from a trusted proxy.
+/// Returns the name of the client of a request with given headers from a trusted proxy.
 std::string client_behind_proxy(const std::vector<server::Header>& headers) {
     const server::TrustedProxies proxies{{*server::IpNetwork::parse("10.0.0.1")}};
     server::Request request;
@@ -140,8 +140,8 @@ std::string client_behind_proxy(const std::vector<server::Header>& headers) {
     return server::client_of(request, server::describe_peer(*server::IpAddress::parse("10.0.0.1")), proxies).name;
 }
 
-/// Checks that text from a client before the address that a proxy appends cannot change the identified client. At most
-/// it makes the proxy count as the client.
+/// Checks that a client cannot choose its address by text before the address that the proxy appends. The text may only
+/// cause that the proxy counts as the client.
 void check_addresses(std::string_view value) {
     const std::string sent(value);
     const std::string added = "203.0.113.1";

@@ -25,8 +25,8 @@ constexpr std::size_t kLargestBody = 16'384;
 constexpr server::Patience kPatience{std::chrono::milliseconds(1), std::chrono::milliseconds(1)};
 constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
 
-/// Returns the headers in the order of the library, without those that it does not get: empty ones, Range, and long
-/// names.
+/// Returns the headers in the sequence of the library, without headers that are hidden from it or that it omits: empty
+/// values, Range, long names.
 std::vector<Header> expected_headers(std::vector<Header> headers) {
     std::erase_if(headers, [](const Header& header) {
         const bool is_added = header.name == "REMOTE_ADDR" || header.name == "REMOTE_PORT" ||
@@ -46,7 +46,7 @@ void check_same(const Request& parsed, const Request& checked) {
     CCDT_CHECK(std::ranges::equal(parsed.headers, expected, same));
 }
 
-/// Decodes a body in the simplest way. Requires that the connection accepted it.
+/// Decodes a body that the connection has accepted, without checks.
 /// @param bytes  starts with the body
 std::string decode(const Request& request, std::string_view bytes) {
     if (!request.chunked) return std::string(bytes.substr(0, *request.content_length));
@@ -83,7 +83,7 @@ Response response_with(const std::string& body, Way way) {
     return response;
 }
 
-/// Checks that a text is one answer, with this body.
+/// Checks that a text is exactly one answer with `body`.
 void check_answer(std::string_view answer, const Request& request, const std::string& body, bool last) {
     if (answer.starts_with(kContinue)) answer.remove_prefix(kContinue.size());
     CCDT_CHECK(answer.starts_with("HTTP/1.1 200 OK\r\n"));
@@ -143,8 +143,8 @@ bool serve_one(Connection& connection, Wire& wire, std::string_view bytes, Way w
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Serves requests, and checks that the connection and cpp-httplib read them alike. The first byte of the input says
-/// how the answers are sent, the others are the requests.
+/// Serves requests, and checks that Connection and cpp-httplib read them alike. The first byte of the input chooses the
+/// Way of the answers; the other bytes are the requests.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt::fuzz;
     auto bytes = text_of(data, size);

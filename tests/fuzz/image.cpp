@@ -27,14 +27,14 @@ void check_picture(const Picture& picture, const api::ImageHeader& header) {
     CCDT_CHECK(std::ranges::all_of(picture.alpha, is_share));
 }
 
-/// Checks that decoding a file again yields the same picture, which reads of uninitialized memory would change.
+/// Checks that decoding a file again yields the same picture. Reads of uninitialized memory would change it.
 void check_again(std::string_view file, const Picture& picture) {
     const auto again = api::decode_image(file, kMaxPixels);
     CCDT_CHECK(again && again->width == picture.width && again->height == picture.height);
     CCDT_CHECK(again->luminance == picture.luminance && again->alpha == picture.alpha);
 }
 
-/// Checks that a file decoded in colour has the luminance that it has in grey, or the same error.
+/// Checks that decoding a file in colour yields the same luminance or the same error as in grey.
 void check_colours(std::string_view file, const Result<Picture>& grey) {
     const auto colours = api::decode_colour_image(file, kMaxPixels);
     CCDT_CHECK(colours.has_value() == grey.has_value());

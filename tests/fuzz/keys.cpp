@@ -47,7 +47,7 @@ void check_ring(const server::KeyRing& ring, const std::vector<Entry>& entries) 
     CCDT_CHECK(!ring.find(""));
 }
 
-/// Checks that an error, which is logged, names a line but contains no key.
+/// Checks that an error message, which is logged, names a line but contains no key.
 void check_secrecy(const Error& error, const std::vector<Entry>& entries) {
     constexpr std::size_t kMinKeyLength = 16;
     CCDT_CHECK(error.message.starts_with("line ") || entries.empty());

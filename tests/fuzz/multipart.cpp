@@ -38,7 +38,7 @@ void check_epilogue(const std::vector<server::FormPart>& parts, std::string_view
     }
 }
 
-/// Checks that a form with one picture is split into that picture and a query with all other fields.
+/// Checks that a form with one picture is split into the picture and a query with all other fields.
 void check_apart(const std::vector<server::FormPart>& parts, std::string_view body, std::string_view content_type) {
     if (server::media_type(content_type) != "multipart/form-data") return;
     server::ComputeRequest request{"/halftone", "a=b", std::string(content_type), "", std::string(body)};

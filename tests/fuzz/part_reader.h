@@ -11,12 +11,12 @@
 
 namespace ccdt::fuzz {
 
-/// Input bytes with a special meaning; all other bytes encode corners.
+/// Input bytes with a special meaning. All other bytes encode corners.
 enum class PartTag : std::uint8_t { NextPart = 255, NextHole = 254, Nudge = 253, Anywhere = 252 };
 
 /// Takes polygons from an input, corner by corner. A nudge moves the previous corner to a neighbouring double.
 /// @param most      maximum number of corners
-/// @param far       coordinate beyond all corners, towards or away from which a nudge moves
+/// @param far       coordinate beyond all corners; nudges move towards it or away from it
 /// @param corner    returns the corner for a byte
 /// @param anywhere  takes the coordinates of a corner from the input
 template <class Corner, class Anywhere>

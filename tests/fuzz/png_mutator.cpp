@@ -11,7 +11,7 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr std::size_t kSignature = 8;
-constexpr std::size_t kFrame = 12;  ///< size of a chunk's length, name and checksum
+constexpr std::size_t kFrame = 12;  ///< bytes of a chunk's length, name and checksum together
 
 std::uint32_t read_big_endian(const std::uint8_t* bytes) {
     return std::uint32_t{bytes[0]} << 24 | std::uint32_t{bytes[1]} << 16 | std::uint32_t{bytes[2]} << 8 | bytes[3];
@@ -21,7 +21,7 @@ void write_big_endian(std::uint32_t value, std::uint8_t* bytes) {
     for (int shift = 24; shift >= 0; shift -= 8) *bytes++ = static_cast<std::uint8_t>(value >> shift);
 }
 
-/// Corrects the checksums of a PNG, because decoders reject chunks with wrong ones.
+/// Corrects the checksums of a PNG, because decoders reject chunks with wrong checksums.
 void mend_checksums(std::uint8_t* data, std::size_t size) {
     if (size < kSignature || std::memcmp(data, "\x89PNG\r\n\x1a\n", kSignature) != 0) return;
     for (std::size_t chunk = kSignature; chunk + kFrame <= size;) {

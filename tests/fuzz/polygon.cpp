@@ -15,7 +15,7 @@ using Parts = std::vector<PolygonPart>;
 constexpr std::uint8_t kNewPart = 255;
 constexpr std::uint8_t kNewHole = 254;
 
-/// Encoding of a vertex, given by the last two bits of the byte before it.
+/// Encoding of a vertex, given by the last two bits of the byte before the vertex.
 enum class Vertex { Grid, Neighbour, Fine, Any };
 
 Point nudged(Point p, int x, int y) {
@@ -27,8 +27,8 @@ Point nudged(Point p, int x, int y) {
     return {nudge(p.x, x), nudge(p.y, y)};
 }
 
-/// Reads a vertex. Vertices on the small grid coincide, and their edges overlap. A vertex that is a few doubles away
-/// from an earlier one nearly coincides with it.
+/// Reads a vertex. Vertices on the small grid coincide often, and their edges overlap. Neighbour yields a vertex a few
+/// doubles away from an earlier vertex.
 Point read_vertex(Vertex kind, Bytes& input, Point before) {
     switch (kind) {
         case Vertex::Grid: {
@@ -75,7 +75,7 @@ Parts read_parts(Bytes& input) {
     return parts;
 }
 
-/// Reads options. The number of sites is small, because the shape of the domain is under test.
+/// Reads options. The number of sites is small, because the shape of the domain is tested.
 Options read_options(Bytes& input) {
     const auto bits = input.take<std::uint8_t>();
     Options options;

@@ -18,7 +18,7 @@ bool is_share(float value) {
     return value >= 0 && value <= 1;
 }
 
-/// Checks that a picture has the size that it claims, within the limit.
+/// Checks that the planes of a picture have its size, and that the size is within the limit.
 template <class AnyPicture>
 void check_size(const AnyPicture& picture, const Plane& light) {
     CCDT_CHECK(picture.width >= 1 && picture.height >= 1);
@@ -44,7 +44,7 @@ void check_product(const ColourPicture& picture) {
     }
 }
 
-/// Checks the size of a text; its content may be anything.
+/// Checks the size of a text. Its content is arbitrary.
 void check_product(const std::string& text) {
     CCDT_CHECK(text.size() <= kMax);
 }

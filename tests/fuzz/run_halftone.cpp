@@ -16,7 +16,7 @@ using std::string_view_literals::operator""sv;
 
 constexpr api::Limits kLimits = {.max_sites = 64, .max_pixels = 4'096};
 
-/// The first bytes of a JPEG of 2 x 1 pixels. The picture itself is made by decode_of().
+/// The first bytes of a JPEG of 2 x 1 pixels. decode_of() makes the picture itself.
 constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
 
 constexpr std::array<std::string_view, 3> kQualities = {"draft", "standard", "best"};
@@ -74,7 +74,7 @@ constexpr std::array<Option, 19> kOptions = {{{"sites", take_count<24, 1>},
                                               {"detail", take_word<kDetails>},
                                               {"dots", take_word<kDots>}}};
 
-/// Takes options. Each bit of a number says whether one of them is given.
+/// Takes options. Each bit of the first number tells whether an option is given.
 std::vector<api::TextOption> take_options(Bytes& input) {
     const auto bits = input.take<std::uint32_t>();
     std::vector<api::TextOption> options{{"format", std::string(take_one(api::halftone_formats(), input)->file.name)},
@@ -87,7 +87,7 @@ std::vector<api::TextOption> take_options(Bytes& input) {
 
 void check_points(const std::vector<Point>& points, const api::HalftoneRequest& request, const api::Answer& answer) {
     CCDT_CHECK(points.size() == answer.sites);
-    // Grounds without any dots may represent the whole picture.
+    // Grounds may represent the whole picture without dots.
     const bool has_none = request.dots == api::Dots::Both && points.empty();
     CCDT_CHECK(has_none || !request.sites || points.size() == *request.sites);
     CCDT_CHECK(has_none || !points.empty());

@@ -135,7 +135,7 @@ void take_domain(Bytes& input, Members& members) {
 }
 
 void take_density(Bytes& input, Members& members) {
-    // Only the header of this file is read; the picture is made by decode_of().
+    // Only the header of this file is read; decode_of() makes the picture.
     constexpr std::string_view kImage = R"({"image":"/9j/wAALCAABAAIB"})";
     const auto shape = input.take<std::uint8_t>();
     if (shape < 32) return;
@@ -157,7 +157,7 @@ std::string take_request(Bytes& input) {
     members.add("sites", input.take<std::uint8_t>() % 16 + 1);
     members.add("seed", input.take<std::uint8_t>());
     members.add_word("format", take_one(api::sample_formats(), input)->file.name);
-    // The default numbers of iterations of other methods take long and test no more than a few iterations.
+    // The default numbers of iterations of the other methods would take long, and test no more than a few iterations.
     if (given(Given::Iterations) || method < 4) members.add("iterations", input.take<std::uint8_t>() % 8);
     if (given(Given::Passes)) members.add("passes", input.take<std::uint8_t>() % 4 + 1);
     if (given(Given::Quality)) members.add_word("quality", take_one(kQualities, input));

@@ -14,7 +14,7 @@ namespace ccdt::fuzz {
 namespace {
 
 constexpr api::Limits kLimits = {.max_sites = 100'000, .max_pixels = 4'096};
-constexpr std::size_t kMaxCorners = 64;  ///< limit up to which a request is computed
+constexpr std::size_t kMaxCorners = 64;  ///< maximum for which a request is computed
 constexpr std::size_t kMaxSites = 8;
 
 Result<Density> density_of(const api::SampleRequest& request) {
@@ -53,7 +53,7 @@ void check_options(const api::SampleRequest& request) {
     CCDT_CHECK(!run.tolerance || *run.tolerance > 0);
 }
 
-/// Computes a request with its sites, iterations and passes reduced, because long computations test no more.
+/// Computes a request with fewer sites, iterations and passes, because long computations test no more.
 void run(const api::SampleRequest& request, const RepairedDomain& made, const Density& density) {
     const auto& [domain, repairs] = made;
     Options options = request.run;
@@ -85,8 +85,8 @@ void check_request(const api::SampleRequest& request, std::string_view body) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses the input as the body of a request to /sample, and computes a reduced one. A GeoJSON document gets options in
-/// the query.
+/// Parses the input as the body of a request to /sample, and computes it with reduced options. If the body is GeoJSON,
+/// the options are in the query.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const auto body = fuzz::text_of(data, size);

@@ -12,11 +12,11 @@ namespace ccdt::fuzz {
 /// Checks the invariants of a domain: its rings, area and bounds.
 void check_domain(const Domain& domain);
 
-/// Checks at many positions that a domain contains exactly what `parts` contain. Positions that are too close to the
-/// border for rounding errors are skipped.
+/// Checks at many positions whether they are inside the domain if and only if they are inside `parts`. Skips positions
+/// that are closer to the border than rounding errors.
 void check_cover(const Domain& domain, const std::vector<PolygonPart>& parts);
 
-/// Checks that the part, ring and vertex that an error or a repair refers to exist in `parts`.
+/// Checks that the part, ring and vertex named by an error or a repair exist in `parts`.
 void check_location(const Error& error, const std::vector<PolygonPart>& parts);
 void check_location(const Repair& repair, const std::vector<PolygonPart>& parts);
 
@@ -30,7 +30,7 @@ void check_points(const std::vector<Point>& points, std::size_t sites, const Dom
 /// that covers the domain, and the same result from a second run.
 ///
 /// @param parts    as for check_points
-/// @param options  should have few sites, because there are many inputs; the mesh is always requested
+/// @param options  should have few sites, to process many inputs; the mesh is always requested
 void check_distribution(const Domain& domain, const std::vector<PolygonPart>& parts, const Density& density,
                         Options options);
 

@@ -34,8 +34,8 @@ void check_archive(const std::string& archive) {
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Reads a shapefile. The input is a zip archive, or else the files for one: a 16-bit size, a .shp file of that size,
-/// and a .dbf file. The second form exists because most mutations of an archive invalidate its checksums.
+/// Reads a shapefile. The input is a zip archive, or the files of an archive: a 16-bit size, a .shp file of this size,
+/// and a .dbf file. In the second form, mutations do not invalidate checksums.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     const std::string input(fuzz::text_of(data, size));

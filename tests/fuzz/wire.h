@@ -13,7 +13,7 @@
 
 namespace ccdt::fuzz {
 
-/// A pair of sockets that preserves message boundaries, so that both ends receive pieces as they were sent.
+/// A pair of sockets that preserves message boundaries, so that pieces arrive as they were sent.
 class Wire {
 public:
     Wire() { CCDT_CHECK(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends_.data()) == 0); }

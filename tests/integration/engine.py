@@ -13,8 +13,8 @@ import time
 
 from harness import PATIENCE, join, wait_until
 
-# Debian's redis-server is a link to this program, which behaves according to the name in its first argument. Installing
-# the package redis-server would start a daemon; the package with this program does not.
+# Program that behaves as redis-server if its first argument has this name. Debian's redis-server is a link to it. Its
+# package starts no daemon, unlike the package redis-server.
 PROGRAM = "/usr/bin/redis-check-rdb"
 
 

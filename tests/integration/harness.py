@@ -39,7 +39,8 @@ PATIENCE = 120
 def wait_until(condition, what=None):
     """Waits until a condition holds, and returns its value.
 
-    `what` describes the condition in the message of a failure; by default, that contains the condition's source.
+    `what` describes the condition in the message of a failure; by default, the message contains the source of the
+    condition.
     """
     end = time.monotonic() + PATIENCE
     while not (found := condition()):
@@ -50,7 +51,7 @@ def wait_until(condition, what=None):
 
 
 def execute(command, timeout=PATIENCE, **options):
-    """Runs a program to its end. The options are those of subprocess.run, but there is always a time limit."""
+    """Runs a program to its end, with the options of subprocess.run and a time limit."""
     return subprocess.run(command, timeout=timeout, **options)  # pylint: disable=subprocess-run-check
 
 
@@ -71,8 +72,8 @@ def read_line(process, what):
 class Server:
     """A running server on a free port, and its log.
 
-    By default it has no cache. Its timeout is as long as clients wait, because its workers have a low priority and are
-    slow on a busy machine.
+    By default, it has no cache, and its timeout equals the time that clients wait, because workers have a low priority
+    and are slow on a busy machine.
     """
 
     def __init__(self, *flags, environment=None, program=None, limit=None):
@@ -96,7 +97,7 @@ class Server:
         self.path = None if port else re.search(r"listening on unix:([^\"\n]+)", listening).group(1)
 
     def keeps(self, line):  # pylint: disable=unused-argument
-        """Returns whether a line of the log is stored. Subclasses override this to save memory."""
+        """Returns whether to store a line of the log. Subclasses override this method to save memory."""
         return True
 
     def _read_log(self):
@@ -174,7 +175,7 @@ class Answer:
 
 
 def _parse(head):
-    """Parses the last head; there are several after 100 Continue."""
+    """Parses the last of several heads. There are several after 100 Continue."""
     lines = head.decode("latin-1").strip().split("\r\n\r\n")[-1].split("\r\n")
     headers = {}
     for line in lines[1:]:
@@ -226,7 +227,7 @@ def post_json(server, path, body, *arguments):
 
 
 def figures_at_rest(server):
-    """Returns /metrics once all answers are counted, which happens after they are sent."""
+    """Waits until all answers are counted, which happens after they are sent, and returns /metrics."""
     def find():
         metrics = ask(server, "/metrics").body.decode()
         return metrics if "\nccdt_connections_open 1\n" in metrics else None

@@ -38,13 +38,13 @@ def primaries_to_xyz(primaries, white=D65):
 
 
 def to_srgb_light(light, primaries):
-    """Converts linear light of other primaries to those of sRGB; the result may be out of range: [..., 3]."""
+    """Converts linear light [..., 3] of other primaries to the primaries of sRGB. The result may be out of range."""
     matrix = numpy.linalg.solve(primaries_to_xyz(SRGB), primaries_to_xyz(primaries))
     return numpy.asarray(light) @ matrix.T
 
 
 def fit(light):
-    """Mixes colours outside sRGB with grey of their own luminance until they fit."""
+    """Mixes colours outside sRGB with grey of the same luminance until they are inside."""
     grey = numpy.clip(light @ WEIGHTS, 0, 1)
     low, high = light.min(-1), light.max(-1)
     with numpy.errstate(divide="ignore", invalid="ignore"):
@@ -93,7 +93,7 @@ def grey_profile(curve):
 
 
 def ink_light(inks):
-    """Returns the linear sRGB of inks that multiply, like tinted glass: [..., 4] to [..., 3]. Black dims to 1 %."""
+    """Returns the linear sRGB [..., 3] of inks [..., 4] whose transmittances multiply. Solid black transmits 1 %."""
     inks = numpy.asarray(inks, float)
     cyan, magenta, yellow, black = (inks[..., i:i + 1] for i in range(4))
     light = numpy.ones(inks.shape[:-1] + (3,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Connections that send any bytes, including malformed requests, and measurements of their cost."""
+"""Connections that send arbitrary bytes, including malformed requests, and measurements of their cost."""
 
 import contextlib
 import http.client
@@ -17,7 +17,7 @@ AT_ONCE = 1.0
 
 SANITIZED = re.search(rb"__(a|t)san_init", pathlib.Path(os.environ["CCDT_SERVER"]).read_bytes()) is not None
 
-# Limit of the memory that clients may cost in addition to accepted work, in MiB. Sanitizers keep freed memory.
+# Maximum memory that clients may take in addition to accepted work, in MiB. Sanitizers keep freed memory.
 MAX_MEMORY_RISE = 1024 if SANITIZED else 64
 
 
@@ -72,7 +72,7 @@ class Raw:
 
 
 def sources():
-    """Yields addresses of this machine, one after another, so that limits by address do not apply."""
+    """Yields different addresses of this machine, so that limits per address do not apply."""
     return (f"127.0.{i // 250 + 1}.{i % 250 + 1}" for i in range(60_000))
 
 
@@ -92,7 +92,7 @@ def statuses(received):
 
 
 def ping(server):
-    """Returns the seconds that the server takes to answer a health check."""
+    """Requests a health check, and returns the time until the answer in seconds."""
     start = time.monotonic()
     with Raw(server) as raw:
         raw.send(b"GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
@@ -101,7 +101,7 @@ def ping(server):
 
 
 class Memory:
-    """Measures by how many MiB the server's resident memory rises within a block."""
+    """Measures the increase of the server's peak resident memory within a block, in MiB."""
 
     def __init__(self, server):
         self.folder = pathlib.Path(f"/proc/{server.process.pid}")

@@ -28,7 +28,7 @@ def blurred(plane, sigma):
 
 
 def seen_light(picture, sigma):
-    """Returns a picture's red, green and blue light, blurred."""
+    """Returns the blurred red, green and blue light of a picture."""
     return numpy.stack([blurred(picture[..., channel], sigma) for channel in range(3)], -1)
 
 

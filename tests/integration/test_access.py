@@ -173,7 +173,7 @@ class Origins(ServerCase):
 
 
 class Hosts(unittest.TestCase):
-    """Host names of requests. They are checked because foreign names may resolve to loopback, too."""
+    """Host names of requests. The server checks them, because foreign names may resolve to loopback, too."""
 
     def statuses(self, server, *hosts):
         return [ask(server, "/capabilities", "--header", f"Host: {host}").status for host in hosts]

@@ -18,12 +18,12 @@ def noise(points, seed=1):
 
 
 def power(points, i, j):
-    """Returns the periodogram on the unit torus, by its definition."""
+    """Returns the periodogram on the unit torus at frequency (i, j), computed by its definition."""
     return abs(numpy.exp(-2j * numpy.pi * (points @ (i, j))).sum()) ** 2 / len(points)
 
 
 def nearest(points):
-    """Returns the distance from each point to the nearest other one on the unit torus."""
+    """Returns the distance from each point to the nearest other point on the unit torus."""
     apart = numpy.abs(points[:, None] - points[None, :])
     squared = (numpy.minimum(apart, 1 - apart) ** 2).sum(axis=2)
     numpy.fill_diagonal(squared, numpy.inf)
@@ -192,7 +192,7 @@ class Refusals(AnalyzeCase):
         self.refuse(422, "/domain", points=good, domain={**TORUS, "width": 1e9})
 
     def test_504_ends_the_computation(self):
-        # Each set costs a little; 5,000 of them take longer than the timeout.
+        # Each set takes little time, but 5,000 sets take longer than the timeout.
         sets = [noise(4, seed).tolist() for seed in range(5000)]
         self.refuse(504, "timeout", sets=sets, max_frequency=16, domain={**TORUS, "width": 1000})
         self.assertEqual(self.post(points=noise(100).tolist()).status, 200)

@@ -53,7 +53,7 @@ def rings(answer):
 
 
 def is_far_from_boundary(answer):
-    """Returns for each dot whether its distance from the boundary of the ground exceeds the error of the outline."""
+    """Returns for each dot whether it is farther from the boundary of the ground than the error of the outline."""
     boundary = shapely.geometry.MultiLineString([[*ring, ring[0]] for ring in answer["ground"]])
     return numpy.array([shapely.geometry.Point(point).distance(boundary) > 0.5 for point in answer["points"]])
 

@@ -297,7 +297,7 @@ class Files(PicturesCase):
 
     def test_that_are_unreadable_are_404(self):
         (self.folder / "cat.png").chmod(0)
-        # Without these capabilities, root cannot read such a file either. Another user might not reach the programs.
+        # Without these capabilities, not even root can read such a file. Another user might not reach the programs.
         program = self.folder.parent / "without-override"
         program.write_text('#!/bin/sh\n'
                            'exec setpriv --bounding-set=-dac_override,-dac_read_search "$CCDT_SERVER" "$@"\n')

@@ -38,7 +38,7 @@ class CacheCase(ServerCase):
         return answer
 
     def counted(self, action):
-        """Returns by how much an action raises hits, misses and computed sites."""
+        """Returns the increase of hits, misses and computed sites by an action."""
         names = ("ccdt_cache_hits_total", "ccdt_cache_misses_total", "ccdt_sites_total")
         before = [figure(self.server, name) for name in names]
         action()
@@ -46,7 +46,7 @@ class CacheCase(ServerCase):
 
 
 class Tags(CacheCase):
-    """Tags with the cache off: the server knows nothing but the tag of the answer."""
+    """Tags with the cache off: the server has only the tag from the request."""
 
     def test_avoid_the_computation(self):
         for path, body in QUESTIONS:
@@ -164,8 +164,8 @@ class Others(unittest.TestCase):
             self.assertEqual(figure(server, "ccdt_cache_bytes"), 0)
 
     def ask_with_two_keys(self, *flags):
-        """Sends the same request for Alice and Bob in turn, twice. Returns which answers were cached ones, and the
-        answers."""
+        """Sends the same request for Alice and Bob in turn, twice. Returns for each answer whether it was cached, and
+        the answers."""
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "keys"
             file.write_text("alice:alice-0123456789abcdef\nbob:bob-0123456789abcdef\n")

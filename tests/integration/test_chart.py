@@ -18,7 +18,7 @@ DEPLOY = TOOLS / "deploy"
 HELM = DEPLOY / "helm" / "helm"
 MODULES = DEPLOY / "node_modules"
 
-# Modules of kubernetes-types, by a document's apiVersion. There are no types for the others.
+# Modules of kubernetes-types, by the apiVersion of a document. Other versions have no types.
 TYPES = {"v1": "core/v1", "apps/v1": "apps/v1", "autoscaling/v2": "autoscaling/v2",
          "networking.k8s.io/v1": "networking/v1", "policy/v1": "policy/v1"}
 UNTYPED = {"keda.sh/v1alpha1", "monitoring.coreos.com/v1"}

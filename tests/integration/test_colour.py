@@ -162,7 +162,7 @@ class Formats(ServerCase):
                 numpy.testing.assert_array_equal(found[seen], expected[seen])
 
     def test_tiff_of_cmyk_has_a_plate_for_each_ink(self):
-        """The plates, composed like a TIFF reader does, must look like the PNG."""
+        """The plates, composed as TIFF readers do, must look like the PNG."""
         answer = self.made("tiff", "&width_mm=100")
         self.assertEqual(answer.type, "image/tiff")
         image = Image.open(io.BytesIO(answer.body))

@@ -25,7 +25,7 @@ def sample(sites=100, **members):
 
 
 def parent_and_state(process):
-    """Returns parent and state of a process; none if it does not exist."""
+    """Returns the parent and the state of a process; none if the process does not exist."""
     try:
         fields = pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()
     except (OSError, IndexError):
@@ -56,7 +56,7 @@ def figure(server, name):
 
 
 def resume(process):
-    """Resumes a process, which may be gone."""
+    """Resumes a process, which may have ended."""
     try:
         os.kill(process, signal.SIGCONT)
     except ProcessLookupError:
@@ -251,7 +251,8 @@ class Silence(unittest.TestCase):
 
     @contextlib.contextmanager
     def server_whose_program_is_stopped(self, name):
-        """Starts a server one of whose programs is stopped before it is ready, and yields the server and the process."""
+        """Starts a server, and stops one of its programs before the program is ready. Yields the server and the
+        process."""
         server_program = pathlib.Path(os.environ["CCDT_SERVER"]).resolve()
         with tempfile.TemporaryDirectory() as folder:
             for program in ("ccdt-decoder", "ccdt-worker"):

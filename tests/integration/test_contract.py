@@ -31,12 +31,12 @@ LATER = ("--header", "Prefer: respond-async")
 
 
 def concrete(path):
-    """Returns a path of the document with its parameters replaced by names of nothing that exists."""
+    """Returns a path of the document in which names that do not exist replace the parameters."""
     return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture")
 
 
 def resolve(node):
-    """Returns a node merged with what it refers to; its own members take precedence."""
+    """Returns a node merged with the node that its `$ref` names. Members of the node itself take precedence."""
     while "$ref" in node:
         place = DOCUMENT
         for name in node["$ref"].removeprefix("#/").split("/"):
@@ -85,7 +85,7 @@ def response_of(operation, status):
 
 
 def comparable(body):
-    """Removes the one member that differs between runs, the time taken."""
+    """Removes the elapsed time, the only member that differs between runs."""
     return re.sub(rb'"elapsed_ms":[^,}]*', b"", body)
 
 
@@ -495,7 +495,7 @@ class Statuses(ContractCase):
         self.see_pictures()
         documented = {(path, status) for path, _, operation in operations() for status in operation["responses"]
                       if not status.endswith("XX")}
-        # What is common to all that compute is provoked at one of them.
+        # Answers common to all routes that compute are provoked at only one of them.
         alike = {(path, status) for path in (*COMPUTING, "/halftone/{name}") for status in ("503", "504")}
         self.assertEqual(documented - self.seen - set(self.ELSEWHERE) - alike, set())
         self.assertEqual({status for _, status in alike} - {status for _, status in self.seen}, set())

@@ -24,7 +24,7 @@ class Process:
         self.id = number
 
     def stat(self):
-        """Returns state and parent; none if it is gone."""
+        """Returns state and parent; none if the process has ended."""
         try:
             state, parent = (PROC / str(self.id) / "stat").read_text().rsplit(")", 1)[1].split()[:2]
         except (FileNotFoundError, ProcessLookupError):
@@ -32,7 +32,7 @@ class Process:
         return state, int(parent)
 
     def name(self):
-        """Returns the name; none if it is gone."""
+        """Returns the name; none if the process has ended."""
         try:
             return (PROC / str(self.id) / "comm").read_text().strip()
         except OSError:
@@ -43,7 +43,7 @@ class Process:
         return stat is not None and stat[0] not in "ZX"
 
     def links(self):
-        """Returns the targets of its open descriptors."""
+        """Returns the targets of the open descriptors."""
         folder = PROC / str(self.id) / "fd"
         links = []
         for name in os.listdir(folder):
@@ -54,14 +54,14 @@ class Process:
         return links
 
     def output(self):
-        """Returns the target of its output; none if it is gone or cannot be read."""
+        """Returns the target of the standard output; none if it cannot be read."""
         try:
             return os.readlink(PROC / str(self.id) / "fd" / "1")
         except OSError:
             return None
 
     def children(self):
-        """Returns its children, including zombies."""
+        """Returns the children, including zombies."""
         numbers = [int(entry.name) for entry in PROC.iterdir() if entry.name.isdigit()]
         found = [(Process(number), Process(number).stat()) for number in numbers]
         return [process for process, stat in found if stat is not None and stat[1] == self.id]
@@ -71,7 +71,8 @@ class Process:
 
 
 class Family:
-    """The server's process, the keeper, the helper and the decoding children, once these are ready."""
+    """The processes of a server: the server, the keeper, the helper and the decoding children. Waits until they are
+    ready."""
 
     def __init__(self, server):
         server.wait_for_log("pictures are decoded by user")
@@ -85,7 +86,7 @@ class Family:
         return wait_until(self.keepers)[0]
 
     def helper(self):
-        """Returns the helper, once it has a child that waits for a picture."""
+        """Waits until the helper has a child that waits for a picture, and returns the helper."""
         def find():
             helpers = [process for process in self.keeper().children() if process.name() == "decoder-helper"]
             return helpers and helpers[0].children() and helpers[0]
@@ -93,7 +94,8 @@ class Family:
         return wait_until(find)
 
     def spare(self):
-        """Returns the child that waits for a picture, once it is alone. A child at work has a socket as its output."""
+        """Waits until the helper has only one child, which waits for a picture, and returns the child. Children at work
+        have a socket as standard output."""
         def find():
             children = self.helper().children()
             return len(children) == 1 and children[0].output() == "/dev/null" and children[0]
@@ -235,7 +237,7 @@ class Confinement(ServerCase):
             links = process.links()
             return all(link.startswith(harmless) for link in links) and str(links).count("socket:") <= 2
 
-        # A child that was forked a moment ago has yet to close the files that it inherited.
+        # A new child closes inherited files a moment after the fork.
         for process in family.everyone():
             wait_until(lambda process=process: is_closed(process))
 

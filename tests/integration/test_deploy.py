@@ -33,7 +33,7 @@ SCALE = FILES["compose.scale.yaml"]["services"]
 
 
 def variables():
-    """Returns the variables that the server reads."""
+    """Returns the environment variables that the server reads."""
     output = execute([os.environ["CCDT_SERVER"], "--help"], capture_output=True, text=True, check=True).stdout
     return set(re.findall(r"^  --\S+ \S+ +(\S+)", output, re.MULTILINE))
 
@@ -79,7 +79,7 @@ class Compose(unittest.TestCase):
 
 
 class Balancer:
-    """haproxy with the settings of the compose file, in front of these servers."""
+    """haproxy with the settings of the compose file, in front of given servers."""
 
     def __init__(self, folder, servers):
         with socket.create_server(("127.0.0.1", 0)) as free:
@@ -96,7 +96,7 @@ class Balancer:
         return f"http://127.0.0.1:{self.port}{path}"
 
     def wait(self):
-        """Waits until haproxy answers with a server's status."""
+        """Waits until haproxy answers with the status of a server."""
         patience = ("--retry-connrefused", "--retry", "60", "--retry-delay", "1")
         if Call(self.url("/health"), *patience).answer().status != 200:
             raise AssertionError("haproxy knows of no server")

@@ -34,7 +34,7 @@ def everything(server):
 
 
 def large(server):
-    """Returns answers with enough work for several threads."""
+    """Returns answers whose computations are long enough for several threads."""
     answers = [ask(server, "/halftone?" + options, data=WAVES) for options in (
         "sites=20000", "sites=20000&dots=ink", "sites=30000&dots=both&format=csv",
         "sites=60000&scale=0.5&antialias=true", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",

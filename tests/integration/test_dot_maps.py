@@ -51,7 +51,8 @@ def hexagonal_spacing(density):
 
 
 def nearest(points, feature, density, pairs):
-    """Returns the nearest distance of each point along chosen edges, over the mean of both hexagonal ones, sorted."""
+    """Returns the sorted nearest distances of points along chosen edges, divided by the mean hexagonal distance of the
+    two features."""
     triangles = scipy.spatial.Delaunay(points).simplices
     edges = numpy.unique(numpy.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0)
     a, b = edges.T
@@ -172,7 +173,7 @@ class Exclusions(ServerCase):
                 self.assertTrue(shapely.vectorized.contains(left, *points.T).all())
                 near, _ = scipy.spatial.cKDTree(points).query(wells)
                 self.assertGreater(near.min(), 0.5 * hexagonal_spacing(1300 / left.area * 4))
-                # The lake is subtracted from each feature by itself, but no strip is left between them.
+                # The lake is subtracted from each feature separately, but no strip remains between the features.
                 for across in points.T:
                     self.assertGreater((numpy.abs(across - 1) < 0.01).sum(), 10)
 
@@ -228,8 +229,8 @@ class Undivided(ServerCase):
         return numpy.array(post_json(self.server, "/sample", body).json()["points"])
 
     def noise(self, points, whole, radius):
-        """Returns the mean squared error of the number of points, weighted by Gaussians far from the border, over
-        that of independent points."""
+        """Returns the mean squared error of the number of points, weighted by Gaussians far from the border, relative
+        to that of independent points."""
         inner = whole.buffer(-3.5 * radius)
         west, south, east, north = inner.bounds
         places = numpy.random.default_rng(5).uniform((west, south), (east, north), (3000, 2))

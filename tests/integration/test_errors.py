@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every refusal: its status, its body, and that the server continues."""
+"""Every refusal: its status and body. The server must continue."""
 
 import json
 import unittest

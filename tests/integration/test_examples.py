@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The examples of all READMEs that name a server's address, run unchanged against a server of their own."""
+"""Runs the examples of all READMEs that name the address of a server, unchanged, against a separate server."""
 
 import os
 import pathlib
@@ -25,7 +25,7 @@ def blocks(page, language):
 
 
 def anchor(title):
-    """Returns the anchor of a heading, as Markdown renderers make it."""
+    """Returns the anchor that Markdown renderers make for a heading."""
     return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
 
 
@@ -67,7 +67,7 @@ class Examples(unittest.TestCase):
         return done.returncode, done.stdout, done.stderr
 
     def examples(self, language, least):
-        """Returns the examples of a language, at least `least`, each with the page that it is on."""
+        """Returns the examples of a language, each with its page. There must be at least `least`."""
         found = [(page, block) for page in PAGES for block in blocks(page, language)]
         self.assertGreaterEqual(len(found), least)
         return found

@@ -134,7 +134,7 @@ class Avoided(ServerCase):
             points = self.points(buffer=0.3, **body)
             distances = distances_to(area.boundary, points)
             self.assertGreaterEqual(distances.min(), 0.3)
-            # As even as in any other area of that size.
+            # The points must be as even as in other areas of the same size.
             inner = area.buffer(-0.3)
             pitch = numpy.sqrt(inner.area / len(points))
             self.assertAlmostEqual(shapely.vectorized.contains(inner.buffer(-2 * pitch), *points.T).mean(),
@@ -146,7 +146,7 @@ class Avoided(ServerCase):
             answer = self.sample(sites=2000, geometry=geometry, buffer=metres, coordinates="lonlat")
             least = self.min_metres(numpy.array(answer["points"]), shapely.geometry.shape(geometry), metres)
             self.assertGreaterEqual(least, 0.999 * metres)
-            # Rows of sites along a border are half a row, sqrt(3) / 4 pitches, from it.
+            # The first row of sites is half a row, sqrt(3) / 4 pitches, from the border.
             self.assertLess(least, 1.04 * metres + 0.44 * answer["pitch_m"])
 
     def test_buffer_on_the_globe_applies_to_the_island_only(self):
@@ -156,7 +156,7 @@ class Avoided(ServerCase):
         points = numpy.array(answer["points"])
         least = self.min_metres(points, shapely.geometry.Polygon(island), 300_000)
         self.assertGreaterEqual(least, 0.999 * 300_000)
-        # There is no strip without points where the globe is cut.
+        # There must be no strip without points where the globe is cut.
         spaces = in_space(points)
         nearest = [numpy.sort(numpy.linalg.norm(spaces - place, axis=1))[6] for place in spaces]
         self.assertLess(numpy.median(nearest), 1.4 * answer["pitch_m"])

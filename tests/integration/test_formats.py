@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads answers of every format back with the programs that they are made for."""
+"""Reads answers in every format with the programs for which the formats are made."""
 
 import csv
 import io
@@ -116,7 +116,8 @@ def rendered(svg, shape):
 
 
 def drawn(png):
-    """Returns the same for drawings of the server, whose edges are antialiased in linear light."""
+    """Returns the share of ink of each pixel in a drawing of the server, whose edges are antialiased in linear
+    light."""
     return 1 - numpy.vectorize(linear)(numpy.arange(256))[pixels(png, "L")]
 
 
@@ -128,7 +129,7 @@ def check_png(file):
 
 
 def centres(svg):
-    """Returns the centres of the dots, in the order in which they are drawn."""
+    """Returns the centres of the dots, in the sequence in which they are drawn."""
     root = ElementTree.fromstring(svg)
     circles = [(float(c.get("cx")), float(c.get("cy"))) for c in root.iter(SVG + "circle")]
     paths = " ".join(path.get("d") for path in root.iter(SVG + "path"))
@@ -147,7 +148,7 @@ class Drawings(FormatCase):
         ours = drawn(png)
         theirs = rendered(svg, ours.shape)
         self.assertEqual(ours.shape, theirs.shape)
-        # Antialiasing by the server adds a twelfth of a square pixel times pi to each dot.
+        # Antialiasing by the server adds an area of pi / 12 square pixels to each dot.
         self.assertLess(abs(ours.mean() - theirs.mean()), 0.04 * ours.mean())
         self.assertLess(numpy.abs(ours - theirs).mean(), 0.1 * ours.mean())
 

@@ -39,7 +39,8 @@ def height(latitude):
 
 
 def area_south_of(shape, latitude):
-    """Returns the square metres of a valid shape in degrees, with straight edges there, south of a latitude."""
+    """Returns the area south of a latitude, in square metres, of a valid shape in degrees with edges that are straight
+    in degrees."""
     area = 0
     nodes, weights = legendre.leggauss(12)
     cut = shape.intersection(shapely.geometry.box(-181, -91, 181, latitude))
@@ -76,7 +77,8 @@ def in_the_plane(a, b):
 
 
 def nearest(answer, distance):
-    """Returns the distance of each point to the nearest other one, which is joined with it by a triangle."""
+    """Returns the distance of each point to the nearest other point, which is always a neighbour in the
+    triangulation."""
     points, triangles = numpy.array(answer["points"]), numpy.array(answer["triangles"])
     ends = numpy.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     a, b = ends[(ends < len(points)).all(axis=1)].T
@@ -88,7 +90,7 @@ def nearest(answer, distance):
 
 
 def spacing(distances, pitch):
-    """Returns the mean and the first percentile, over the distance in a hexagonal grid."""
+    """Returns the mean and the first percentile of distances, relative to the hexagonal distance."""
     over = distances / (pitch * math.sqrt(2 / math.sqrt(3)))
     return over.mean(), numpy.percentile(over, 1)
 
@@ -154,7 +156,7 @@ class Globe(ServerCase):
             south, north = (corner[1] for corner in geometry["coordinates"][0][1:3])
             share = (height(points[:, 1]) - height(south)) / (height(north) - height(south))
             counts = numpy.histogram(share, 10, (0, 1))[0]
-            # Sites form rows along a border, and a band there contains whole rows.
+            # Sites form rows along a border, so a band at the border contains whole rows.
             self.assertLess(numpy.abs(counts / 400 - 1).max(), 0.07)
 
     def test_countries_joined_across_the_antimeridian_or_a_pole(self):
@@ -167,13 +169,13 @@ class Globe(ServerCase):
             self.assertGreater(self.spacing(answer)[0], 0.87)
             if name == "Russia":
                 east = points[points[:, 0] < 0]
-                # No farther from the cape at -169.7 degrees than the distance between sites, which is 1.5 degrees
-                # there.
+                # The distance from the cape at -169.7 degrees is at most that of neighbouring sites, here 1.5 degrees.
                 self.assertAlmostEqual(east[:, 0].max(), -169.7, delta=1.5)
                 self.assertGreater(len(east), 20)
 
     def test_neighbourhoods_are_round(self):
-        """Where degrees of longitude are a third of those of latitude, a pattern has equal power in all directions."""
+        """A pattern has equal power in all directions where a degree of longitude is a third of a degree of
+        latitude."""
         _, points = self.ask_for(box(0, 60, 60, 80), 40_000)
         to_plane = pyproj.Proj(proj="stere", lat_0=70.5, lon_0=30, ellps="WGS84")
         side = 600_000

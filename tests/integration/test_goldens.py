@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Detects changed answers: goldens.txt has a digest of each, over all routes, formats, inks, methods and qualities.
+"""Detects changed answers. goldens.txt has a digest of each answer, for all routes, formats, inks, methods and
+qualities.
 
-A change that moves dots on purpose renews the table, and its commit says why:
+A change that moves dots on purpose must renew the table, and its commit must give the reason:
 
     CCDT_SERVER=build/test/ccdt-server python3 tests/integration/test_goldens.py --renew
 
@@ -60,7 +61,7 @@ def names(rows):
 
 
 def halftones(formats):
-    """Queries, each with the name of a picture."""
+    """Returns queries, each with the name of a picture."""
     for inks, form in itertools.product(INKS, formats):
         yield f"sites=700&{inks}&format={form}", "astronaut"
     for inks, quality in itertools.product(INKS, QUALITIES):

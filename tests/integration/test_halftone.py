@@ -16,7 +16,7 @@ CHELSEA = (PICTURES / "chelsea.png").read_bytes()
 
 
 class RequestForms(ServerCase):
-    """All forms of a request get the same bytes."""
+    """All forms of a request must get the same bytes."""
 
     @classmethod
     def setUpClass(cls):
@@ -114,7 +114,7 @@ class Formats(ServerCase):
                 self.assertEqual(points.shape, (700, 2))
                 self.assertTrue((points > 0).all() and (points < (451, 300)).all())
                 self.assertEqual(len(result["trace"]), result["iterations"] + 1)
-                # That of the polished points; the trace ends before the polish.
+                # The variation of the polished points. The trace ends before the polish.
                 self.assertNotEqual(result["trace"][-1]["variation"], result["variation"])
                 draft = self.halftone(CHELSEA, "?sites=700&format=json&quality=draft").json()
                 self.assertEqual(draft["trace"][-1]["variation"], draft["variation"])

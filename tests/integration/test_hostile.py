@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hostile and faulty clients, some of which cpp-httplib alone does not withstand: the answers to them, the delay, and
-the cost."""
+"""Hostile and faulty clients, some of which cpp-httplib alone does not withstand: their answers, delay and cost."""
 
 import gzip
 import json

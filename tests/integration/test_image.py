@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The container image: its contents, and that it serves with the few rights that are documented. Skipped if no
-container can be run."""
+"""The container image: its contents, and its service with only the documented rights. Skipped if no container can be
+run."""
 
 import io
 import json
@@ -40,7 +40,7 @@ def podman(*arguments, check=True):
 
 
 def why_not():
-    """Returns the reason why no image can be tested; empty if one can be."""
+    """Returns the reason why no image can be tested; empty if tests are possible."""
     if shutil.which("podman") is None:
         return "podman is missing"
     if SANITIZED:
@@ -53,7 +53,7 @@ def why_not():
 
 
 def build():
-    """Builds the image from the programs under test: a folder that has them replaces the stage that compiles."""
+    """Builds the image from the programs under test: a folder with these programs replaces the stage that compiles."""
     with tempfile.TemporaryDirectory() as folder:
         programs = pathlib.Path(folder) / "programs"
         programs.mkdir()

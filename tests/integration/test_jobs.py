@@ -445,7 +445,7 @@ class Lasting(unittest.TestCase):
 
 
 class Passing(unittest.TestCase):
-    """Jobs that are kept in memory."""
+    """Jobs that are stored in memory."""
 
     def test_event_streams_of_a_stopped_server_end_with_failure(self):
         with Server("--workers=1") as server:

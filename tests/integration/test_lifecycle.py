@@ -25,7 +25,7 @@ SOON = 5
 
 # Takes longer than any test, and is ended by cancelling it.
 ENDLESS = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE})
-# Takes a few seconds at most: longer than a request to the server, less than its timeout.
+# Takes at most a few seconds: longer than a request to the server, but less than the timeout.
 SHORT = json.dumps({"sites": 20_000, "iterations": 50, "domain": RECTANGLE})
 
 
@@ -110,8 +110,7 @@ class Deadline(unittest.TestCase):
     def test_status_is_504_if_it_expires_during_the_work_and_503_before(self):
         with Server("--workers=1", "--queue=1", "--timeout=0.1") as server:
             during = post_json(server, "/sample", json.loads(ENDLESS))
-            # A job has a time limit of its own: one that occupies the worker keeps a request waiting until its
-            # deadline.
+            # Jobs have a separate time limit. This job occupies the worker until the deadline of the next request.
             job = ask(server, "/sample", *JSON, "--header", "Prefer: respond-async", data=ENDLESS).headers["location"]
             wait_until(lambda: ask(server, job).json()["status"] == "running")
             answers = [post_json(server, "/sample", json.loads(ENDLESS)), during]
@@ -317,7 +316,7 @@ class Signals(unittest.TestCase):
 
 
 class FileSizes(unittest.TestCase):
-    """With a limit of file sizes (ulimit -f)."""
+    """Servers with a limit of file sizes (ulimit -f)."""
 
     def test_a_log_beyond_the_limit_ends_nothing(self):
         most = 4096

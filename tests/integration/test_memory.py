@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Memory that a server takes, and its behaviour when all of it is reserved."""
+"""The memory that a server takes, and its behaviour when all memory is reserved."""
 
 import io
 import json
@@ -38,7 +38,7 @@ def family(process):
 
 
 def resident(process):
-    """Returns the resident bytes of a family; shared ones count once."""
+    """Returns the resident bytes of a process and its descendants. Shared pages count once."""
     total = 0
     for member in family(process):
         try:
@@ -72,7 +72,7 @@ class Watch:
 
 
 def noise(side, form="png", **options):
-    """Returns a picture that hardly compresses."""
+    """Returns a picture that cannot be compressed much."""
     values = numpy.random.default_rng(side).integers(0, 256, (side, side), dtype=numpy.uint8)
     file = io.BytesIO()
     Image.fromarray(values).save(file, form, **options)

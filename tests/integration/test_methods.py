@@ -12,7 +12,7 @@ SQUARE = {"type": "rectangle", "width": 1, "height": 1}
 
 
 def nearest_around(points):
-    """Returns the distance of each point to the nearest other one, around the unit torus."""
+    """Returns the distance of each point to the nearest other point on the unit torus."""
     ways = points[:, None] - points[None]
     ways -= numpy.round(ways)
     squared = (ways ** 2).sum(axis=2)

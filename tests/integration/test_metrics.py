@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Monitoring: figures of the running server, and its readiness."""
+"""Monitoring: metrics of the running server, and its readiness."""
 
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Alerts and dashboard: valid, and only about metrics of the server."""
+"""Alerts and dashboard must be valid, and use only metrics of the server."""
 
 import json
 import os

@@ -31,7 +31,7 @@ def run(*arguments, **environment):
 
 
 class Quick(unittest.TestCase):
-    """A run into a folder that is not empty, and its output."""
+    """A run of the script with small numbers, into a folder that is not empty, and its output."""
 
     @classmethod
     def setUpClass(cls):

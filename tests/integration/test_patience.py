@@ -28,7 +28,7 @@ def post(path, body):
 
 
 def shrink(raw):
-    """Shrinks the buffers for answers in transfer."""
+    """Shrinks the buffers of a connection for answers in transfer."""
     raw.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 65_536)
 
 
@@ -164,7 +164,7 @@ class ConnectionClasses(unittest.TestCase):
             ask(server, job, "--request", "DELETE")
 
     def test_health_checks_pass_when_all_connections_are_taken(self):
-        # Connections with computations, which are not closed under pressure.
+        # Connections with running computations, which are not closed under pressure.
         endless = json.dumps({"sites": 100_000, "iterations": 1000, "domain": RECTANGLE}).encode()
         with Server("--max-connections=4", "--workers=1", "--queue=4", "--timeout=300") as server:
             job = self.begin_job(server)
@@ -185,7 +185,7 @@ class ConnectionClasses(unittest.TestCase):
 
 
 class Idle(unittest.TestCase):
-    """Connections without a whole request head do not keep other clients out."""
+    """Connections without a complete request head must not keep other clients out."""
 
     def test_health_checks_pass_during_a_flood_of_idle_connections(self):
         self.flood(b"")
@@ -229,7 +229,7 @@ class Idle(unittest.TestCase):
 
 
 class FewFiles(unittest.TestCase):
-    """With a low limit of open files, the number of connections is limited accordingly."""
+    """A low limit of open files also limits the number of connections."""
 
     def test_idle_connections_delay_nobody(self):
         with Server("--workers=2", "--max-connections-per-address=0", limit="--nofile=90") as server:
@@ -255,7 +255,7 @@ class FewFiles(unittest.TestCase):
 
 
 class LittleAddressSpace(unittest.TestCase):
-    """With a limit of the address space, there are stacks for few threads only."""
+    """With a limit of the address space, there is space for the stacks of only a few threads."""
 
     @unittest.skipIf(SANITIZED, "sanitizers need more")
     def test_idle_connections_delay_neither_others_nor_the_shutdown(self):

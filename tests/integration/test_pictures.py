@@ -164,7 +164,7 @@ class Formats(ServerCase):
             self.assertNotIn("x-warnings", self.halftone(saved(frames[0], kind), QUERY).headers)
 
     def test_sixteen_bits_are_kept(self):
-        """Values half an eight-bit step apart are distinguished."""
+        """Values that differ by half an eight-bit step must be distinguished."""
         ramp = numpy.linspace(128.0, 128.5, 64 * 64).reshape(64, 64)
         fine = Image.fromarray(numpy.rint(ramp * 257).astype(numpy.uint16))
         coarse = file_of(numpy.floor(ramp))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawings for plotters, read in the way of the programs that drive plotters."""
+"""Drawings for plotters, interpreted like the programs that drive plotters."""
 
 import re
 import unittest
@@ -16,9 +16,9 @@ LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 
 
 def pens_of_vpype(svg):
-    """Returns the number of strokes of each layer, numbered like vpype's `read`: each top-level group is a layer. Its
-    number is made of the digits of its label, otherwise of its id, otherwise it is its position from 1. 0 counts as 1.
-    Top-level paths without a group are in layer 1."""
+    """Returns the number of strokes of each layer, numbered like vpype's `read`. Each top-level group is a layer. The
+    digits of its label, or else of its id, form its number; without digits, the number is its position from 1. The
+    number 0 becomes 1. Top-level paths without a group are in layer 1."""
     root = ElementTree.fromstring(svg)
     pens = {}
     for place, group in enumerate(root.findall(SVG + "g"), 1):
@@ -146,7 +146,7 @@ class Pdf:
                 self.run(content.decode("latin-1"))
 
     def run(self, content):
-        # Groups have no matrix of their own, because the page on which they are drawn has already flipped y.
+        # Groups have no matrix, because the page on which they are drawn has already flipped y.
         height = self.size[1] * 72 / 25.4
         turned = numpy.array([[1, 0, 0], [0, -1, 0], [0, height, 1]])
         stack, saved, path, width = [], [], [], 1
@@ -209,7 +209,7 @@ class PlotterCase(ServerCase):
 
 
 class Formats(ServerCase):
-    """Each format has the same dots as JSON. It is read by an interpreter in this file."""
+    """Each format must have the same dots as JSON. Interpreters in this file read the formats."""
 
     @classmethod
     def setUpClass(cls):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clients behind proxies: whose headers about addresses count, and the limits that apply to these addresses."""
+"""Clients behind proxies: which headers about addresses count, and the limits for these addresses."""
 
 import json
 import pathlib
@@ -33,7 +33,7 @@ def message(client):
 
 
 def statuses_of(server, *requests, source=None):
-    """Returns the statuses of answers to requests that are sent one after another over one connection."""
+    """Sends requests one after another over one connection, and returns the statuses of the answers."""
     found = []
     with Raw(server, source) as raw:
         for one in requests:
@@ -46,7 +46,7 @@ class Named(unittest.TestCase):
     """Addresses in the log."""
 
     def seen(self, server, *parts, source=None):
-        """Returns the client in the log of the request in these bytes."""
+        """Sends a request as bytes, and returns the client in its log line."""
         path = f"/seen-{len(server.log())}"
         with Raw(server, source) as raw:
             for part in parts:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several servers that share jobs through Redis: each answers for all of them."""
+"""Several servers that share jobs through Redis. Each server answers requests about all jobs."""
 
 import contextlib
 import json
@@ -263,7 +263,7 @@ class Replicas(unittest.TestCase):
 
 
 class Damage(unittest.TestCase):
-    """Keys that were overwritten by others. None may cause a 500 without a reason, or a job that waits forever."""
+    """Keys that other programs have overwritten. None may cause a 500 without a reason, or a job that waits forever."""
 
     JUNK = (("SET", "junk"), ("ZADD", "1", "junk"), ("HSET", "turn", "junk"))
 

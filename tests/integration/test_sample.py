@@ -132,7 +132,8 @@ class Domains(ServerCase):
                 self.assertEqual(result["vertices"], result["points"])
                 self.assertEqual(result["boundary"], [])
                 self.assertEqual(triangles.shape, (1200, 3))
-                # Every edge is used once in each direction, and the triangles' nearest copies fill the torus.
+                # Every edge must occur once in each direction, and the nearest copies of the triangles must fill the
+                # torus.
                 edges = {(t[i], t[i - 2]) for t in result["triangles"] for i in range(3)}
                 self.assertEqual(edges, {(q, p) for p, q in edges})
                 a, b, c = (points[triangles[:, i]] for i in range(3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scripts and image: one list of packages, which everything that sets up a machine reads."""
+"""Set-up scripts and image: all of them read one list of packages."""
 
 import ast
 import importlib.util

@@ -25,7 +25,7 @@ SEEDS = 4 if SANITIZED else 10
 
 
 def exchange(server, method, path, body=None, headers=None):
-    """Returns status, type and body of an answer, over a connection of its own."""
+    """Sends a request over a new connection. Returns the status, the type and the body of the answer."""
     connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=PATIENCE)
     try:
         connection.request(method, path, body, headers or {})
@@ -80,7 +80,7 @@ class Bits(unittest.TestCase):
         self.file = self.place / "jobs.sqlite"
 
     def start(self):
-        """Returns none if the server refuses the file and says why."""
+        """Starts a server; returns none if it refuses the file and gives the reason."""
         try:
             return Server(f"--data-dir={self.place}")
         except AssertionError as error:
@@ -88,7 +88,7 @@ class Bits(unittest.TestCase):
             return None
 
     def check(self, server):
-        """Returns how many results are right, and how many are reported as damaged or missing."""
+        """Returns the number of correct results, and the number of results reported as damaged or missing."""
         right = reported = 0
         for job, answer in self.known.items():
             found = exchange(server, "GET", job + "/result")

@@ -31,12 +31,12 @@ def figure_of(process, name):
 
 
 def peak(process):
-    """Returns the largest number of bytes that a process has had resident."""
+    """Returns the peak resident memory of a process in bytes."""
     return figure_of(process, "VmHWM")
 
 
 def of_computing(server, name):
-    """Returns the largest figure of the processes that compute, of which there is at least one."""
+    """Returns the largest figure of all computation processes. There must be at least one."""
     return max(figure_of(process, name) for process in children(fork_server(server)))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tone of halftones as seen from afar, level by level."""
+"""The tone of halftones as seen from a distance, level by level."""
 
 import itertools
 import pathlib
@@ -24,19 +24,20 @@ def luminance(file):
 
 
 def enlarged(plane, shape):
-    """Enlarges or reduces a plane: returns the light of each pixel of another size."""
+    """Enlarges or reduces a plane of light to another shape."""
     return numpy.asarray(Image.fromarray(plane.astype(numpy.float32)).resize(shape[::-1], Image.Resampling.BOX))
 
 
 def luminance_enlarged(file):
-    """Returns the luminance of each pixel after a browser has enlarged a picture twice, in encoded values."""
+    """Returns the luminance of each pixel of a picture enlarged twofold in encoded values, as browsers do."""
     image = Image.fromarray(pixels(file, "RGB"))
     image = image.resize((2 * image.width, 2 * image.height), Image.Resampling.BILINEAR)
     return LIGHT[numpy.asarray(image)] @ CHANNELS
 
 
 def errors(wanted, seen, dots):
-    """Returns the mean error of L* where the picture is dark, and the largest of the levels, blurred over two pitches.
+    """Returns the mean error of L* after a blur by two pitches, where the picture is dark, and the largest error of a
+    level.
     """
     sigma = 2 * (seen.size / dots) ** 0.5
     wanted = enlarged(wanted, seen.shape)
@@ -111,7 +112,7 @@ class Levels(ServerCase):
         self.check(wanted, seen, self.dots_of(data, "dots=both"))
 
     def test_drawings(self):
-        """Dots are large enough that the renderer's own antialiasing does not matter."""
+        """The dots are so large that the antialiasing of the renderer does not matter."""
         data = (PICTURES / "camera.png").read_bytes()
         with tempfile.TemporaryDirectory() as folder:
             source, target = pathlib.Path(folder, "dots.svg"), pathlib.Path(folder, "dots.png")
@@ -169,7 +170,7 @@ def soft_lettering():
 
 class Detail(ServerCase):
     def contrast(self, data, query):
-        """Returns the contrast of edges relative to that in the picture, for waves of about two to four pitches."""
+        """Returns the contrast of edges relative to the picture, for waves of about two to four pitches."""
         dots = self.halftone(data, f"?format=json&{query}").json()["sites"]
         seen = luminance(self.halftone(data, "?" + query).body)
         wanted = enlarged(luminance(data), seen.shape)

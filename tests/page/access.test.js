@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// With API keys, everybody can open the page. It asks for a key if the server requires one.
+// With API keys, everybody can open the page. The page asks for a key if the server requires one.
 
 import assert from "node:assert/strict";
 import { mkdtempSync, writeFileSync } from "node:fs";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The address of the page: it holds the settings, survives a reload, and follows the history of the browser.
+// The address of the page holds the settings, survives a reload, and follows the history of the browser.
 
 import assert from "node:assert/strict";
 import path from "node:path";
@@ -24,7 +24,7 @@ async function type(panel, name, value) {
   await settled(world.page, panel);
 }
 
-/** Checks that the same address in a new page, which has no other settings, shows the same request. */
+/** Checks that a new page with the same address shows the same request. */
 async function isShared(panel) {
   const [address, request] = [await hash(), await snippet(panel)];
   const page = await world.page.context().newPage();
@@ -135,7 +135,7 @@ test("goes back and forward through panels, pictures and shapes, but not through
   await page.goForward();
   await settled(page, "halftone");
   assert.match(await snippet("halftone"), /camera\.png/);
-  await page.reload();  // the page no longer has the file, but still has the settings
+  await page.reload();  // keeps the settings, but not the file
   await settled(page, "halftone");
   assert.deepEqual(await settings(), { sites: "800" });
 });

@@ -9,7 +9,7 @@ import { appearances, isAccessible, looksAsKept, settled, useBrowser } from "./h
 const world = useBrowser();
 const panels = ["halftone", "sample", "analyze"];
 
-/** Opens what is closed at first: rare options, help texts, and the controls of the plotter. */
+/** Opens all parts that are closed at first: rare options, help texts, and the controls of the plotter. */
 async function unfold(page, panel) {
   await page.evaluate((id) => {
     const place = document.getElementById(id);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Random clicks, keys and files in any order cause no unexpected errors. CCDT_CLICK_STEPS and CCDT_CLICK_SEED set the
-// number of actions and the first seed, in each browser.
+// Checks that random clicks, keys and files in any order cause no unexpected errors. CCDT_CLICK_STEPS and
+// CCDT_CLICK_SEED set the number of actions and the first seed, in each browser.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
@@ -35,10 +35,10 @@ const shapes = [
 ];
 
 /**
- * Runs in the page: uses one of the existing controls.
+ * Runs in the page. Uses one of the existing controls, chosen by `dice`.
  *
  * @param dice  numbers in [0, 1)
- * @returns     {done, press}: a description, and the position that the caller must click, if there is one
+ * @returns     {done, press}: a description, and the position that the caller must click, if any
  */
 function actIn({ dice, text, picture }) {
   const pick = (list, die) => list[Math.floor(die * list.length)];

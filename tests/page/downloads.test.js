@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reads files saved by the browser with the programs that people open them with.
+// Saves files with the browser, and reads them with the usual programs for each format.
 
 import assert from "node:assert/strict";
 import { mkdtemp, rm } from "node:fs/promises";
@@ -20,8 +20,7 @@ with PIL.Image.open(name) as picture:
                       "light": light.mean(), "grey": grey.mean()}))`;
 
 /**
- * Python programs by file extension, which print the content of a file as JSON. For other formats, the test prints the
- * length of the file.
+ * Python programs, by file extension, that print the content of a file as JSON. For others, the test prints its length.
  */
 const readers = {
   json: "print(json.dumps(json.load(open(name))))",
@@ -44,7 +43,7 @@ print(json.dumps({"circles": len({(circle.get("cx"), circle.get("cy")) for circl
 const anything = "print(json.dumps({'bytes': os.path.getsize(name)}))";
 const imports = "import csv, json, os, xml.etree.ElementTree, numpy, PIL.Image, shapely.geometry\n";
 
-/** Returns what one Python program prints about each of several files, by their names. */
+/** Returns what a Python program prints about each file, by file name. */
 async function read(files) {
   const parts = files.map((file) => `name = ${JSON.stringify(file)}\n${readers[path.extname(file).slice(1)] ?? anything}\n`);
   const lines = (await run("/usr/bin/python3", ["-c", imports + parts.join("")])).trim().split("\n");
@@ -53,7 +52,7 @@ async function read(files) {
   return found;
 }
 
-/** @returns  the path of the file that the panel's button saves in a format, under its suggested name */
+/** Saves the result of a panel in a format, under the suggested name, and returns the path of the file. */
 async function save(panel, title, folder) {
   const saved = await download(world.page, panel, title);
   const file = path.join(folder, saved.suggestedFilename());
@@ -84,7 +83,10 @@ async function saveAll(panel, name) {
   return files;
 }
 
-/** Compares linear light with grey levels: the server antialiases edges in linear light, librsvg in grey levels. */
+/**
+ * Compares the mean light of a picture with the mean grey level of a drawing, because the server antialiases edges in
+ * linear light, librsvg in grey levels.
+ */
 function isSame(picture, drawn) {
   assert.ok(Math.abs(picture.light - drawn.grey) < 0.01, `${picture.light}, ${drawn.grey}`);
 }

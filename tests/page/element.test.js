@@ -18,7 +18,7 @@ after(() => origin.close());
 
 const pages = {};
 
-/** Puts an element into the page, and waits for its last event: load, error or abort. */
+/** Adds an element to the page, and waits for its last event: load, error or abort. */
 const show = (attributes) => world.page.evaluate((given) => new Promise((resolve) => {
   const element = Object.assign(document.createElement("ccdt-halftone"), { id: "dots" });
   for (const [name, value] of Object.entries(given)) element.setAttribute(name, value);
@@ -116,7 +116,7 @@ test("keeps no picture in memory that is not shown", async () => {
     await ended;
     counts.push(urls.size);
     let decoded;
-    Image.prototype.decode = function () {  // the request is aborted when its answer has arrived
+    Image.prototype.decode = function () {  // aborts the request when its answer has arrived
       element.abort();
       decoded = decode.call(this);
       return decoded;
@@ -217,7 +217,7 @@ test("maps image pixels to device pixels, also after a change of size", async ()
     const [picture, drawing] = element.shadowRoot.children;
     return [picture.hidden, drawing.hidden, picture.naturalWidth, picture.clientWidth <= 200];
   });
-  assert.deepEqual(shown, [false, true, 400, true]);  // until others have loaded
+  assert.deepEqual(shown, [false, true, 400, true]);  // shown until other dots have loaded
   await context.close();
 });
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Errors of the server are shown beside the fields that they are about.
+// Errors of the server are shown beside the fields at fault.
 
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -30,7 +30,7 @@ beforeEach(async () => {
   page.setDefaultTimeout(patience);
   faults = [];
   gone = null;
-  const blame = (fault) => { if (!gone || !fault.includes(gone)) faults.push(fault); };  // its absence is expected
+  const blame = (fault) => { if (!gone || !fault.includes(gone)) faults.push(fault); };  // the ended server causes errors
   page.on("pageerror", (error) => blame(String(error)));
   page.on("console", (message) => { if (message.type() === "error") blame(message.text()); });
 });

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { countsOf } from "../../server/page/site/geojson.js";
 import { areaOf } from "../../server/page/site/shape.js";
 
-const many = 200_000;  // more than a call can have arguments
+const many = 200_000;  // exceeds the number of arguments of a call
 
 test("counts the properties of very many features", () => {
   const features = Array.from({ length: many }, (_, row) => ({ type: "Feature", properties: { row, people: 2 }, geometry: null }));

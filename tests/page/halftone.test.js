@@ -21,7 +21,7 @@ async function open(address = "") {
   await settled(world.page, "halftone");
 }
 
-/** Returns all requests for dots from now on, with their outcomes. */
+/** Returns a list that collects all requests for dots from now on, with their outcomes. */
 function watchRequests() {
   const seen = [];
   const isDots = (request) => request.url().includes("/halftone?");
@@ -93,7 +93,7 @@ test("applies presets to all their fields", async () => {
   await number("sites").blur();
   await settled(page, "halftone");
   assert.deepEqual(await pressed(), []);
-  await page.goBack();  // the number is not a step of its own in the history
+  await page.goBack();  // the number has no separate entry in the history
   await settled(page, "halftone");
   assert.deepEqual(await pressed(), ["Newspaper"]);
 });
@@ -172,7 +172,7 @@ test("follows a slider with drafts, and is complete once it rests", async () => 
   assert.match(await world.page.textContent("#halftone .status"), new RegExp(`^${Number(sites).toLocaleString("en")} dots`));
 });
 
-/** Makes a photograph of a megapixel and a half, and an animation of two frames. */
+/** Makes a photograph of 1.5 megapixels, and an animation of two frames. */
 async function makePictures(folder) {
   await run("/usr/bin/python3", ["-c", `
 import PIL.Image

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The real server, its page in headless Chromium, and the expected appearance of pages. Environment variables:
-// CCDT_SERVER and CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES contains the packages from npm; CCDT_SHOTS receives
+// Starts the server and headless Chromium, and compares screenshots. Environment variables: CCDT_SERVER and
+// CCDT_CHROMIUM are the programs; CCDT_NODE_MODULES is the folder of npm packages; CCDT_SHOTS is the folder for
 // screenshots that differ from the expected ones. With CCDT_UPDATE=1, new screenshots replace the expected ones.
 
 import assert from "node:assert/strict";
@@ -20,15 +20,15 @@ const axe = require.resolve("axe-core");
 export const data = path.resolve(import.meta.dirname, "../data");
 const kept = path.resolve(data, "../page/screenshots");
 
-/** Flags that restrict Chromium to what is tested. */
+/** Flags that disable functions of Chromium that the tests do not need. */
 export const quiet = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
   "--disable-component-update", "--disable-sync"];
 
 /** Limit of each wait in milliseconds. Only a fault makes a test wait this long. */
 export const patience = 120_000;
 
-// At the time limit, tests/support/supervise.py sends SIGABRT. Servers and browsers are then closed, so that the running
-// test fails and reports the line that waits.
+// At the time limit, tests/support/supervise.py sends SIGABRT. The handler closes servers and browsers, so that the
+// running test fails and reports the line that waits.
 const closers = new Set();
 let current = "nothing yet";
 beforeEach((context) => { current = context.fullName; });
@@ -42,7 +42,7 @@ export function closeAtLimit(close) {
   closers.add(close);
 }
 
-/** @returns  {server, url}, once the server listens */
+/** Starts a server, and waits until it listens. Returns {server, url}. */
 export async function startServer(flags) {
   const server = spawn(process.env.CCDT_SERVER, ["--port=0", ...flags], { stdio: ["ignore", "ignore", "pipe"] });
   closeAtLimit(() => server.kill("SIGKILL"));
@@ -58,8 +58,8 @@ export async function startServer(flags) {
 
 /**
  * Serves pages from another origin than the server under test.
- * @param page  returns the page at a path. Names of pictures are served from the data of the tests; unknown ones get a
- *              default picture, except `/nothing.png`, which does not exist
+ * @param page  returns the page at a path. Paths of pictures return the test data or, for unknown names, a default
+ *              picture. `/nothing.png` does not exist
  */
 export async function serveOrigin(page) {
   const server = createServer(async (request, response) => {
@@ -135,7 +135,7 @@ export function useBrowser({ flags = [], viewport = { width: 1280, height: 860 }
   return world;
 }
 
-/** Waits until a panel shows what was requested; `state` may also be `failed`. */
+/** Waits until a panel has the given state, `done` or `failed`, and is drawn. */
 export async function settled(page, panel, state = "done") {
   await page.waitForSelector(`#${panel}[data-state=${state}]`);
   await page.evaluate(() => new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn))));
@@ -163,7 +163,7 @@ export async function isAccessible(page, { where, tags, about } = {}) {
   assert.deepEqual(violations, [], about);
 }
 
-/** Sizes and themes in which pages must be accessible. Themes differ in colours only. */
+/** Sizes and themes in which pages must be accessible. Themes differ only in colours. */
 export const appearances = ["light", "dark"].flatMap((colorScheme) => [["wide", { width: 1280, height: 860 }], ["narrow", { width: 390, height: 844 }]]
   .map(([size, viewport]) => ({ colorScheme, size, viewport, ...(colorScheme === "dark" && { tags: ["cat.color"] }) })));
 
@@ -188,7 +188,9 @@ export async function run(command, args, options = {}) {
   return output.stdout;
 }
 
-/** Returns what a script writes to the console of another page. `file` is chosen if the script asks for a file. */
+/**
+ * Runs a script in a new page, and returns its output to the console. If the script asks for a file, chooses `file`.
+ */
 export async function runInBrowser(world, script, file) {
   const page = await world.page.context().newPage();
   await page.goto(`${world.url}/assets/reference.html`);
@@ -201,7 +203,7 @@ export async function runInBrowser(world, script, file) {
   return `${text}\n`;
 }
 
-/** Runs in a page: compares two pictures at a quarter of their width. The second one is already reduced. */
+/** Runs in a page. Compares two pictures at a quarter of the width. The second picture is already reduced. */
 async function compareIn([now, then]) {
   const pixelsOf = async (base64, factor) => {
     const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${base64}`)).blob());

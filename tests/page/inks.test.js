@@ -19,7 +19,7 @@ async function choose(inks, state = "done") {
   await settled(world.page, "halftone", state);
 }
 
-/** Returns the options of the request that is shown. */
+/** Returns the options of the request in the shown curl command. */
 async function requestedOptions() {
   const curl = await world.page.textContent("#halftone pre");
   const { searchParams } = new URL(curl.match(/'(http[^']*\/halftone[^']*)'/)[1]);
@@ -35,7 +35,7 @@ const seen = (colours) => world.page.locator("#halftone canvas").evaluate((canva
   return wanted.filter((colour) => values.has(parseInt(colour.slice(1), 16)));
 }, colours);
 
-/** Opens the page without the picture beside the halftone. */
+/** Opens the page, and moves the divider so that only the halftone is visible. */
 async function open() {
   await world.page.goto(`${world.url}/#halftone?sites=1500`);
   await settled(world.page, "halftone");
@@ -49,7 +49,7 @@ test("mixes CMYK like print and RGB like light", async () => {
   assert.deepEqual(await seen(primary), ["#000000", "#ffffff"]);
   await world.page.selectOption("#halftone [data-name=dots] select", "paper");
   await choose("cmyk");
-  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink" });  // dots on paper alone need grey
+  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink" });  // dots of paper need grey
   for (const name of ["foreground", "palette"]) assert.ok(await field(name).isHidden(), name);
   assert.deepEqual(await seen(primary), primary);
   await field("background").locator("input[type=color]").fill("#fff4d6");

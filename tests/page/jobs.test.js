@@ -11,7 +11,7 @@ import { settled, useBrowser } from "./harness.js";
 
 const asJob = ["POST /halftone 202", "GET /jobs/ID/events 200", "GET /jobs/ID/result 200", "DELETE /jobs/ID 204"];
 
-/** @returns  a function that returns all requests from now on, without ids, and the statuses of their answers */
+/** Returns a function that returns all requests so far, without job ids, and the statuses of their answers. */
 function watch(page) {
   const requests = [];
   page.on("request", (one) => {
@@ -21,7 +21,7 @@ function watch(page) {
   return () => Promise.all(requests.map(async ([one, what]) => `${what} ${(await one.response())?.status() ?? "lost"}`));
 }
 
-/** @returns  a function that returns [percent, text beside the bar] for each change so far of a bar that has a value */
+/** Returns a function that returns [percent, text] for each change of the progress bar so far. */
 async function watchBar(page) {
   await page.evaluate(() => {
     const find = (selector) => document.querySelector(`#halftone ${selector}`);
@@ -46,7 +46,7 @@ async function makeLarge({ page }) {
   assert.match(await page.textContent("#halftone .status"), /^45,000 dots/);
 }
 
-/** Requests points that take far longer than it takes to cancel them. @returns  the job, once it has made progress */
+/** Requests points that take much longer than a cancellation. Returns the job when it has made progress. */
 async function beginLong(world) {
   const { page } = world;
   await page.goto(`${world.url}/#sample?shape=polygon`);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Pictures keep their lightness in the page, in <ccdt-halftone>, and in the default answers of the server. It is
-// measured from screenshots, in each browser, with one and two device pixels per CSS pixel.
+// Pictures keep their lightness in the page, in <ccdt-halftone>, and in the default answers of the server. The
+// lightness is measured from screenshots, in each browser, with one and two device pixels per CSS pixel.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -14,8 +14,8 @@ import { closeAtLimit, data, elementPage, patience, quiet, serveOrigin, startSer
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const puppeteer = require("puppeteer-core");
 
-const pictures = ["camera.png", "chelsea.png"];  // the sizes of dots were not tuned with these
-const most = 1;  // mean difference of L*
+const pictures = ["camera.png", "chelsea.png"];  // pictures that were not used to tune the sizes of dots
+const most = 1;  // maximum mean difference of L*
 const screen = { width: 1280, height: 800 };
 
 let running, origin;
@@ -29,7 +29,7 @@ after(async () => {
   await once(running.server, "exit");
 });
 
-/** Runs in a page: returns the mean over squares of the difference in L* between the first picture and the second. */
+/** Runs in a page. Returns the mean difference in L* of two pictures, over a grid of squares. */
 async function differenceIn([shot, picture]) {
   const across = 24;
   const lightnessOf = async (base64) => {

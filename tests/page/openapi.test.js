@@ -24,10 +24,7 @@ test("the document is valid, and has no unused components", async () => {
   assert.deepEqual(problems.map(({ ruleId, message, location }) => [ruleId, message, location[0]?.pointer]), []);
 });
 
-/**
- * Returns the types of the API made by openapi-typescript; binary data is a Blob, and members with defaults are
- * optional.
- */
+/** Returns the types that openapi-typescript generates, with Blobs for binary data and defaults as optional members. */
 async function generatedTypes() {
   const blob = ts.factory.createTypeReferenceNode("Blob");
   const transform = (schema) => (schema.format === "binary" ? blob : undefined);

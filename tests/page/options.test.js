@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page offers all options of the server's routes, and explains those that need it.
+// The page offers all options of the server's routes, with help texts where needed.
 
 import assert from "node:assert/strict";
 import { mkdtempSync } from "node:fs";
@@ -21,8 +21,8 @@ async function open(address) {
 }
 
 /**
- * Options without a field of the same name. They are older names, shapes, downloads and their layers, controls beside the picture, the
- * properties that a map counts, and the pen, which has two fields.
+ * Options without a field of the same name: older names, shapes, formats and layers of downloads, controls beside the
+ * picture, the counted properties of a map, and the pen, which has two fields.
  */
 const elsewhere = {
   halftone: ["dwell", "format", "invert", "layers", "pen"],

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drawings for plotters: strokes as wide as the pen, on its paper, and the time that they take.
+// Drawings for plotters: strokes as wide as the pen, the size of the paper, and the duration.
 
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";

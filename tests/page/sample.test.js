@@ -23,7 +23,7 @@ async function press(...places) {
   for (const [x, y] of places) await world.page.mouse.click(box.x + x * box.width, box.y + y * box.height);
 }
 
-/** Returns the position of a polygon's corner on the screen while it fits the canvas, with its margin. */
+/** Returns the position of a corner on the screen while the polygon fits the canvas, with the margin. */
 async function placeOf([x, y], polygon) {
   const margin = 28;
   const box = await frame().boundingBox();
@@ -425,7 +425,7 @@ test("offers the methods that CCDT is compared with", async () => {
   assert.ok(await world.page.isDisabled("#iteration"));
 });
 
-/** Saves the points, and makes them again in a folder with the commands of the page. */
+/** Saves the points as JSON, and checks that the commands of the page, run in a folder, make the same points. */
 async function repeats(folder, file) {
   const points = await download(world.page, "sample", "JSON");
   const saved = JSON.parse(await readFile(await points.path()));

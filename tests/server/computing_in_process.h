@@ -7,7 +7,7 @@
 
 namespace ccdt::server::test {
 
-/// Computes in the calling thread, instead of in a separate process as the server does.
+/// Returns a Compute function that computes in the calling thread instead of a separate process.
 inline Compute compute_in_process(const api::Limits& limits = {}) {
     return [limits](const ComputeRequest& request, const Delivery& delivery, const Control& control,
                     api::Timings& timings) {

@@ -16,7 +16,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Returns the body of the request.
+/// Answers with the body of the request.
 Response echo(const Request& request, const HttpResult<void>& received, Connection& connection) {
     Response response;
     response.status = received ? 200 : received.error().status;
@@ -31,8 +31,8 @@ std::string ask(const RunningServer& server) {
             "5\r\nhello\r\n0\r\n\r\n");
 }
 
-/// Sends a request while the server's allocation with this number fails, then checks that the next request is answered
-/// with `status`.
+/// Sends a request while one allocation of the server, with a given number, fails. Then checks that the next request is
+/// answered with `status`.
 /// @returns  false if the server made fewer allocations
 bool survives(int number, const Capacity::Limits& limits, std::string_view status) {
     const std::size_t descriptors = open_descriptors();

@@ -9,8 +9,8 @@
 
 namespace ccdt::server::test {
 
-/// Handles a request whose head was read from the connection, as a server does: the body can be read meanwhile. Writes
-/// no answer.
+/// Calls `handle` for a request whose head was read from the connection, like HttpServer, so that `handle` can read the
+/// body. Writes no answer.
 /// @param handle  as in process_request()
 inline void process_without_answer(Connection& connection, Request& head, const Handle& handle) {
     Response response;
@@ -21,7 +21,7 @@ inline void process_without_answer(Connection& connection, Request& head, const 
     });
 }
 
-/// Reads the body of a request whose head was read from the connection, as a server does.
+/// Reads the body of a request whose head was read from the connection, like HttpServer.
 inline HttpResult<std::string> read_body(Connection& connection, Request head, std::size_t limit) {
     HttpResult<std::string> body;
     process_without_answer(connection, head, [&](const HttpResult<void>& dispatched) {

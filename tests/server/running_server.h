@@ -9,7 +9,7 @@
 
 namespace ccdt::server {
 
-/// An HttpServer on a free port, which serves in a separate thread until `stop` or the destructor is called.
+/// An HttpServer on a free port. It serves in a separate thread until `stop` or the destructor is called.
 class RunningServer {
 public:
     RunningServer(const Capacity::Limits& limits, HttpServer::Handler handler, HttpServer::Logger logger);
@@ -45,8 +45,7 @@ public:
     /// @returns  false if the server has closed the connection
     bool say(std::string_view request) const;
 
-    /// Sends a request, and receives until the server closes or resets the connection, or sends nothing for
-    /// test::kPatience.
+    /// Sends a request, and receives until the connection ends or the server sends nothing for test::kPatience.
     /// @returns  the received bytes
     std::string ask(std::string_view request) const;
 

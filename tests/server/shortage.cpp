@@ -18,8 +18,7 @@ bool is_to_fail() {
 
 }  // namespace
 
-// Replaces operator new of this program and its libraries. It has a separate file, because GCC 12 emits false warnings
-// if it is inlined.
+// Replaces operator new. In a separate file, because GCC 12 emits false warnings if the function is inlined.
 void* operator new(std::size_t size) {
     void* memory = is_to_fail() ? nullptr : std::malloc(size);
     if (memory == nullptr) throw std::bad_alloc();

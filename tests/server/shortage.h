@@ -3,12 +3,12 @@
 
 namespace ccdt::server {
 
-/// Makes one allocation fail during its lifetime, in any thread but the one that created it. Linking this class
-/// replaces operator new.
+/// Makes one allocation fail during the lifetime of this object, in any thread except the creating one. Linking this
+/// class replaces operator new.
 class Shortage {
 public:
-    /// @param number  number of allocations that succeed before
-    /// @param here    whether allocations of the creating thread count, too
+    /// @param number  number of allocations that succeed before the failure
+    /// @param here    whether allocations of the creating thread count and may fail, too
     explicit Shortage(int number, bool here = false);
     ~Shortage();
 

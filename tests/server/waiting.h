@@ -13,8 +13,8 @@ namespace ccdt::server::test {
 /// Time limit of a wait in a test, below the time limit of the test itself. Only a fault makes a test wait this long.
 inline constexpr std::chrono::seconds kPatience{45};
 
-/// The failure of a wait.
-/// @param what  what was waited for
+/// Returns the failure of a wait, with a message.
+/// @param what  the event that did not occur
 inline testing::AssertionResult waited_in_vain(const std::string& what) {
     return testing::AssertionFailure() << "waited for " << kPatience.count() << " s for " << what;
 }

@@ -38,7 +38,7 @@ local function has_type(any_key, expected)
     return found == 'none' or found == expected
 end
 
--- Returns the damaged ones of the keys that all jobs share: those with values that these scripts do not write.
+-- Returns those keys shared by all jobs that are damaged: their values differ from what these scripts write.
 local function find_damaged_keys()
     local wrong = {}
     for name, expected in pairs(types) do
@@ -61,7 +61,7 @@ local checked_fields = {'status', 'place', 'owner', 'client',
     'finished', 'started', 'result_bytes', 'failure', 'partial', 'dropped', 'variation', 'turn'}  -- numbers or missing
 local place_pattern = '^' .. string.rep('%d', 16)
 
--- Returns whether the data of a job is valid: such as these scripts write. The key must be a hash.
+-- Returns whether the data of a job has the form that these scripts write. The key must be a hash.
 local function is_sound(id)
     local values = redis.call('HMGET', job_key(id), unpack(checked_fields))
     local ended, place = has_ended[values[1]], values[2]
@@ -79,7 +79,7 @@ local function is_sound(id)
     return true
 end
 
--- Returns whether a job is in the queue, has a lease or is listed as finished, according to its state.
+-- Returns whether a job is listed where its state requires: as finished, or in the queue or with a lease.
 local function is_placed(id)
     if field(id, 'finished') then return redis.call('ZSCORE', key('finished'), id) end
     local place = field(id, 'place')
@@ -95,7 +95,7 @@ local function is_full(client, limit)
     return waiting >= 2 * limit or redis.call('HEXISTS', key('waiting'), client) == 1
 end
 
--- Stores a body: one that was uploaded before, or the fields of one that is an argument of the call.
+-- Stores a body: the key `uploaded` or, if that is empty, `fields`.
 local function put(body_key, uploaded, fields)
     if uploaded == '' then
         redis.call('UNLINK', body_key)  -- of any type
@@ -110,7 +110,7 @@ local function discard(uploaded)
     if uploaded ~= '' then redis.call('UNLINK', uploaded) end
 end
 
--- Sets the bytes that a job takes.
+-- Sets the bytes that a job takes, and updates the total.
 local function set_bytes(id, bytes)
     local before = tonumber(field(id, 'bytes') or '0')
     redis.call('HINCRBY', key('state'), 'bytes', bytes - before)
@@ -124,7 +124,7 @@ local function enter_queue(id, turn, place)
     notify('work')
 end
 
--- Returns the start tag of a job, or nothing if it was not in the queue.
+-- Removes a job from the queue. Returns its start tag, or nothing if it was not in the queue.
 local function leave_queue(id)
     local place = field(id, 'place')
     local turn = place and redis.call('ZSCORE', key('queue'), place)
@@ -135,14 +135,14 @@ local function leave_queue(id)
     return tonumber(turn)
 end
 
--- Returns the memory that the job at a place needs, or nothing if its data is incomplete: keys may have been deleted by
--- other programs, or evicted by Redis.
+-- Returns the memory that the job at a place of the queue needs, or nothing if its data is incomplete because other
+-- programs or Redis have deleted keys.
 local function memory_at(id, place)
     local known = redis.call('HMGET', job_key(id), 'place', 'client', 'memory', 'seconds')
     return known[1] == place and known[2] and tonumber(known[4]) and tonumber(known[3])
 end
 
--- Clears the accounts of clients when the queue is empty.
+-- Forgets the service that clients have received if the queue is empty.
 local function forget_turns_if_empty()
     if redis.call('EXISTS', key('queue')) == 1 then return end
     redis.call('DEL', key('had'), key('waiting'))
@@ -179,7 +179,7 @@ local function remove(id)
     redis.call('UNLINK', job_key(id), question_key(id), result_key(id))
 end
 
--- Drops the oldest results, and then the jobs that finished first, until there is enough space.
+-- Deletes the oldest results, and then the jobs that finished first, until there is space for `bytes`.
 local function free_space(bytes, limit)
     while state('bytes') + bytes > limit do
         local dropped = redis.call('ZPOPMIN', key('results'))[1]
@@ -200,7 +200,7 @@ local function free_space(bytes, limit)
     return true
 end
 
--- Returns whether a claim is the latest one and its lease still exists.
+-- Returns whether a claim is the latest one of a job and its lease still exists.
 local function owns(id, claim)
     local latest, is_leased = field(id, 'claim'), redis.call('ZSCORE', key('leases'), id) ~= false
     if latest == claim and not is_placed(id) or is_leased and not latest then fail_as_damaged(job_key(id)) end

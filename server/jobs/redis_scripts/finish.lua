@@ -10,7 +10,7 @@ local function refuse(why)
 end
 
 if not owns(id, ARGV[2]) then
-    local finished = field(id, 'finished')  -- by this claim, but its server did not get the reply
+    local finished = field(id, 'finished')  -- finished by this claim in an earlier call, whose reply was lost
     if finished and field(id, 'claim') == ARGV[2] and field(id, 'status') ~= 'cancelled' then
         return refuse({'finished', finished})
     end

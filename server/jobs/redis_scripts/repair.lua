@@ -1,8 +1,8 @@
 -- SPDX-License-Identifier: GPL-3.0-or-later
 -- (bytes of a job without bodies, lease in milliseconds) -> the damaged keys
 --
--- Repairs keys that were overwritten or deleted. Damaged jobs fail, or are removed if their owner is unknown. The keys
--- that all jobs share are rebuilt from the jobs.
+-- Repairs keys that were overwritten or deleted. Fails damaged jobs, or removes them if their owner is unknown.
+-- Rebuilds the keys that all jobs share from the jobs.
 local found = find_damaged_keys()
 local was_found = {}
 for _, damaged_key in ipairs(found) do
@@ -16,7 +16,8 @@ for _, count in ipairs(redis.call('HVALS', key('waiting'))) do
     end
 end
 
--- Fails a job, of whose data only the owner is trusted. The new number of the claim belongs to no server.
+-- Fails a damaged job. Keeps only the owner and, if valid, the time of creation. The new claim number belongs to no
+-- server.
 local function fail(id)
     local owner, created, claim = field(id, 'owner'), tonumber(field(id, 'created')), tonumber(field(id, 'claim'))
     redis.call('UNLINK', job_key(id), question_key(id), result_key(id))
@@ -28,7 +29,7 @@ local function fail(id)
     redis.call('ZADD', key('finished'), exact_now, id)
 end
 
--- Returns the ids of the remaining jobs.
+-- Fails or removes damaged jobs, and returns the ids of the remaining jobs.
 local function repair_jobs()
     local ids = {}
     for _, any_key in ipairs(redis.call('KEYS', prefix .. 'job:*')) do

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Measures how evenly points are spread, and compares them with the points of each method.
+// Panel that measures the spectrum and the distances of points, and compares them with the points of each method.
 
 import { capabilities, postJson } from "./api.js";
 import { chart } from "./chart.js";
@@ -10,13 +10,13 @@ import { largestSquare, unitTorus } from "./shape.js";
 
 const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
 const maxInSpectrum = 131072;  // points; their spectrum has 8 million values
-const digits = 11;  // significant digits of the longest coordinates; two million points then take less than 64 MiB
-const maxToCompare = 1024;  // points; CCVT takes a second for so many
-const whitest = 2.5;  // power that is drawn white
+const digits = 11;  // significant digits of the largest coordinates, so that two million points take less than 64 MiB
+const maxToCompare = 1024;  // points; CCVT takes a second for this number
+const whitest = 2.5;  // power from which on pixels are white
 
 /**
- * Returns the projected points in the largest square inside a shape, relative to its lower left corner. If the shape is
- * a rectangle or a torus, returns all points.
+ * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the
+ * projected points in the largest square inside the shape, relative to its lower left corner.
  */
 function windowOf({ points, shape, outline, places }) {
   if (shape.domain) return { points, domain: shape.domain };
@@ -47,7 +47,7 @@ export class Analyze extends Panel {
     return this.source.value === "halftone" ? this.halftone : this.sample;
   }
 
-  /** Returns the settings of the analyzed panel, too, so that the address reproduces its points. */
+  /** Returns the settings, including those of the panel whose points are analyzed. */
   state() {
     const source = this.source.value;
     return { ...(source === "sample" ? { shape: this.sample.shapeName } : { source }), ...this.#made.state() };
@@ -63,7 +63,7 @@ export class Analyze extends Panel {
   }
 
   /**
-   * Fetches the points of the analyzed panel.
+   * Requests the points of the panel that is analyzed.
    * @returns  {points, domain, note}
    */
   async #pointsMade(signal) {
@@ -130,8 +130,8 @@ function row(result) {
 }
 
 /**
- * Draws a spectrum with frequency 0 in the middle. Power 0 is black; `whitest` and more is white. Without a spectrum,
- * the figure is only the key to the curve.
+ * Returns a figure of a spectrum, with frequency 0 in the middle. Power 0 is black, `whitest` and above is white.
+ * Without a spectrum, returns only the caption, which is the legend of the curve.
  */
 function spectrumFigure({ name, spectrum }, index) {
   const caption = make("figcaption", { textContent: name });

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sends requests to the server that the page came from.
+// Sends requests to the server of the page.
 
 const keyName = "ccdt-key";
 
-/** An error response of the server: its message, and the options that it is about. */
+/** An error response of the server: status, message, and one error for each option at fault. Status 0: no response. */
 export class Problem extends Error {
   constructor(status, detail, errors = []) {
     super(detail);
@@ -44,7 +44,7 @@ export async function ask(method, path, { body, signal, keepalive, ...forHeaders
   return response;
 }
 
-/** Formats, options, methods and limits of the server, from `/capabilities`. */
+/** Formats, options, methods and limits of the server: the answer of `/capabilities`. */
 export const capabilities = await (await ask("GET", "/capabilities")).json();
 
 export const post = (path, body, options) => ask("POST", path, { body, ...options });
@@ -53,8 +53,8 @@ export const postJson = async (path, body, signal) =>
   (await post(path, JSON.stringify(body), { type: "application/json", signal })).json();
 
 /**
- * Runs only the newest of several tasks. A draft starts after a running draft has ended, so that results appear while a
- * slider moves. In all other cases, a new task cancels the running one.
+ * Runs only the newest of several tasks. A new task cancels the running one. However, a draft waits for a running
+ * draft, so that results appear while a slider moves.
  */
 export class Newest {
   #running = null;
@@ -65,7 +65,7 @@ export class Newest {
     this.ended = ended;
   }
 
-  /** Starts a task, or queues a draft. */
+  /** Starts a task. A draft waits if a draft is running. */
   start(work, draft = false) {
     this.#next = null;
     if (this.#running?.draft && draft) {

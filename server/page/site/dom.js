@@ -11,17 +11,14 @@ export function make(tag, { attributes = {}, ...properties } = {}, ...children) 
 
 let saved = null;
 
-/**
- * Saves a file. Its URL is revoked at the next call, because some browsers start saving after this function has
- * returned.
- */
+/** Saves a file. Revokes its URL only at the next call, because some browsers save after this function has returned. */
 export function save(blob, name) {
   if (saved) URL.revokeObjectURL(saved);
   saved = URL.createObjectURL(blob);
   make("a", { href: saved, download: name }).click();
 }
 
-/** Passes the first of the files dropped on an element to `take`. */
+/** Passes the first file of each drop on an element to `take`. */
 export function acceptDrops(element, take) {
   const mark = (over) => (event) => {
     event.preventDefault();

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws rings on a viewport. A press adds a corner, or closes the ring at its first corner. Existing corners can be
-// dragged.
+// Lets the user draw rings of a polygon. A press adds a corner, or closes the ring at its first corner. Existing
+// corners can be dragged.
 
-const reach = 12;  // CSS pixels within which a press hits a corner
+const reach = 12;  // CSS pixels; maximum distance at which a press hits a corner
 
 export class Drawing {
   #ring = null;
 
   /**
-   * @param toScreen  returns the position of a corner, in CSS pixels
-   * @param toShape   returns the corner at a position, rounded
-   * @param grasped   called before an existing corner moves
-   * @param changed   called when rings change; its argument tells whether the change is still going on
+   * @param toScreen  returns the position of a corner on the screen, in CSS pixels
+   * @param toShape   returns the corner at a position on the screen, rounded
+   * @param grasped   called before an existing corner is moved
+   * @param changed   called when rings change; the argument tells whether the user is still moving a corner
    */
   constructor({ toScreen, toShape, grasped, changed }) {
     Object.assign(this, { toScreen, toShape, grasped, changed });
@@ -22,7 +22,7 @@ export class Drawing {
     return this.#ring;
   }
 
-  /** Starts a ring. `done` receives the ring once it is closed. */
+  /** Starts a new ring. `done` is called with the ring when it is closed. */
   start(done) {
     this.#ring = [];
     this.done = done;
@@ -54,8 +54,7 @@ export class Drawing {
 
   /**
    * Handles a press at a position.
-   * @returns  a function to be called with each position that follows, and then with null; null if the press hits no
-   *           corner
+   * @returns  a function for the following positions of the pointer, and finally null; null if the press hits no corner
    */
   press(at, rings) {
     if (this.#ring) return this.#add(at);

@@ -2,20 +2,20 @@
 // Custom element that shows a picture as dots, in pages of any origin:
 // <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
 //
-// The server is the one that this module was loaded from. Until it has answered, and if the request fails, the element
-// shows a conventional halftone screen that it draws itself.
+// Requests dots from the server that this module was loaded from. Until the answer arrives, and if the request fails,
+// draws a conventional halftone screen in the browser.
 
 const server = new URL("/", import.meta.url);
 
-/** Attributes that are options of /halftone. Flags need no value. */
+/** Attributes of the element that become options of /halftone. Flags need no value. */
 const optionAttributes = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot",
   "scale", "quality", "seed", "iterations", "passes", "antialias", "dots", "invert"];
 const flags = ["antialias", "invert"];
 
-const maxJobs = 2;  // of all elements; browsers open six connections to a server, and each job occupies one
-const maxMisses = 5;  // failed attempts in a row to reconnect to a stream of events
-const resizeDelay = 250;  // ms without a change of size before new dots are requested
-const minPitch = 4;  // pixels; minimum distance of dots that the element draws itself
+const maxJobs = 2;  // of all elements on a page; browsers open six connections to a server, and each job occupies one
+const maxMisses = 5;  // successive failures to reconnect to an event stream
+const resizeDelay = 250;  // ms without a change of size after which new dots are requested
+const minPitch = 4;  // pixels; minimum distance of dots drawn in the browser
 
 let jobs = 0;
 const waiting = [];
@@ -37,7 +37,7 @@ async function bodyOf(response) {
   throw new Error(detail ?? `${response.url} was answered with status ${response.status}`);
 }
 
-/** Waits for the end of a job. `onProgress` receives the progress, from 0 to 1. */
+/** Waits for the end of a job. Calls `onProgress` with the progress, from 0 to 1. */
 function follow(job, signal, onProgress) {
   const events = new EventSource(`${job}/events`);
   return new Promise((resolve, reject) => {
@@ -53,8 +53,7 @@ function follow(job, signal, onProgress) {
 }
 
 /**
- * Requests dots from the server as a job. Waits for the address of the job even after an abort, because a job without
- * an address cannot be cancelled.
+ * Requests dots from the server as a job. An abort waits for the job's address, which is needed to cancel it.
  * @param onProgress  called with the progress, from 0 to 1
  */
 async function askForDots(picture, query, signal, onProgress) {
@@ -76,8 +75,8 @@ const share = (channel) => (...light) => (1 - darkness(...light) - light[channel
 const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 
 /**
- * Returns the colour of the paper, the blending mode of the inks, and for each ink [colour, angle of its screen,
- * function from light to the covered share].
+ * Returns the colour of the paper, the blending mode of the inks, and for each ink [colour, angle of its screen in
+ * degrees, function from the light of red, green and blue to the coverage].
  */
 function screensOf(options) {
   if (options.get("color") === "cmyk") {
@@ -104,8 +103,8 @@ function lightOfColour(context, colour) {
 }
 
 /**
- * Returns a function from a position in a picture to the mean light of the grid cell at that position, on a white
- * ground. `width` and `height` are the numbers of cells. Positions are shares of the sides, from 0 to 1.
+ * Averages a picture, on a white ground, over a grid of `width` x `height` cells. Returns a function from a position
+ * (shares of the sides, from 0 to 1) to the light of the cell there.
  */
 function lightOf(bitmap, width, height) {
   const canvas = Object.assign(document.createElement("canvas"), { width, height });
@@ -122,10 +121,7 @@ function lightOf(bitmap, width, height) {
   };
 }
 
-/**
- * Returns the radius, in pitches, with which dots on a square grid cover a share of the area. From a share of pi / 4
- * on, the dots overlap.
- */
+/** Returns the radius, in pitches, of dots on a square grid with a given coverage. Above pi / 4, they overlap. */
 function radiusOf(covered) {
   const alone = Math.PI / 4;
   if (covered < alone) return Math.sqrt(covered / Math.PI);
@@ -150,9 +146,7 @@ function drawScreen(context, { width, height }, pitch, light, [colour, angle, sh
   context.fill();
 }
 
-/**
- * Draws the screens of all inks in linear light, so that antialiased edges mix light. Encodes the pixels at the end.
- */
+/** Draws the screens of all inks in linear light, so that antialiased edges mix light, and converts to sRGB. */
 function draw(canvas, width, bitmap, options) {
   canvas.width = width;
   canvas.height = Math.max(Math.round((width * bitmap.height) / bitmap.width), 1);
@@ -185,14 +179,14 @@ class Halftone extends HTMLElement {
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
   #progress = Object.assign(document.createElement("progress"), { hidden: true, ariaLabel: "Dots" });
   #width = new CSSStyleSheet();
-  #fit = new CSSStyleSheet();  // maps one pixel of the picture to one device pixel
+  #fit = new CSSStyleSheet();  // shows one pixel of the picture on one device pixel
   #observer = new ResizeObserver(() => this.#resized());
   #timer = null;
-  #loaded = {};  // {source, picture}: the picture that was loaded last
+  #loaded = {};  // {source, picture}: the last loaded picture
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
-  #requested = null;  // source and options that are shown or requested
-  #drawn = null;  // source of the drawing, which the element makes itself
+  #requested = null;  // source and options of the shown or requested dots
+  #drawn = null;  // source of the picture drawn in the browser
 
   constructor() {
     super();
@@ -217,7 +211,7 @@ class Halftone extends HTMLElement {
   attributeChangedCallback() { queueMicrotask(() => this.#refresh()); }
   disconnectedCallback() { queueMicrotask(() => this.#leave()); }
 
-  /** Cancels the running request, on the server, too. The shown picture stays. */
+  /** Cancels the running request and its job on the server. Keeps the shown picture. */
   abort() {
     if (!this.#run) return;
     this.#cancel();
@@ -250,7 +244,7 @@ class Halftone extends HTMLElement {
     return Math.round(this.getBoundingClientRect().width * devicePixelRatio);
   }
 
-  /** Requests dots for a new size, once the size has not changed for `resizeDelay`. */
+  /** Requests dots for a new size when the size has not changed for `resizeDelay`. */
   #resized() {
     if (!this.#requested || this.hasAttribute("scale") || [0, this.#pixels].includes(this.#pixelsNow)) return;
     this.#fit.replaceSync("");
@@ -262,10 +256,7 @@ class Halftone extends HTMLElement {
     }, resizeDelay);
   }
 
-  /**
-   * Returns the options of a request, with the width in device pixels and with `dot` converted to device pixels. If the
-   * options contain `scale`, they stay as they are.
-   */
+  /** Returns the options of a request, with width and `dot` in device pixels unless they contain `scale`. */
   #sized(options) {
     const query = new URLSearchParams(options);
     this.#pixels = this.#pixelsNow;
@@ -312,7 +303,7 @@ class Halftone extends HTMLElement {
     }
   }
 
-  /** Draws dots in the browser. Dots from the server stay visible if they show the same picture. */
+  /** Draws dots in the browser, and shows them unless dots of the same picture are already visible. */
   async #draw(picture, source, options, signal) {
     const bitmap = await createImageBitmap(picture).catch(() => null);
     signal.throwIfAborted();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Finds the polygons and the counts in GeoJSON documents.
 
-/** Returns the polygons of a document, each a list of rings with the outer ring first. Skips other geometries. */
+/** Returns the polygons of a document, each as a list of rings with the outer ring first. Skips other geometries. */
 export function polygonsOf(json) {
   switch (json?.type) {
     case "FeatureCollection": return json.features.flatMap(polygonsOf);
@@ -13,13 +13,13 @@ export function polygonsOf(json) {
   }
 }
 
-/** Whether a document is GeoJSON, by its type. */
+/** Whether the member `type` of a document is a type of GeoJSON. */
 export function isGeojson(json) {
   const geometries = ["Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon", "GeometryCollection"];
   return ["Feature", "FeatureCollection", ...geometries].includes(json?.type);
 }
 
-/** Returns a value as a number of at least 0, else NaN. The number may be a text, as in census files. */
+/** Returns a value as a number of at least 0, otherwise NaN. The value may be a text, as in census files. */
 function countIn(value) {
   const number = typeof value === "string" && value.trim() !== "" ? Number(value) : value;
   return Number.isFinite(number) && number >= 0 ? number : NaN;
@@ -29,8 +29,8 @@ function countIn(value) {
 const identifierName = /(^|_)(id|[fgop]id|fips|code|iso\w*|zip|key|nuts\w*|index|year)$|fips|fp$|geoid|objectid|postcode|[a-z](ID|Id|Code)$/;
 
 /**
- * Whether a property identifies features instead of counting something. Such a property has a typical name, texts of
- * equal lengths or with leading zeros, or consecutive whole numbers.
+ * Whether a property probably identifies features instead of counting: it has a typical name, texts of equal lengths or
+ * with leading zeros, or consecutive whole numbers.
  */
 function isIdentifier(name, values) {
   if (identifierName.test(name) || identifierName.test(name.toLowerCase())) return true;
@@ -43,8 +43,8 @@ function isIdentifier(name, values) {
 }
 
 /**
- * Returns the properties that may be counts: properties whose values are null or numbers of at least 0.
- * @returns  [{name, sum}] in the order of their first occurrence, but with probable identifiers last
+ * Returns the properties that may be counts, because all values are null or numbers of at least 0.
+ * @returns  [{name, sum}] in the sequence of the document, but with probable identifiers at the end
  */
 export function countsOf(json) {
   if (json?.type !== "FeatureCollection") return [];
@@ -63,7 +63,7 @@ export function countsOf(json) {
   return counts.sort((a, b) => rank(a) - rank(b)).map(({ name, sum }) => ({ name, sum }));
 }
 
-/** Whether a bounding box may be in longitude and latitude. The server accepts longitudes from -540 to 540 degrees. */
+/** Whether a bounding box may be in degrees of longitude (-540 to 540, as the server accepts) and latitude. */
 export function mayBeDegrees({ minX, maxX, minY, maxY }) {
   return minX >= -540 && maxX <= 540 && minY >= -90 && maxY <= 90;
 }

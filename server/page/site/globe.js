@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Projects the globe onto a plane. Areas are preserved, so that points spread evenly on the ground look even.
+// Projects the globe onto a plane with equal-area projections, so that points spread evenly on the globe look even.
 
 const radian = 180 / Math.PI;
-const farthest = Math.cos(120 / radian);  // least cosine of the angle to the middle on a regional map
-const longest = 1;  // degrees; longer edges are divided, as they are curves on the plane
+const farthest = Math.cos(120 / radian);  // cosine of the maximum angle to the middle on a regional map
+const longest = 1;  // degrees; longer edges are divided, because they are curves on the plane
 
 function directionOf([longitude, latitude]) {
   const [a, b] = [longitude / radian, latitude / radian];
   return [Math.cos(b) * Math.cos(a), Math.cos(b) * Math.sin(a), Math.sin(b)];
 }
 
-/** Returns the direction of the middle of rings. Edges are weighted by their lengths. */
+/** Returns the direction of the middle of rings: the mean of the edges' middles, weighted by their lengths. */
 function middleOf(rings) {
   const sum = [0, 0, 0];
   for (const ring of rings) {
@@ -25,9 +25,7 @@ function middleOf(rings) {
   return sum.map((value) => value / (Math.hypot(...sum) || 1));
 }
 
-/**
- * Returns Lambert's azimuthal equal-area projection about a direction. Shapes near this direction are hardly distorted.
- */
+/** Returns Lambert's azimuthal equal-area projection around a direction, near which shapes are hardly distorted. */
 function azimuthal([x, y, z]) {
   const [longitude, sine, cosine] = [Math.atan2(y, x), z, Math.hypot(x, y)];
   return ([east, north]) => {
@@ -39,7 +37,7 @@ function azimuthal([x, y, z]) {
   };
 }
 
-/** Projects a position by the Equal Earth projection (Savric, Patterson, Jenny 2019), which shows the whole world. */
+/** Projects a position by the Equal Earth projection of the whole world (Savric, Patterson, Jenny 2019). */
 function equalEarth([east, north]) {
   const t = Math.asin((Math.sqrt(3) / 2) * Math.sin(north / radian));
   const [a1, a2, a3, a4] = [1.340264, -0.081106, 0.000893, 0.003796];
@@ -48,8 +46,8 @@ function equalEarth([east, north]) {
 }
 
 /**
- * Returns a ring with continuous longitudes: adds multiples of 360 degrees where they jump by more than 180. Closes a
- * ring around a pole along the pole.
+ * Returns a ring with continuous longitudes: adds multiples of 360 degrees after each jump of more than 180 degrees.
+ * Extends a ring around a pole by an edge along the pole.
  */
 function unrolled(ring) {
   const result = [];
@@ -76,7 +74,7 @@ function cut(ring, meridian, side) {
   });
 }
 
-/** Clips a part to longitudes from -180 to 180 degrees. Pieces beyond these are shifted by 360 degrees. */
+/** Cuts a part at longitudes -180 and 180 degrees, and shifts the pieces outside by 360 degrees. */
 function inOneTurn(part) {
   const rings = part.map(unrolled);
   return [-360, 0, 360].map((shift) => rings
@@ -94,7 +92,7 @@ function bent(ring) {
 }
 
 /**
- * Projects parts onto a plane whose unit is a degree near the middle.
+ * Projects parts onto a plane. Near the middle, the unit is a degree.
  *
  * @param parts  lists of rings of [longitude, latitude], in degrees
  * @returns      {parts, project}: the projected parts, and the projection for any other position

@@ -15,18 +15,18 @@ import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
 
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
-const draftScale = 2;  // largest scale of a draft of a reduced picture
+const draftScale = 2;  // maximum scale of a draft of a reduced picture
 const thumbWidth = 32;  // CSS pixels; width of the handle of the divider
 const thumbSide = 128;  // pixels; side of a thumbnail
 const toneTolerance = 0.05;
 const firstSample = "astronaut.jpg";
-const ownPicture = "own";  // name in the address for a picture of the user, which the address cannot hold
+const ownPicture = "own";  // name in the address for a picture of the user, which is not part of the address
 
 const samplePath = (name) => `/assets/samples/${name}`;
 
 /**
- * Loads a picture that comes with the page: {name, path, blob}. A picture of the user has no path. Once a picture is
- * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
+ * Loads a picture of the page: {name, path, blob}. A picture of the user has no path. When a picture is chosen, it gets
+ * `original`: the decoded bitmap, or null if the browser cannot decode it.
  */
 const sample = async (name) => ({ name, path: samplePath(name), blob: await (await ask("GET", samplePath(name))).blob() });
 const ownOf = (file) => ({ name: file.name, blob: file });
@@ -54,12 +54,12 @@ async function shownPart(original, dots) {
   if (!original) return null;
   const scale = Math.max(dots.width / original.width, dots.height / original.height);
   const [width, height] = [dots.width / scale, dots.height / scale].map(Math.round);
-  // Dots of the whole picture have its aspect ratio, up to a rounding of one pixel.
+  // If the dots have the aspect ratio of the picture, up to a rounding of one pixel, they show the whole picture.
   if (Math.max(original.width - width, original.height - height) * scale < 2) return original;
   return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
 }
 
-/** Returns the middle square of a picture, or its name if the browser cannot decode it. */
+/** Returns the middle square of a picture on a canvas, or its name as text if the browser cannot decode it. */
 function thumbnailOf({ name, original }) {
   if (!original) return make("span", { textContent: name });
   const canvas = make("canvas", { width: thumbSide, height: thumbSide });
@@ -73,15 +73,15 @@ function thumbnailOf({ name, original }) {
 const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
   !palette && !dots && tone !== "density" && style === "fill" && minutes === undefined && background !== "transparent";
 
-/** Whether a pen draws more than a short stroke for each dot, so that the drawing differs from plain dots. */
+/** Whether a pen draws more than a short stroke for each dot, so that dots and drawing look different. */
 const isOfStrokes = ({ style = "fill" }) => !["fill", "stroke"].includes(style);
 
 /** Whether a drawing is for print. Drawings for print are not antialiased by default. */
 const isForPrint = ({ scale, width_mm: print }) => scale !== undefined || print !== undefined;
 
 /**
- * Returns the options of the request whose answer the panel shows. The panel scales in linear light, so the server need
- * not prepare edges for scaling. An explicit `antialias` turns this preparation off.
+ * Returns the options of the request whose answer the panel shows. Sets `antialias` explicitly, so that the server does
+ * not prepare edges for scaling: the panel scales in linear light.
  */
 const shownOptions = (options) => {
   const isSized = isForPrint(options) || options.width !== undefined || options.height !== undefined;
@@ -91,8 +91,8 @@ const shownOptions = (options) => {
 const marks = { fill: "dots", stroke: "pen strokes", spiral: "spirals", circles: "dots of nested circles", path: "dots on one line" };
 
 /**
- * Describes the marks by their number or, if the server has chosen it, by their radius in pixels of the picture. A line
- * has the width of its pen, whatever the radius.
+ * Describes the drawn marks by their number or, if the server has chosen the number, by their radius in pixels of the
+ * picture. Does not name a radius for lines, which have the width of the pen.
  */
 function describe({ sites, style = "fill", color, palette }, response) {
   if (sites !== undefined) return `${count(Number(sites))} ${marks[style]}`;
@@ -101,8 +101,8 @@ function describe({ sites, style = "fill", color, palette }, response) {
 }
 
 /**
- * Returns the options of a draft of a picture whose width was divided by `factor`. Scale and radius are adapted, so
- * that dots keep their size on the screen.
+ * Returns the options of a draft of a picture whose width was divided by `factor`. Adapts scale and radius, so that
+ * dots keep their size on the screen.
  */
 function draftOf(options, factor) {
   const draft = { ...shownOptions(options), ...draftOptions };
@@ -123,12 +123,12 @@ function warningsOf(response, isTimed) {
 export class Halftone extends Panel {
   #picture = null;
   #own = null;
-  // Includes `scale` (output pixels per pixel of the picture), `status` and `warnings` after a request that is no
-  // draft.
+  // What the panel shows. After a request that is not a draft, it includes `scale` (output pixels per pixel of the
+  // picture), `status` and `warnings`.
   #shown = { original: null, dots: null };
-  #before = null;  // {picture, shown} from before the choice of a picture that the server has not read yet
-  #scaled = {};  // scaled dots that were drawn last
-  #planned = null;  // estimate of the dots in each ink
+  #before = null;  // {picture, shown} to return to if the server cannot read the chosen picture
+  #scaled = {};  // last drawn scaled dots
+  #planned = null;  // result of `inksOf` for the picture
   #isStale = true;
 
   constructor(element) {
@@ -234,14 +234,14 @@ export class Halftone extends Panel {
     });
   }
 
-  /** Shows the dots of a picture, or of the one that a promise yields. */
+  /** Chooses a picture (or a promise of a picture), and requests its dots. */
   async #choose(picture) {
     if (!(await this.#takeNewest(picture))) return;
     this.note(true);
     this.refresh();
   }
 
-  /** Takes a picture once it is loaded, unless another one is chosen before. Returns whether it was taken. */
+  /** Takes a picture when it is loaded, unless the user chooses another one before. Returns whether it was taken. */
   async #takeNewest(loading) {
     try {
       const picture = await this.loadNewest(loading);
@@ -255,7 +255,7 @@ export class Halftone extends Panel {
     }
   }
 
-  /** Loads a picture. If the browser cannot decode it, such as a TIFF, the server still draws its dots. */
+  /** Makes a picture the current one, even if only the server can decode it, such as a TIFF. */
   async #take(picture) {
     this.element.dataset.state = "busy";
     this.newest.abandon();
@@ -309,8 +309,8 @@ export class Halftone extends Panel {
   }
 
   /**
-   * Option `width` to send if the radius is given in pixels; {} otherwise. Such a radius counts pixels of the output,
-   * so the output must keep the width that it had when the radius was chosen.
+   * Option `width` of a request with a radius in pixels; {} for other requests. The radius is in pixels of the output,
+   * so the output must keep the width that it had when the user chose the radius.
    */
   get #heldWidth() {
     const { width, height, scale, width_mm: print } = this.moreFields.values();
@@ -318,7 +318,7 @@ export class Halftone extends Panel {
     return isHeld ? this.#shownWidth : {};
   }
 
-  /** Option `width` that gives the width of the last full output; {} if there was none. */
+  /** Option `width` with the width of the last output that was not a draft; {} if there was none. */
   get #shownWidth() {
     const { original, scale } = this.#shown;
     return scale ? { width: Math.round(scale * original.width) } : {};
@@ -327,9 +327,9 @@ export class Halftone extends Panel {
   #options(format) {
     const options = { ...this.fields.values(), ...this.moreFields.values(), ...this.#heldWidth, ...(this.plotter.isOn && this.plotter.options(format)) };
     if (options.palette) delete options.color;
-    // Dots of paper need grey, and pens draw a layer of ink for each colour.
+    // Dots of paper need grey pictures, and pens draw a layer of ink for each colour.
     if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
-    if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
+    if (options.antialias !== isForPrint(options)) delete options.antialias;  // omit the default
     return options;
   }
 
@@ -337,12 +337,13 @@ export class Halftone extends Panel {
     if (!this.#picture) await this.#take(await sample(firstSample));
     const options = this.#options(format);
     const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
-    if (!drawn && isOfBothSides(options)) options.dots = "both";  // which is the default of drawings
+    if (!drawn && isOfBothSides(options)) options.dots = "both";  // the default of drawings, but not of lists
     return this.#post({ ...options, ...this.#sizeOf(options, format, drawn), format }, signal, onProgress);
   }
 
   /**
-   * Returns options that give a file the shown size. Lists of dots have no width, and TIFFs are for print by default.
+   * Returns options with which a file has the shown size. Lists of dots get `scale` instead of a width, and TIFFs,
+   * which are for print by default, a width.
    */
   #sizeOf(options, format, drawn) {
     const isSized = options.width !== undefined || options.height !== undefined;
@@ -389,7 +390,7 @@ export class Halftone extends Panel {
         warnings: warningsOf(response, this.plotter.minutes !== undefined),
       });
       await this.#plot(options, signal);
-      this.status.textContent = this.#shown.status;  // the job of the plot may have cleared it
+      this.status.textContent = this.#shown.status;  // the job of the drawing may have cleared the text
     }, draft);
   }
 
@@ -403,7 +404,7 @@ export class Halftone extends Panel {
     this.#show({ ...this.#shown, dots: await drawingOf(svg, width, height, options.background) });
   }
 
-  /** Shows a result. Position and zoom stay as long as the picture does, even if the output has another scale. */
+  /** Shows a result. Keeps position and zoom for the same picture, even if the scale of the output changes. */
   #show(shown) {
     const { original, dots, scale, status = "", warnings = "" } = shown;
     const { width, height } = original ?? dots;
@@ -414,7 +415,7 @@ export class Halftone extends Panel {
     this.viewport.content = { width, height };
   }
 
-  /** Whether the server cannot read the picture. Browsers show parts of some broken pictures. */
+  /** Whether a problem means that the server cannot read the picture. Browsers show parts of some broken pictures. */
   #isUnreadable({ status, message }) {
     return status === 415 || (status === 422 && /^the image is (broken|of a kind)/.test(message));
   }
@@ -465,7 +466,7 @@ export class Halftone extends Panel {
     if (original) this.#drawOriginal(context, view, place);
   }
 
-  /** Draws the dots. Their scaled pixels are kept, because they stay the same while the divider moves. */
+  /** Draws the dots. Caches their scaled pixels, because they do not change while the divider moves. */
   #drawDots(context, place) {
     const { dots } = this.#shown;
     const { width, height } = context.canvas;
@@ -477,7 +478,7 @@ export class Halftone extends Panel {
     if (pixels) context.putImageData(pixels.image, pixels.x, pixels.y);
   }
 
-  /** Draws the picture left of the divider, or all of it if there are no dots. */
+  /** Draws the picture left of the divider, or the whole picture if there are no dots. */
   #drawOriginal(context, view, { x, y, width, height }) {
     const { original, dots } = this.#shown;
     const share = Number(this.divider.value) / 100;

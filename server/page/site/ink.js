@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Estimates how many dots a picture needs, before the server has answered.
+// Estimates how many dots a picture needs, without the server.
 
 import { linear } from "./light.js";
 
-const side = 96;  // pixels of the reduced picture along each side
+const side = 96;  // pixels; side of the reduced picture
 
 /**
- * Returns the total area of the dots that together cover a share of the paper, divided by the area of the paper. Where
- * dots overlap, each of them counts (core/halftone/coverage_curve.h).
+ * Returns the total area of the dots, divided by the area of the paper, for a coverage. Areas where dots overlap count
+ * for each of them (core/halftone/coverage_curve.h).
  */
 const dotsFor = (covered) => covered + 0.6 * Math.max(0, (covered - 0.65) / 0.35) ** 8;
 
 const luminance = (red, green, blue) => 0.2126 * red + 0.7152 * green + 0.0722 * blue;
 const lightness = (light) => (light > 0.008856 ? 1.16 * Math.cbrt(light) - 0.16 : 9.033 * light);
 
-/** Returns the function from the linear light of red, green and blue to the share of the paper that each ink covers. */
+/** Returns a function from the linear light of red, green and blue to the coverage of each ink. */
 function separationOf({ color, palette, dots, tone }) {
   if (color === "rgb") return (...light) => light;
   if (color === "cmyk" || palette) {
@@ -31,7 +31,7 @@ function separationOf({ color, palette, dots, tone }) {
 }
 
 /**
- * Estimates the dots of each ink.
+ * Estimates the area and the spread of the dots of each ink.
  *
  * @param picture  any image source of a canvas
  * @param options  options of /halftone

@@ -1,34 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sends long requests as jobs, whose progress can be shown.
+// Sends long requests as jobs, so that the page can show their progress.
 
 import { ask, capabilities, post } from "./api.js";
 
-/** Estimated seconds for placing dots above which a request is sent as a job. */
+/** Estimated duration in seconds above which a request is sent as a job. */
 const maxSynchronousSeconds = 0.6;
 
-/** Statuses of servers that have no capacity for a job or have lost it. They may still answer a synchronous request. */
+/** Statuses of a server that has no capacity for a job or has lost it. Synchronous requests may still succeed. */
 const refusals = [404, 410, 413, 429, 503, 507];
 
-const pause = 1000;  // ms between requests for the state of a job
+const pause = 1000;  // ms between two requests for the state of a job
 const maxMisses = 30;
-const maxSilence = 40000;  // ms; the server sends something every 15 s
+const maxSilence = 40000;  // ms without an event; the server sends one at least every 15 s
 const startedJobs = new Set();
 
-/** Whether a request takes long enough for a job. Drafts, which have one iteration, do not. */
+/** Whether a request takes long enough to be sent as a job. Drafts, which have one iteration, do not. */
 function isLong({ sites, method: name, quality = "standard", iterations = 5 }) {
   const { methods } = capabilities.sample;
   const method = methods.find((one) => one.name === name) ?? methods[0];
   return iterations > 1 && sites * method.seconds_per_site[quality] > maxSynchronousSeconds;
 }
 
-/** Deletes a job, which also cancels it if it runs. The request outlives the page. */
+/** Deletes a job, which also cancels it. The browser sends the request even if the page is closed. */
 function remove(job) {
   startedJobs.delete(job);
   ask("DELETE", job, { keepalive: true }).catch(() => {});
 }
 addEventListener("pagehide", () => startedJobs.forEach(remove));
 
-/** Yields the states of a job from its server-sent events. Gives up a stream that is silent for too long. */
+/** Yields the states of a job from its server-sent events, until the stream is silent for `maxSilence`. */
 async function* eventsOf(job, signal) {
   const silence = new AbortController();
   let timer = null;
@@ -57,7 +57,7 @@ async function* eventsOf(job, signal) {
   }
 }
 
-/** Yields the states of a job by polling. The server may be unreachable for a while. */
+/** Yields the states of a job by polling. Tolerates up to `maxMisses` successive failures to reach the server. */
 async function* statesOf(job, signal) {
   for (let misses = 0; ; await new Promise((resume) => setTimeout(resume, pause))) {
     signal.throwIfAborted();
@@ -70,7 +70,7 @@ async function* statesOf(job, signal) {
   }
 }
 
-/** Reports the states of a job until it has ended: from its events or, if they are lost, by polling. */
+/** Reports the states of a job until its end, from its event stream or, after a loss of the stream, by polling. */
 async function follow(job, signal, onProgress) {
   const hasEnded = async (states) => {
     for await (const state of states) {
@@ -88,7 +88,7 @@ async function follow(job, signal, onProgress) {
   await hasEnded(statesOf(job, signal));
 }
 
-/** Starts a job. Cannot be aborted, because only the answer names the job to delete. */
+/** Starts a job. Takes no abort signal, because a job can only be deleted when the answer has named it. */
 async function begin(path, body, type) {
   const response = await post(path, body, { type, prefer: "respond-async" });
   if (response.status !== 202) return { response };
@@ -110,10 +110,10 @@ async function postAsJob(path, body, { type, signal, onProgress }) {
 }
 
 /**
- * Sends a POST request, as a job if the answer takes long.
+ * Sends a POST request, as a job if the answer is expected to take long.
  *
- * @param options     options of the request, from which its duration is estimated
- * @param onProgress  called with each state of the job as the server reports it, and finally with null
+ * @param options     options of the request, for the estimate of its duration
+ * @param onProgress  called with each reported state of the job, and finally with null
  */
 export async function postPatiently(path, body, options, { type, signal, onProgress }) {
   if (isLong(options)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Scales pictures in linear light. The mean of encoded values would make patterns of black and white dots far too dark.
+// Scales pictures in linear light. Means of sRGB values would make patterns of black and white dots far too dark.
 
 /** Linear light, from 0 to 1, of each sRGB value from 0 to 255. */
 export const linear = Float32Array.from({ length: 256 }, (_, value) => {
@@ -16,11 +16,11 @@ const encoded = Uint8ClampedArray.from({ length: steps + 2 }, (_, step) => {
 export const lightOfColour = (text) => text.match(/[\d.]+/g).slice(0, 3).map((value) => linear[Math.round(value)]);
 
 /**
- * Computes which source cells each target cell averages when a row or column of cells is scaled.
+ * Computes the source cells, with weights, whose mean is each target cell when a row or column of cells is scaled.
  * @param length  number of source cells
  * @param start   position of the scaled line in the target; may be negative
  * @param size    length of the scaled line in target cells
- * @param most    number of target cells that are visible
+ * @param most    number of visible target cells
  * @returns       {first, count, starts, offsets, weights}. Only the `count` visible target cells from `first` on are
  *                listed. The i-th of them averages the source cells from starts[i] on, with weights[offsets[i]] to
  *                weights[offsets[i + 1] - 1]
@@ -42,7 +42,7 @@ function cellsOf(length, start, size, most) {
 }
 
 /**
- * Adds the light of a row of pixels, times a weight, to `sums`, which has three numbers per pixel.
+ * Adds `weight` times the light of a row of pixels to `sums`, which has three numbers per pixel.
  * @param start   index in `data` of the first pixel
  * @param ground  light behind transparent pixels
  */
@@ -61,7 +61,7 @@ function addRow(data, start, weight, ground, sums) {
 }
 
 /**
- * Scales a picture. Each pixel of the result has the mean light of the area that it covers.
+ * Scales a picture. Each target pixel gets the mean light of the area that it covers.
  *
  * @param picture  a canvas
  * @param place    {x, y, width, height} of the scaled picture, in whole pixels of a target canvas; parts may be outside

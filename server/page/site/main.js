@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sets up the page: its panels, the tabs that select one, the address, and the form for the API key.
+// Sets up the page: its panels, the tabs that select a panel, the address, and the form for the API key.
 
 import { readAddress, writeAddress } from "./address.js";
 import { setKey } from "./api.js";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shows a mask of thresholds and its effect: the repeated tile, and a picture and a ramp of greys dithered with it.
+// Shows a mask of thresholds and its effect: the repeated mask, and a picture and a grey ramp dithered with it.
 
-const minSide = 256;  // pixels; minimum side of the squares that show the mask and the picture
+const minSide = 256;  // pixels; minimum side of the areas for the mask and the picture
 const gap = 8;  // pixels between the parts
 const picture = "/assets/samples/camera.jpg";  // a grey picture
 
-/** Returns the grey values of an image stretched to a size, row by row. */
+/** Stretches an image to a size, and returns its grey values, row by row. */
 function greysOf(image, width, height) {
   const context = new OffscreenCanvas(width, height).getContext("2d");
   context.drawImage(image, 0, 0, width, height);
@@ -17,8 +17,7 @@ function greysOf(image, width, height) {
  * Draws a mask and its effect.
  *
  * @param blob  a mask, as the server returns it
- * @returns     {width, height, canvas}: size of the tile in pixels, and the drawing, with the first copy of the tile in
- *              its upper left corner
+ * @returns     {width, height, canvas}: size of the mask in pixels, and the drawing, with the mask at the upper left
  */
 export async function showing(blob) {
   const mask = await createImageBitmap(blob);

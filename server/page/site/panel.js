@@ -25,7 +25,7 @@ export class Panel {
     this.status.textContent = "Cancelled. The last result is shown";
   }
 
-  /** Applies settings that `state` returned. `activate` then updates what is shown. */
+  /** Applies settings that `state` returned. Afterwards, `activate` updates the shown results. */
   async restore() {}
 
   /** Returns the settings that differ from their initial values, as texts by name. */
@@ -33,15 +33,15 @@ export class Panel {
     return {};
   }
 
-  /** Called when the panel becomes visible. Requests what is missing. */
+  /** Called when the panel becomes visible. Requests missing results. */
   activate() {}
 
-  /** Reports that settings have changed. A step becomes an entry in the history of the browser. */
+  /** Reports that settings have changed. If `isStep`, the change becomes an entry in the history of the browser. */
   note(isStep = false) {
     this.element.dispatchEvent(new CustomEvent("settings", { detail: { isStep } }));
   }
 
-  /** Shows the state of a job, or hides it if the state is null. */
+  /** Shows the progress of a job; null hides it. */
   showJob = (state) => {
     this.job.hidden = state === null;
     if (!state) return this.progress.removeAttribute("value");
@@ -55,7 +55,7 @@ export class Panel {
     return this.element.querySelector(selector);
   }
 
-  /** Shows a problem as a message and beside the fields that it is about. Null clears the message and these fields. */
+  /** Shows a problem as a message, and its errors beside the fields at fault. Null clears both. */
   show(problem) {
     this.element.dataset.state = problem ? "failed" : "done";
     this.place(problem?.errors ?? []);
@@ -72,8 +72,8 @@ export class Panel {
   forget() {}
 
   /**
-   * Waits until the user's choice is loaded. Returns null if the user has chosen something else in the meantime, so
-   * that a slow answer does not replace a newer choice.
+   * Waits until a file that the user has chosen is loaded, and returns it. Returns null if the user has made another
+   * choice in the meantime, so that a slow answer does not replace a newer choice.
    */
   async loadNewest(loading) {
     this.element.dataset.state = "busy";
@@ -84,18 +84,18 @@ export class Panel {
     return outcome.value;
   }
 
-  /** Ignores what is still being loaded, because the user has chosen something else. */
+  /** Ignores files that are still being loaded, because the user has made another choice. */
   abandonLoads() {
     ++this.#loads;
   }
 
-  /** Shows a problem and keeps the last result, because the problem is not about the current settings. */
+  /** Shows a problem that does not concern the current settings. Keeps the last result. */
   showProblem({ message }) {
     this.element.dataset.state = "failed";
     this.error.textContent = message;
   }
 
-  /** Starts a task. It is a draft while an input moves. */
+  /** Starts a task; see Newest. Tasks are drafts while a slider moves. */
   start(work, draft = false) {
     this.element.dataset.state = "busy";
     this.newest.start(work, draft);
@@ -113,8 +113,8 @@ export class Panel {
   }
 
   /**
-   * Offers formats, and keeps the selected one if it is among them.
-   * @param given  names of the options that are set; formats that need others are left out
+   * Fills the menu of formats, and keeps the selected format if it is still offered.
+   * @param given  names of the options that are set; formats that need other options are omitted
    */
   offerDownloads(formats, file, given = []) {
     const { value } = this.format;

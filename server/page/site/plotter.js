@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Drawing for a plotter: paper, pen, the length of its path, and the time that it takes.
+// Controls for a drawing by a plotter: paper, pen and time limit. Shows the length of the path and the duration.
 
 import { element as shape } from "./chart.js";
 import { count, make, metres, save } from "./dom.js";
@@ -7,7 +7,7 @@ import { Fields } from "./fields.js";
 
 const papers = { a6: [105, 148], a5: [148, 210], a4: [210, 297], a3: [297, 420], a2: [420, 594], letter: [215.9, 279.4] };  // mm
 
-/** Mean distance of successive dots on a path, divided by the square root of the area per dot, at uniform density. */
+/** Mean distance of successive dots on a path through dots of uniform density, in square roots of the area per dot. */
 const meanStep = 1;
 
 /** Styles in which the pen fills dots that are wider than the pen. */
@@ -50,8 +50,8 @@ function fillLength(style, width, pen) {
 }
 
 /**
- * Measures the path of the pen through a drawing.
- * @returns  {dots, strokes, path}: `path` is the length of the whole path, raised pen included, in units of the drawing
+ * Measures the path of the pen through a layer of an SVG drawing.
+ * @returns  {dots, strokes, path}: `path` is the length of all moves, in units of the drawing
  */
 function pathOf(part, style) {
   let [strokes, corners, path, before] = [0, 0, 0, null];
@@ -65,7 +65,7 @@ function pathOf(part, style) {
   return { dots: style === "path" ? corners : strokes, strokes, path };
 }
 
-/** Returns the layers of a drawing: [{name, colour, dots, strokes, path}]. A drawing without layers counts as one. */
+/** Returns the layers of a drawing: [{name, colour, dots, strokes, path}]. A drawing without layers is one layer. */
 function layersOf(svg, style) {
   const parts = svg.split(/inkscape:groupmode="layer" inkscape:label="([^"]*)"/);
   const named = parts.length === 1 ? [["dots", svg]] : parts.slice(1).flatMap((name, i, all) => (i % 2 ? [] : [[name, all[i + 1]]]));
@@ -74,18 +74,18 @@ function layersOf(svg, style) {
 
 export class Plotter {
   #svg = null;
-  #shownOptions = null;  // options of the current drawing; null if there is none or another one has been requested
+  #shownOptions = null;  // options of the current drawing; null if there is none, or a new one was requested
   #layers = [];
 
   /**
    * @param place    parent of the form
    * @param size     returns the width and height of the drawing, in its own units
-   * @param plan     returns what is known before the server has answered: {sites, inks}. `sites` is the number of dots
-   *                 if it is fixed, `inks` is a result of `inksOf`. Returns null if nothing is known
+   * @param plan     returns {sites, inks} for estimates: `sites` is the number of dots, if fixed; `inks` is a result of
+   *                 `inksOf`. Returns null if unknown
    * @param isTimed  whether a time limit may determine the number of dots
    * @param dot      returns the option `dot` for a radius and the width of the drawing, both in mm
-   * @param changed  called when options of a request change, with whether the change is a draft
-   * @param turned   called when the pen is turned on or off, with whether it is on
+   * @param changed  called when options of a request change; the argument tells whether the change is a draft
+   * @param turned   called with true when the pen is turned on, with false when it is turned off
    * @param noted    called when a setting that does not affect requests changes
    */
   constructor(place, { size, plan, isTimed = false, dot, changed, turned, noted }) {
@@ -129,8 +129,7 @@ export class Plotter {
   }
 
   /**
-   * Returns the options of a drawing: its width, dots and pen, and the time if it is limited. G-code needs the speed,
-   * too.
+   * Returns the options of a drawing: width, dots, pen and, if there is one, the time limit. Adds the speed for G-code.
    */
   options(format) {
     const { pen_mm: pen, style, speed, lift, pen_down, pen_up } = this.fields.values();
@@ -154,10 +153,10 @@ export class Plotter {
   }
 
   /**
-   * Estimates a drawing. Returns null if it is unknown.
-   * @returns  {dots, strokes, path, wanted, whole}: `dots` are those within the time limit, `path` is the length of the
-   *           whole path in mm, `wanted` is the number of dots without a time limit, and `whole` is the width at which
-   *           `dots` dots would give the full tone
+   * Estimates the size and the duration of a drawing; null if unknown.
+   * @returns  {dots, strokes, path, wanted, whole}: `dots` is the number of dots within the time limit, `path` the
+   *           length of the path in mm, `wanted` the number of dots without a time limit, and `whole` the width of
+   *           dots, in mm, at which `dots` dots would give the full tone
    */
   #estimate() {
     const plan = this.plan();
@@ -189,7 +188,7 @@ export class Plotter {
     this.#tellFigures();
   }
 
-  /** Disables saving until the next drawing arrives, and shows an estimate of that drawing. */
+  /** Disables saving until the next drawing arrives, and shows estimates for it. */
   wait() {
     this.button.disabled = true;
     this.#shownOptions = null;
@@ -197,7 +196,7 @@ export class Plotter {
     if (this.isOn) this.#tellFigures();
   }
 
-  /** Shows the errors of the server, whose names of options differ from those of the fields. */
+  /** Shows the errors of the server beside the fields. Translates the names of options to those of the fields. */
   show(errors) {
     const ownNames = { dot: fillings.includes(this.style) ? "dot_mm" : "pen_mm", pen: "pen_mm", dwell: "lift" };
     this.fields.show(errors.map((error) => ({ ...error, pointer: ownNames[error.pointer.replace(/^\//, "")] ?? error.pointer })));
@@ -208,8 +207,8 @@ export class Plotter {
   }
 
   /**
-   * Requests a new drawing only if its options have changed. Without a time limit, the speed of the pen does not
-   * matter.
+   * Requests a new drawing only if a change of a field changes its options. For example, the speed of the pen matters
+   * only with a time limit.
    */
   #fieldChanged(draft) {
     this.#settle();
@@ -232,8 +231,8 @@ export class Plotter {
   }
 
   /**
-   * Returns the width and height of the drawing and the size of its paper, in mm. The drawing is centred on the paper,
-   * which is turned to make the drawing as large as possible.
+   * Returns the width and height of the drawing and the size of its paper, in mm. The drawing is centred on the paper.
+   * The paper is upright or across, whichever makes the drawing larger.
    */
   #page() {
     const { paper, margin_mm: margin, width_mm: chosenWidth } = this.fields.values();
@@ -270,7 +269,7 @@ export class Plotter {
     ];
   }
 
-  /** Returns a note if the time limit makes the drawing lighter than the picture. */
+  /** Returns a note, in a list, if the time limit makes the drawing lighter than the picture; otherwise []. */
   #advice({ dots, wanted, whole }) {
     if (!(dots < wanted && whole > 0)) return [];
     const wider = fillings.includes(this.style) ? "dots" : "a pen";

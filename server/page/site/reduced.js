@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Reduces large pictures, so that drafts of them are quick to send and to decode.
+// Reduces large pictures, so that drafts can be sent and decoded quickly.
 
 const maxPixels = 300_000;
 
-/**
- * Whether a picture has more pixels than drafts need. A picture that the browser cannot decode (null) is never reduced.
- */
+/** Whether a picture has more than `maxPixels` pixels. False for null, a picture that the browser cannot decode. */
 export const isLarge = (bitmap) => bitmap !== null && bitmap.width * bitmap.height > maxPixels;
 
 /**
  * Reduces a picture to at most 300,000 pixels.
  *
  * @param bitmap  a decoded large picture
- * @returns       {blob, factor}: the reduced picture, and the width of the original over its width
+ * @returns       {blob, factor}: the reduced picture as WebP, and original width / reduced width
  */
 export async function reduced(bitmap) {
   const share = Math.sqrt(maxPixels / (bitmap.width * bitmap.height));

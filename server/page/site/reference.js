@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shows the reference of the API from the OpenAPI document of the server.
+// Shows the reference of the API, generated from the OpenAPI document of the server.
 
 import { make } from "./dom.js";
 
 const main = document.querySelector("main");
 
-/** Merges a node with the one that it refers to. Its own members take precedence. */
+/** Merges a node of the document with the node that its `$ref` names. Members of the node itself take precedence. */
 function resolve(whole, { $ref: reference, ...own }) {
   if (!reference) return own;
   const found = reference.slice(2).split("/").reduce((place, name) => place[name], whole);
@@ -30,14 +30,14 @@ function valuesOf(whole, node) {
   return [schema.type, schema.pattern, rangeOf(schema)].filter(Boolean).join(" ");
 }
 
-/** Returns the members of a schema and of the schemas that it includes. */
+/** Returns the members of a schema and of the schemas in its `allOf`. */
 function membersOf(whole, node) {
   const schema = resolve(whole, node);
   const included = (schema.allOf ?? []).flatMap((part) => membersOf(whole, part));
   return [...included, ...Object.entries(schema.properties ?? {}).map(([name, part]) => [name, part, schema.required])];
 }
 
-/** Splits a text into plain text and code elements, which backticks delimit. */
+/** Splits a text into plain texts and code elements at backticks. */
 const prose = (text) => text.split("`").map((part, i) => (i % 2 ? make("code", { textContent: part }) : part));
 
 /** Creates a table. Roles are explicit, because style sheets for narrow screens display cells as blocks. */
@@ -52,7 +52,7 @@ function table(label, titles, rows) {
     make("table", { role: "table" }, group("thead", head), group("tbody", ...lines)));
 }
 
-/** Returns a table of members for each form that a body may have. */
+/** Returns a table of members for each alternative form of a body. */
 function tablesOf(whole, content, title) {
   const forms = (content.schema.anyOf ?? [content.schema]).map((form) => [form.$ref?.split("/").pop(), membersOf(whole, form)]);
   return forms.filter(([, members]) => members.length > 0).map(([name, members], i) => {

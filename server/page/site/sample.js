@@ -18,30 +18,30 @@ import { Viewport } from "./viewport.js";
 
 const maxFrames = 64;
 const minRadius = 0.9;  // CSS pixels; minimum radius of a dot
-const dotShare = 0.3;  // radius of a dot over the mean spacing
-const mapShare = 0.15;  // the same on a dot map, parts of which are much denser
-/** Minimum initial number of dots of a map. Rounding of the units per dot allows up to 2.5 times as many. */
+const dotShare = 0.3;  // radius of a dot, in mean spacings
+const mapShare = 0.15;  // the same for dot maps, which have much denser parts
+/** Minimum initial number of dots of a map. Rounding the units per dot allows up to 2.5 times this number. */
 const initialMapDots = Math.min(5000, Math.floor(maxPoints / 2.5));
-const maxCounts = 24;  // properties offered
+const maxCounts = 24;  // maximum number of properties offered
 const listsProperties = ["geojson", "ndjson", "geojsonseq", "csv"];
-const maxRepairs = 20;  // repairs shown
-const maxParts = 30;  // parts offered
-const maxPast = 100;  // polygons kept for undo
-const maxInAddress = 2000;  // characters of corners
-const minScale = 4;  // CSS pixels per threshold; thresholds below this size are smoothed
+const maxRepairs = 20;  // maximum number of repairs shown
+const maxParts = 30;  // maximum number of parts offered
+const maxPast = 100;  // maximum number of polygons kept for undo
+const maxInAddress = 2000;  // maximum number of characters for corners
+const minScale = 4;  // CSS pixels per threshold below which the mask is smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
-const ownShape = "own";  // name in the address for a file of the user, which the address cannot hold
+const ownShape = "own";  // name in the address for a file of the user, which is not part of the address
 
 let filesTaken = 0;
 
 const bodyMembers = ["density", "exclude", "avoid", "fixed"];  // options that cannot be query parameters
 
-/** Whether the body of a request is the file itself. Options in `bodyMembers` need a JSON body instead. */
+/** Whether a file is sent as the body of a request. Options in `bodyMembers` need a JSON body instead. */
 const isDocument = ({ file }, options) => Boolean(file) && !bodyMembers.some((name) => name in options);
 
 /**
- * Returns the request for a shape. If a file is the body, options are query parameters; otherwise shape and options are
- * members of a JSON body.
+ * Returns the request for a shape. If the body is a file, the options are query parameters. Otherwise, shape and
+ * options are members of a JSON body.
  */
 function requestOf({ file, json, ...shape }, options) {
   if (isDocument({ file }, options)) return { path: `/sample?${new URLSearchParams(options)}`, body: file.archive ?? file.text, type: file.archive ? "application/zip" : "application/geo+json", file };
@@ -52,8 +52,8 @@ function requestOf({ file, json, ...shape }, options) {
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
 /**
- * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read a shapefile, so the
- * outline comes from the boundary of a triangulation that the server makes.
+ * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read shapefiles, so their
+ * outline is the boundary of a triangulation from the server.
  */
 async function documentOf(file) {
   if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
@@ -62,13 +62,13 @@ async function documentOf(file) {
   return { name: file.name, text: JSON.stringify(json), archive: file };
 }
 
-/** Loads the map of the page: {name, text, path}. */
+/** Loads the sample map of the page: {name, text, path}. */
 async function loadMap() {
   const path = `/assets/samples/${map.name}`;
   return { name: map.name, text: await (await ask("GET", path)).text(), path };
 }
 
-/** Returns the largest number of the form 1, 2 or 5 times a power of ten that fits `number` times into a sum. */
+/** Returns the largest number of the form 1, 2 or 5 times a power of ten that is at most `sum / number`. */
 function roundShare(sum, number) {
   const power = 10 ** Math.floor(Math.log10(sum / number));
   return power * ([5, 2].find((factor) => sum / number >= factor * power) ?? 1);
@@ -84,7 +84,7 @@ function countFields(counts, checked) {
   ];
 }
 
-/** Reads a polygon from JSON; null if it contains none. */
+/** Reads a polygon from JSON; null if the text contains none. */
 function readCorners(text) {
   try {
     return polygonOf(JSON.parse(text));
@@ -103,7 +103,7 @@ export class Sample extends Panel {
   #own = null;
   #mask = null;
   #isStale = true;
-  #isBegun = false;  // false until a shape is restored or requested; the first shape is the map
+  #isBegun = false;  // false until a shape is restored or requested
 
   constructor(element) {
     super(element);
@@ -179,8 +179,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Restores the shape. The default is the map without any settings, and the polygon with settings that name no shape.
-   * Returns false if the map could not be loaded, or if another shape was chosen in the meantime.
+   * Restores the shape. If there are no settings, the shape is the sample map; if settings do not name a shape, it is
+   * the polygon. Returns false if the map could not be loaded, or if the user has made another choice in the meantime.
    */
   async #restoreShape({ corners = "", ...state }) {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
@@ -222,13 +222,13 @@ export class Sample extends Panel {
     return this.#kept;
   }
 
-  /** Width and height of the shape in its own units, which drawings also use. */
+  /** Width and height of the shape, in units of its coordinates. */
   get #given() {
     const bounds = boundsOf(outlineOf(this.shape, false).rings);
     return { width: bounds.maxX - bounds.minX, height: bounds.maxY - bounds.minY };
   }
 
-  /** Last result: the answer of the server, the shape, its outline, and the projected points as `places`. */
+  /** Last result: the members of the server's answer, `shape`, `outline`, and the projected points as `places`. */
   get result() {
     return this.#result;
   }
@@ -277,7 +277,9 @@ export class Sample extends Panel {
     if (await this.#takeMap()) this.#chosen();
   }
 
-  /** Shows employed and unemployed people on the map of the page. Returns whether the map was loaded and is wanted. */
+  /**
+   * Shows employed and unemployed people on the sample map. Returns false if it was not loaded or is not wanted now.
+   */
   async #takeMap() {
     try {
       const document = await this.loadNewest(loadMap());
@@ -292,8 +294,8 @@ export class Sample extends Panel {
   /**
    * Loads a GeoJSON document. Throws if it contains no polygons.
    *
-   * @param file     {name, text}; also path if the server has it, and archive if the text was made from one
-   * @param counted  properties whose units the points represent
+   * @param file     {name, text}; also `path` for a file of the server, and `archive` for a shapefile
+   * @param counted  names of the properties that points count
    */
   #takeDocument(file, counted = []) {
     const json = JSON.parse(file.text);
@@ -320,8 +322,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Returns {counted, per}: the properties whose units the points represent, and the number of units per point.
-   * `counted` is empty for shapes that are not files.
+   * Returns {counted, per}: the names of the properties that points count, and the number of units per point. `counted`
+   * is empty for shapes that are not files.
    */
   #counting() {
     return (this.shapeChoice.value === "file" && this.countFields?.values()) || { counted: [] };
@@ -371,7 +373,7 @@ export class Sample extends Panel {
     this.#offerTools();
   }
 
-  /** Removes the last corner of the ring being drawn, or else reverts the last change of the polygon. */
+  /** Removes the last corner of the ring being drawn or, if there is none, reverts the last change of the polygon. */
   #undo() {
     if (this.drawing.ring?.length > 0) {
       this.drawing.undo();
@@ -409,7 +411,7 @@ export class Sample extends Panel {
     this.viewport.redraw();
   }
 
-  /** Fits the view to the shape, together with its neighbouring copies if tiles are shown. */
+  /** Fits the view to the shape and, if tiles are shown, to its neighbouring copies. */
   #refit() {
     if (this.isMask) return;
     const bounds = boundsOf(this.#outline.rings);
@@ -420,7 +422,7 @@ export class Sample extends Panel {
     this.#offerParts();
   }
 
-  /** Offers single parts to show, the largest first. Distant islands would make all other parts small. */
+  /** Fills the menu of parts that can be shown alone, because distant islands would make all parts small. */
   #offerParts() {
     const { parts } = this.#outline;
     this.partsBySize = parts.map((part) => ({ part, area: areaOf([part]) })).sort((a, b) => b.area - a.area);
@@ -443,10 +445,7 @@ export class Sample extends Panel {
     return { x: left + (x - this.view.minX) * scale, y: top + (this.view.maxY - y) * scale };
   }
 
-  /**
-   * Returns the position in the shape at a point of the canvas. Rounding moves it by less than a pixel and keeps
-   * requests short.
-   */
+  /** Returns the position in the shape at a point of the canvas, rounded to a fraction of a pixel. */
   #toShape(at) {
     const { x, y } = this.viewport.toContent(at);
     const digits = Math.max(0, Math.ceil(Math.log10(this.viewport.scale)));
@@ -508,9 +507,7 @@ export class Sample extends Panel {
     return Number(this.iteration.max);
   }
 
-  /**
-   * Returns the options of what is shown. Only the last iteration is polished; earlier ones are intermediate results.
-   */
+  /** Returns the options of the request for an iteration. Only the last iteration is polished. */
   options(iteration = Number(this.iteration.value)) {
     const { coordinates, format } = this.shapeFields.values();
     if (this.isMask) return { format, ...this.fields.values() };
@@ -597,10 +594,7 @@ export class Sample extends Panel {
     return this.#frames.get(key);
   }
 
-  /**
-   * Returns the result for the current settings, in the form of `result`. A draft is not polished, unless the polished
-   * answer is cached.
-   */
+  /** Requests the result for the current settings. Drafts are not polished, unless the polished answer is cached. */
   async fetch(signal, { draft = false, onProgress } = {}) {
     this.#isBegun = true;
     const shape = this.shape.file ? this.shape : structuredClone(this.shape);
@@ -632,7 +626,7 @@ export class Sample extends Panel {
       const summary = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
       if (!draft) this.status.textContent = summary;
       if (!draft || this.#isKept(this.options(this.#lastIteration))) await this.#showTrace(signal);
-      if (!draft) this.status.textContent = summary;  // the job of the trace may have cleared it
+      if (!draft) this.status.textContent = summary;  // the job of the trace may have cleared the text
       if (!draft) await this.#plot(signal);
     }, draft);
   }
@@ -695,8 +689,8 @@ export class Sample extends Panel {
   }
 
   /**
-   * Shows errors. If the body of the request is a document, pointers that begin with a slash refer to the document, and
-   * names without a slash refer to options.
+   * Shows errors beside the shape or the fields. If the body of the request is a file, pointers with a leading slash
+   * refer to the file, other pointers to options.
    */
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
@@ -776,7 +770,7 @@ export class Sample extends Panel {
     const all = result.places.length, shown = result.rank ? this.#shownFirst : all;
     const classes = result.classes ?? [{ color: colour(dx === 0 && dy === 0 ? "--ink" : "--quiet"), sites: all }];
     for (const [number, { color, sites }] of classes.entries()) {
-      const most = Math.round((shown / all) * sites);  // each class has its own progressive order
+      const most = Math.round((shown / all) * sites);  // each class has a separate progressive order
       context.fillStyle = color;
       context.beginPath();
       result.places.forEach(([px, py], i) => {
@@ -790,7 +784,7 @@ export class Sample extends Panel {
     }
   }
 
-  /** Draws the triangulation. On a torus, an edge leads to the nearest copy of its other end. */
+  /** Draws the triangulation. On a torus, draws each edge to the nearest copy of its other end. */
   #drawMesh(context, { vertices, triangles, shape, outline }, [dx, dy]) {
     const period = shape.domain?.type === "torus" ? shape.domain : null;
     const near = (from, to, side) => (period ? to - side * Math.round((to - from) / side) : to);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Outlines, extents and areas of shapes.
+// Computes outlines, bounding boxes and areas of shapes.
 
 import { polygonsOf } from "./geojson.js";
 import { onMap } from "./globe.js";
@@ -18,8 +18,8 @@ const isRing = (ring) => Array.isArray(ring) && ring.length > 0 &&
   ring.every((corner) => Array.isArray(corner) && corner.length >= 2 && corner.every(Number.isFinite));
 
 /**
- * Reads a polygon from JSON: {polygon, holes}, or a ring alone.
- * @returns  null if it is neither
+ * Reads a polygon from parsed JSON: {polygon, holes}, or a single ring.
+ * @returns  {polygon, holes}; null if the JSON has another form
  */
 export function polygonOf(json) {
   const { polygon, holes = [] } = Array.isArray(json) ? { polygon: json } : json ?? {};
@@ -27,7 +27,7 @@ export function polygonOf(json) {
   return { polygon, ...(holes.length > 0 && { holes }) };
 }
 
-/** Returns the parts of a shape, each a list of rings with the outer ring first. */
+/** Returns the parts of a shape, each as a list of rings with the outer ring first. */
 function partsOf(shape) {
   if (shape.domain) return [[boxRing(shape.domain)]];
   if (shape.polygon) return [[shape.polygon, ...(shape.holes ?? [])]];
@@ -35,11 +35,11 @@ function partsOf(shape) {
 }
 
 /**
- * Returns the outline of a shape as it is shown.
+ * Returns the outline of a shape on the screen plane.
  *
  * @param onGlobe  whether positions are longitude and latitude
- * @returns        {parts, rings, project}: the corners on a plane whose y axis points up, and the projection for other
- *                 positions
+ * @returns        {parts, rings, project}: the corners on a plane whose y axis points up, and the projection of
+ *                 positions onto this plane
  */
 export function outlineOf(shape, onGlobe) {
   const given = partsOf(shape);
@@ -78,10 +78,7 @@ export function isInside([x, y], rings) {
   return odd;
 }
 
-/**
- * Estimates the area of parts. Where parts overlap, the area counts for each of them. The largest ring of a part is
- * assumed to be the outer one.
- */
+/** Computes the total area of parts, overlaps included. Assumes that the largest ring of a part is the outer one. */
 export function areaOf(parts) {
   const area = (part) => {
     const areas = part.map((ring) => Math.abs(signedArea(ring)));
@@ -107,8 +104,8 @@ export function polygonsOfMesh({ vertices, boundary }) {
 }
 
 /**
- * Estimates the largest square inside rings: the largest one on a grid whose nodes are all inside.
- * @returns  {x, y, side}; `side` is 0 if there is none
+ * Estimates the largest square inside rings: the largest square of grid cells whose nodes are all inside.
+ * @returns  {x, y, side}; `side` is 0 if there is no such square
  */
 export function largestSquare(rings, cells = 96) {
   const { minX, minY, maxX, maxY } = boundsOf(rings);

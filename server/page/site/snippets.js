@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Shows the request of the page as code to copy, in several languages.
+// Shows the request of the page as code to copy, for curl, JavaScript and Python.
 
 import { hasKey } from "./api.js";
 import { make } from "./dom.js";
@@ -16,7 +16,7 @@ const authorizations = {
   python: ', headers={"Authorization": "Bearer " + os.environ["CCDT_KEY"]}',
 };
 
-/** Returns JavaScript that asks for a file. It works in a page and in the console of a browser. */
+/** Returns JavaScript that asks the user for a file. It works in a page and in the console of a browser. */
 const choice = (name) => `const ${name} = await new Promise((choose) => {
   const input = Object.assign(document.createElement("input"), {type: "file"});
   input.onchange = () => { choose(input.files[0]); input.remove(); };
@@ -24,8 +24,8 @@ const choice = (name) => `const ${name} = await new Promise((choose) => {
 });`;
 
 /**
- * Returns how each language reads a file. If the server has the file, all languages download it. Otherwise the user of
- * a browser chooses it, and other languages read it from the current folder.
+ * Returns the code that reads a file in each language. Files of the server are downloaded. For other files, the browser
+ * asks the user, and the other languages read the current folder.
  * @returns  {before, curl, browser, node, python}; `browser` and `node` are lines that define a constant
  */
 function sourceOf({ name, path }, constant) {
@@ -44,7 +44,7 @@ function sourceOf({ name, path }, constant) {
 /**
  * Returns the request in each language.
  *
- * @param source  source of the body, from `sourceOf` or `writtenOut`
+ * @param source  code for the body, from `sourceOf` or `writtenOut`
  * @param body    {name, script}: the Python variable and the JavaScript expression for the body
  * @param result  {output, script, python, imports}: the file that curl writes, the code that reads `answer` in
  *                JavaScript and Python, and the imports of Python
@@ -87,8 +87,8 @@ function halftoneSnippets({ picture, options }) {
 const maxArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
 
 /**
- * Returns the same as `sourceOf`, for a body that is written in the code itself. curl gets the body as an argument or,
- * if it is too long for that, as a here-document.
+ * Returns the same as `sourceOf` for a body that is part of the code. curl gets the body as an argument or, if it is
+ * too long, as a here-document.
  */
 const writtenOut = (body) => ({
   ...(body.length > maxArgument
@@ -121,16 +121,14 @@ export class Snippets {
     element.append(make("div", { className: "kinds" }, ...kinds, copy), this.text);
   }
 
-  /**
-   * Copies the text. Browsers allow that only over HTTPS and on the same machine; otherwise the text is only selected.
-   */
+  /** Copies the text. Browsers allow this only over HTTPS and on the same machine; otherwise, selects the text. */
   async #copy() {
     getSelection().selectAllChildren(this.text);
     try {
       await navigator.clipboard.writeText(this.text.textContent);
       this.copy.textContent = "Copied";
     } catch {
-      this.copy.textContent = "Selected";  // the browser allows only the user to copy
+      this.copy.textContent = "Selected";  // the browser does not permit copying
     }
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Canvas whose content can be moved and zoomed by mouse, touch, keys and buttons.
+// A canvas whose content the user can move and zoom by mouse, touch, keys and buttons.
 
 import { make } from "./dom.js";
 
@@ -18,15 +18,15 @@ export class Viewport {
   x = 0;
   y = 0;
 
-  /** Scale shown as 100 %; null for the scale at which the content fits. */
+  /** Scale that is shown as 100 %; null: the scale at which the content fits. */
   unit = null;
 
   /**
-   * @param canvas   canvas in a frame that determines its size
+   * @param canvas   canvas, in a parent element that determines its size
    * @param bar      parent of the buttons
-   * @param draw     called with a context whose unit is a CSS pixel, and with this viewport
-   * @param options  `margin` in CSS pixels, and `press(point)`. If `press` returns a function, it claims the press: the
-   *                 function is called with each point that follows, and then with null
+   * @param draw     called with a drawing context, whose unit is a CSS pixel, and with this viewport
+   * @param options  `margin` in CSS pixels, and `press(point)`. If `press` returns a function, the press does not move
+   *                 the content; the function is called with the following points and finally with null
    */
   constructor(canvas, bar, draw, { margin = 16, press = () => null } = {}) {
     this.#canvas = canvas;
@@ -108,7 +108,7 @@ export class Viewport {
     });
   }
 
-  /** Observes the size of the canvas. Safari does not support device-pixel-content-box. */
+  /** Observes the size of the canvas, in device pixels except in Safari, which does not support this. */
   #observe(observer) {
     try {
       observer.observe(this.#canvas, { box: "device-pixel-content-box" });
@@ -121,7 +121,7 @@ export class Viewport {
   #resize(pixels) {
     const { width, height } = this.size;
     if (width === 0) return;
-    // A browser that emulates another device pixel ratio reports its own pixels.
+    // Browsers that emulate another device pixel ratio report physical pixels. Such sizes are ignored.
     const inPixels = (length, reported) => {
       const rounded = Math.round(length * devicePixelRatio);
       return Math.abs(reported - rounded) <= 1 ? reported : rounded;

@@ -211,8 +211,8 @@ def _compare(lab, halftone):
 
 
 def _ccvt_halftone(lab, halftone, target, name):
-    """Makes a halftone by CCVT. /halftone has CCDT only, so the points come from /sample and are drawn here. It takes
-    long, so it is timed once."""
+    """Makes a halftone by CCVT, timed once, because it takes long. /halftone has only CCDT, so the points come from
+    /sample and are drawn here."""
     height, width = target.shape
     made = lab.sample(CCVT, halftone.sites, 1, domain={"type": "rectangle", "width": width, "height": height},
                       density={"image": data_of(halftone.file())})

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts that all figures need: requests to the server, the numbers to use, and storage for the drawings."""
+"""Parts that all figures share: requests to the server, numbers of sites and runs, and storage for the drawings."""
 
 import base64
 import io
@@ -117,7 +117,7 @@ def _checked(answer):
 
 
 def seconds_of_work(answer):
-    """Returns the seconds from the last byte of the request to the first byte of the answer, without waiting for a
+    """Returns the seconds from the last byte of the request to the first byte of the answer, except the wait for a
     worker."""
     stages = dict(re.findall(r"(\w+);dur=([\d.]+)", answer.headers["server-timing"]))
     return sum(float(stages[name]) for name in ("decode", "optimise", "encode")) / 1000

@@ -66,7 +66,7 @@ class OtherLoad:
 
 
 def move_to(cores):
-    """Moves all threads of this process to these cores. Child processes stay where they are."""
+    """Moves all threads of this process to given cores. Does not move child processes."""
     for task in pathlib.Path("/proc/self/task").iterdir():
         os.sched_setaffinity(int(task.name), cores)
 

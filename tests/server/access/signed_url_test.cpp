@@ -12,7 +12,7 @@ using std::chrono::seconds;
 
 const std::string kKey = "0123456789abcdef0123456789abcdef";
 
-/// Returns the status for a path and query; 200 if the signature is valid.
+/// Returns the status of the check of a URL; 200 if the signature is valid.
 int status(const std::string& resource, std::int64_t now = 1000) {
     const auto keys = KeyRing::parse("old:" + kKey + "\nnew:" + kKey + "B");
     const auto checked = SignedUrl::parse(resource).and_then(

@@ -27,7 +27,7 @@ namespace {
 
 using std::chrono::seconds;
 
-/// Waits for a stop request; never returns if none can be made.
+/// Waits for a stop request.
 void wait_for_stop(const std::stop_token& stop) {
     std::mutex mutex;
     std::unique_lock lock(mutex);
@@ -35,7 +35,7 @@ void wait_for_stop(const std::stop_token& stop) {
     never.wait(lock, stop, [] { return false; });
 }
 
-/// Whether `count` threads run tasks at the same time. Each waits for the others for 10 ms.
+/// Whether `count` threads run tasks at the same time. Each task waits up to 10 ms for the others.
 bool can_meet(Executor& executor, std::size_t count) {
     constexpr std::chrono::milliseconds kLittle{10};
     std::set<std::thread::id> threads;
@@ -50,7 +50,7 @@ bool can_meet(Executor& executor, std::size_t count) {
     return threads.size() == count;
 }
 
-/// Does what the path of the request says, in the process that computes.
+/// Replaces the computation: performs the action that the path of the request names, in the computation process.
 Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery, const api::Limits& limits,
                          const api::Decode&, const Control& control, api::Timings& timings) {
     timings = {1, 2, 3};
@@ -99,7 +99,7 @@ Result<api::Answer> obey(const ComputeRequest& request, const Delivery& delivery
     return answer;
 }
 
-/// Launches a fork server in place of the program that spawn_sibling() would start.
+/// Forks a process that becomes a fork server, instead of starting ccdt-worker.
 Result<ChildProgram> launch(UniqueFd orders) {
     const pid_t process = fork();
     if (process != 0) return ChildProgram(process);
@@ -110,7 +110,7 @@ Result<ChildProgram> launch(UniqueFd orders) {
                     [](ComputeFiles files) { run_compute_process(std::move(files), obey); });
 }
 
-/// Takes a body in pieces, up to a maximum number of them.
+/// Receives a body in pieces. Fails after a maximum number of pieces.
 class Sink : public api::BodySink {
 public:
     explicit Sink(int most = 1'000) : most_(most) {}
@@ -159,7 +159,7 @@ protected:
         return test::wait_until("the end of a process", [process] { return !is_there(process); });
     }
 
-    /// Computes until `count` threads run at the same time.
+    /// Runs a computation that ends when `count` threads run at the same time.
     void meet(int count, const Control& control = {}) {
         const auto met = ask({"meet", std::to_string(count), "", "", ""}, control);
         EXPECT_TRUE(met) << met.error().message;

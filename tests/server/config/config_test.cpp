@@ -144,7 +144,7 @@ TEST(Config, ReadsTheLimitsOnClients) {
     EXPECT_EQ(config.rate.burst, 3u);
 }
 
-/// Returns value and origin of a flag as they are shown.
+/// Returns `value|origin` of a flag, as shown by --check.
 std::string shown(const Result<CommandLine>& parsed, std::string_view flag) {
     const auto found = std::ranges::find(parsed->values, flag, &ChosenValue::flag);
     if (found == parsed->values.end()) return "?";

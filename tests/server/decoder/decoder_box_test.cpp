@@ -39,7 +39,7 @@ namespace {
 constexpr std::size_t kMaxPixels = 1'000'000;
 constexpr DecoderLimits kLimits{std::size_t{64} << 20, std::chrono::seconds(60)};
 
-/// Returns the outcome of a system call as the message of an error, because a picture cannot contain it.
+/// Returns an error whose message tells whether a system call succeeded.
 Result<Picture> outcome(long returned) {
     return failure(ErrorCode::Unsupported, returned < 0 ? "refused" : "done");
 }
@@ -48,7 +48,7 @@ Result<Picture> outcome(long returned) {
     for (volatile unsigned turns = 0;;) turns = turns + 1;
 }
 
-/// Allocates memory until std::bad_alloc is thrown, which frees all of it.
+/// Allocates memory until std::bad_alloc is thrown.
 void eat_memory() {
     std::vector<std::vector<char>> eaten;
     while (true) eaten.emplace_back(1 << 20, 'x');
@@ -64,7 +64,7 @@ Picture picture_of(int width, std::initializer_list<float> luminance, const api:
     return {width, 1, plane_of(luminance, make_plane), {}};
 }
 
-/// Does what the file says, instead of decoding it.
+/// Replaces the decoding of grey pictures: performs the action that the content of the file names.
 Result<Picture> obey(std::string_view file, const api::Reading& reading, const api::NewPlane& make_plane) {
     if (file == "picture") {
         Picture picture = picture_of(3, {0, 0.5F, 1}, make_plane);
@@ -93,7 +93,7 @@ Result<Picture> obey(std::string_view file, const api::Reading& reading, const a
     return failure(ErrorCode::Internal, "no such order");
 }
 
-/// Does the same for colour. Files without a picture have the effect that they have in grey.
+/// Replaces the decoding of colour pictures. Files that yield no picture have the same effect as in obey().
 Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& reading,
                                      const api::NewPlane& make_plane) {
     ColourPicture picture;
@@ -123,7 +123,7 @@ Result<ColourPicture> obey_in_colour(std::string_view file, const api::Reading& 
     return tl::unexpected(obey(file, reading, make_plane).error());
 }
 
-/// Does the same for a shapefile.
+/// Replaces the reading of shapefiles.
 Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& reading, const api::TakeText& take) {
     if (file == "crash") std::abort();
     if (file == "refuse") return failure(ErrorCode::Unusable, "choose", "object");
@@ -134,7 +134,7 @@ Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& rea
     return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
 }
 
-/// Returns a launcher that forks a process, which becomes the helper with the given decoder.
+/// Returns a launcher that forks a process. The process becomes the helper with the given decoder.
 SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
         const pid_t process = fork();
@@ -253,7 +253,7 @@ std::string name_of(pid_t process) {
     return name;
 }
 
-/// Finds the helper if it has a child, which waits for an order.
+/// Finds the helper, if it has a child.
 std::optional<pid_t> find_helper() {
     for (const pid_t keeper : children_of(getpid())) {
         for (const pid_t helper : children_of(keeper)) {
@@ -263,8 +263,8 @@ std::optional<pid_t> find_helper() {
     return std::nullopt;
 }
 
-/// Returns the helper once it has a child that waits for an order. After a restart it takes a moment to fork one.
-/// Throws if there is no such helper, because callers pass the process to kill().
+/// Waits until the helper has a child, which it forks a moment after a restart, and returns the helper. Throws if there
+/// is none, because callers pass the process to kill().
 pid_t helper() {
     std::optional<pid_t> found;
     const auto waited = test::wait_until("a helper with a waiting child", [&] {
@@ -288,7 +288,7 @@ testing::AssertionResult wait_for_restart(const BoxOfTests& box, unsigned restar
     return test::wait_until("a new helper", [&] { return box.restarts() >= restarts && box.is_ready(); });
 }
 
-/// Returns an entry of a process in /proc/PID/status.
+/// Returns the value of a key in /proc/PID/status.
 std::string status_of(pid_t process, const std::string& key) {
     std::ifstream file("/proc/" + std::to_string(process) + "/status");
     for (std::string line; std::getline(file, line);) {
@@ -297,7 +297,7 @@ std::string status_of(pid_t process, const std::string& key) {
     return {};
 }
 
-/// Returns a namespace of a process; empty if it may not be read.
+/// Returns the identifier of a namespace of a process; empty if it cannot be read.
 std::string namespace_of(pid_t process, const std::string& kind) {
     std::error_code error;
     return std::filesystem::read_symlink("/proc/" + std::to_string(process) + "/ns/" + kind, error);
@@ -474,7 +474,7 @@ TEST(DecoderBox, StopsOnRequest) {
     ASSERT_TRUE(box);
     std::stop_source stop;
     const std::jthread asking([&] {
-        // With two children, one is decoding and the other one waits for the next order.
+        // One child is decoding when there is another child, which waits for the next order.
         EXPECT_TRUE(wait_for_decoding(helper()));
         stop.request_stop();
     });
@@ -585,7 +585,7 @@ TEST(DecoderBox, EndsDecodersWithTheirHelper) {
     stop.request_stop();
 }
 
-/// Returns a launcher that starts a helper once, and fails after that.
+/// Returns a launcher that starts a helper at the first call, and fails at later calls.
 SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     return [&attempts, launch = forking({obey, obey_in_colour, {}})](UniqueFd orders) -> Result<ChildProgram> {
         if (attempts++ == 0) return launch(std::move(orders));
@@ -644,7 +644,7 @@ TEST(DecoderBox, ReadsShapefiles) {
     EXPECT_EQ(box.deaths(), 1U);
 }
 
-/// Returns a client whose orders are accepted and never carried out.
+/// Returns a client whose orders are accepted and never executed.
 /// @param kept   receives the sockets of the orders
 /// @param begun  whether a child reports that it has begun
 DecoderClient client_without_replies(std::vector<UniqueFd>& kept, bool begun) {
@@ -756,8 +756,7 @@ TEST(DecoderBox, IgnoresSignalsToItsGroup) {
     EXPECT_EQ(box->restarts(), 0U);
 }
 
-/// Counts the processes with the highest oom_score_adj, which the kernel kills first when the machine runs out of
-/// memory.
+/// Counts the processes with the highest oom_score_adj, which the kernel kills first if memory runs out.
 std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     return std::ranges::count_if(processes, [](pid_t process) {
         int score = 0;
@@ -785,7 +784,7 @@ TEST(DecoderBox, IsConfinedAsReported) {
     ASSERT_TRUE(box);
     const Confinement& confinement = box->confinement();
     const pid_t process = helper();
-    // Checks the helper, the decoding child and the waiting one.
+    // Checks the helper, the child that decodes and the child that waits.
     std::stop_source stop;
     const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
     EXPECT_TRUE(wait_for_decoding(process));

@@ -85,7 +85,7 @@ TEST(Capacity, UsesTheReserveAfterTheCommonSlots) {
     EXPECT_EQ(ConnectionSlot(capacity, "c").connection_class(), ConnectionClass::Reserve);
 }
 
-/// An idle connection, whose thread waits until it is closed.
+/// An idle connection, whose thread waits until the connection is closed.
 class IdleClient {
 public:
     explicit IdleClient(Capacity& capacity, std::optional<Clock::time_point> head_begun = {})

@@ -19,7 +19,7 @@ bool never(std::chrono::milliseconds) {
     return false;
 }
 
-/// A connection whose client is the test.
+/// A Connection, and the client's end of its socket.
 class Pair {
 public:
     explicit Pair(const Patience& patience = {}, Capacity* capacity = nullptr)

@@ -19,7 +19,7 @@ void wait_until_idle(const ConnectionThreads& threads) {
     ASSERT_TRUE(test::wait_until("idle threads", [&] { return threads.counts().busy == 0; }));
 }
 
-/// Runs `tasks` tasks at the same time, and returns once their threads are idle.
+/// Runs `tasks` tasks at the same time, and waits until their threads are idle.
 void run_at_once(ConnectionThreads& threads, int tasks) {
     std::latch all(tasks);
     for (int i = 0; i < tasks; ++i) ASSERT_TRUE(threads.run([&] { all.arrive_and_wait(); }));

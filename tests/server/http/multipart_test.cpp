@@ -48,7 +48,7 @@ TEST(Multipart, SkipsThePreamble) {
     EXPECT_TRUE(parse_multipart("no" + part, kType)->empty()) << "a boundary begins a line";
 }
 
-/// Parses a form with one part and this boundary.
+/// Parses a form that has one part and the given boundary.
 HttpResult<std::vector<FormPart>> parse_with(const std::string& boundary) {
     const std::string body =
         "--" + boundary + "\r\nContent-Disposition: form-data; name=a\r\n\r\nb\r\n--" + boundary + "--";

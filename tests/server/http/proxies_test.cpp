@@ -12,8 +12,7 @@ Peer peer(std::string_view address) {
     return describe_peer(IpAddress::parse(address).value());
 }
 
-/// Returns the name of the client of a request with these headers. By default the peer is 10.0.0.1; 10.0.0.0/8 and
-/// fd00::/8 are trusted.
+/// Returns the name of the client of a request with given headers. Trusts the peers 10.0.0.0/8 and fd00::/8.
 std::string client(const std::string& headers, const Peer& from = peer("10.0.0.1")) {
     const TrustedProxies proxies{{*IpNetwork::parse("10.0.0.0/8"), *IpNetwork::parse("fd00::/8")}};
     return client_of(parse_head("GET / HTTP/1.1\r\n" + headers + "\r\n").value(), from, proxies).name;
@@ -96,7 +95,7 @@ TEST(ClientOf, IgnoresMalformedForwardedHeaders) {
     for (const char* broken : {"for=203.0.113.1;for=203.0.113.2", "for=\"203.0.113.1", "for=\"a\\", "for", "for=", "=",
                                "203.0.113.1", "for=203.0.113.1\"", "for=\"\\203.0.113.1\"", "fo\"r=203.0.113.1\""})
         EXPECT_EQ(forwarded(broken), "10.0.0.1") << broken;
-    // Text of a client precedes that of the proxy, in the same field or in a separate one.
+    // Text from the client precedes the address from the proxy, in the same field or in a separate one.
     for (const char* evil : {"for=\"", "by=\"\\", "for=1.2.3.4;by=\"x", "for=1.2.3.4,\"", "\"", "\\\""}) {
         const auto told = forwarded(std::string(evil) + ", for=203.0.113.1");
         EXPECT_TRUE(told == "10.0.0.1" || told == "203.0.113.1") << evil << " -> " << told;

@@ -11,7 +11,7 @@ namespace {
 using namespace std::string_literals;
 using State = ProxyHeader::State;
 
-/// Returns `none`, `partial`, `malformed`, or the client's name and the number of bytes that the header takes.
+/// Returns `none`, `partial`, `malformed`, or the name of the client and the size of the header in bytes.
 std::string read(std::string_view bytes) {
     const auto header = parse_proxy_header(bytes);
     if (!header) return header.error().status == 400 ? "malformed" : "?";

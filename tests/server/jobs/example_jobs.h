@@ -26,7 +26,7 @@ inline void add(JobStore& store, Job job) {
     ASSERT_EQ(store.add(job, kComputeRequest), JobStore::Added::Accepted);
 }
 
-/// Returns the state of a job that has succeeded with this result.
+/// Returns the state of a job after its success with a result.
 inline Job succeeded(Job job, const std::string& result) {
     job.status = JobStatus::Succeeded;
     job.media_type = "text/plain";

@@ -29,12 +29,12 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Storage for the jobs of a test: initially empty, removed by the destructor.
+/// The storage of one test, initially empty. The destructor removes it.
 class Place {
 public:
     virtual ~Place() = default;
 
-    /// Opens a store. Unless stores of this kind are shared, no other one may be open.
+    /// Opens a store. Only shared stores may be open several times.
     /// @returns  null on failure
     virtual std::unique_ptr<JobStore> open(const JobLimits& limits) = 0;
 };
@@ -75,7 +75,7 @@ private:
     RedisClient client_{redis_.address()};
 };
 
-/// A kind of store, for which all tests of this file run.
+/// A kind of job store. All tests of this file run for each kind.
 struct Kind {
     const char* name;
     bool outlives_its_server;
@@ -120,7 +120,7 @@ class JobStoreTest : public testing::TestWithParam<Kind> {
 protected:
     void SetUp() override { open_with({}); }
 
-    /// Closes the store and opens it again with these limits.
+    /// Closes the store, and opens it again with other limits.
     void open_with(const JobLimits& limits) {
         store_.reset();
         store_ = place_->open(limits);
@@ -643,7 +643,7 @@ TEST_P(JobStoreTest, IsThreadSafe) {
         for (int i = 0; i < kJobs; ++i) {
             const std::string id = std::to_string(thread) + "-" + std::to_string(i);
             add(*store_, job_named(id));
-            const Job job = claim();  // possibly that of another thread
+            const Job job = claim();  // possibly a job that another thread added
             ASSERT_TRUE(*store_->finish(succeeded(job, job.id), job.id));
             EXPECT_EQ(**store_->result(job.id), job.id);
             if (i % 2 == 0) {

@@ -26,13 +26,13 @@ ComputeRequest sample(const std::string& members) {
 
 const ComputeRequest kShort = sample(R"("sites":50)");
 
-/// A request that takes longer than any test unless it is stopped.
+/// A request whose computation takes longer than any test, unless it is stopped.
 const ComputeRequest kEndless = sample(R"("sites":2000,"iterations":1000,"passes":100)");
 
-/// A request that has the same answer on every run.
+/// A request whose answer is the same on every run.
 const ComputeRequest kAnalysis{"/analyze", "", "", "", R"({"points":[[0,0],[0.5,0.5],[0.2,0.7]]})"};
 
-/// A store that cannot be reached when a request is read for the first time.
+/// A store that cannot be reached at the first call of request().
 class AwayOnce : public JobStore {
 public:
     Result<bool> is_full(std::string_view client) override { return store_->is_full(client); }
@@ -65,7 +65,7 @@ private:
     std::atomic<bool> away_ = true;
 };
 
-/// A store whose clock is ahead of this machine's, and which fails to record the starts of jobs.
+/// A store whose clock is a minute ahead, and which fails to record the starts of jobs.
 class Ahead : public AwayOnce {
 public:
     Result<std::optional<Job>> claim(std::size_t memory) override {
@@ -84,7 +84,7 @@ protected:
         jobs_->start();
     }
 
-    /// Creates a store unless there is one.
+    /// Creates the store, if there is none.
     void make_store(const JobLimits& limits) {
         if (!store_) store_ = *SqliteJobStore::open("", limits);
     }

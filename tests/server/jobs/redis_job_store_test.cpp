@@ -22,7 +22,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Tests of events that can occur in a Redis that other programs use.
+/// Tests the effects of other programs that use the same Redis.
 class RedisJobStoreTest : public testing::Test {
 protected:
     std::unique_ptr<JobStore> open(const JobLimits& limits = {}) { return open_at(client_, limits); }
@@ -37,7 +37,7 @@ protected:
         ASSERT_TRUE(reply) << reply.error().message;
     }
 
-    /// Replaces the value of a key by junk.
+    /// Replaces the value of a key by the result of a command that writes junk.
     void damage(const std::string& key, std::vector<std::string> junk) {
         call({"DEL", key});
         junk.insert(junk.begin() + 1, key);

@@ -20,7 +20,7 @@ using test::job_named;
 using test::kComputeRequest;
 using test::succeeded;
 
-/// Number of instructions that SQLite has executed, in all databases opened since `install_counter`.
+/// Number of instructions that SQLite has executed in all databases opened after `install_counter` was registered.
 std::size_t instructions = 0;
 
 int install_counter(sqlite3* database, const char**, const void*) {

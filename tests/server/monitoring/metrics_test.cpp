@@ -21,7 +21,7 @@ Exchange exchange(std::string_view route, int status) {
     return exchange;
 }
 
-/// Returns the value of a sample with this name and these labels; -1 if there is none.
+/// Returns the value of a sample, given by its name and labels; -1 if there is no such sample.
 double value(const std::string& text, const std::string& sample) {
     const auto line = ("\n" + text).find("\n" + sample + " ");
     return line == std::string::npos ? -1 : std::stod(text.substr(line + sample.size() + 1));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/// A program that the tests of child programs spawn. It does what its first argument says.
+/// A program that the tests of child programs spawn. Its first argument names the action.
 
 #include <algorithm>
 #include <csignal>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kSocket = ccdt::server::ChildProgram::kSocket;
 
-/// Describes, on one line, what the process has inherited.
+/// Describes the files and signals that the process has inherited, on one line.
 std::string inherited() {
     std::string told = "files:";
     for (int fd = 0; fd < 100; ++fd) {

@@ -104,7 +104,7 @@ TEST(ChildProgram, IsSpawnedByManyThreads) {
                 auto sockets = make_sockets();
                 auto child = spawn(std::move(sockets.theirs), {"wait"});
                 ASSERT_TRUE(child);
-                sockets.ours.reset();  // closes the connection, because no other child has inherited it
+                sockets.ours.reset();  // ends the child, because no other child has inherited the socket
                 EXPECT_EQ(child->wait(), "exited with 1");
             }
         });

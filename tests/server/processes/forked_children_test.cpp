@@ -28,9 +28,9 @@ void report_status(const UniqueFd& socket, int status) {
     static_cast<void>(send_message(socket.get(), bytes_of(status)));
 }
 
-/// Runs in a process of its own. An order is the exit status of the child that it asks for; a negative one asks for a
-/// child that ends with the supervisor. The first file of the order is the socket of the child. If there is a second
-/// file, the supervisor writes to it when it has prepared for the next order.
+/// Forks a child for each order, in a separate process, the supervisor. An order is the exit status of its child; if
+/// negative, the child runs until the supervisor ends. The first file of an order is the socket of the child. The
+/// supervisor writes to the second file, if any, when it has prepared for the next order.
 [[noreturn]] void supervise(UniqueFd orders) {
     ForkedChildren children(std::move(orders), report_status);
     UniqueFd prepared;
@@ -57,7 +57,7 @@ void wait_for_news(const UniqueFd& socket) {
         ADD_FAILURE() << test::waited_in_vain("a message").message();
 }
 
-/// @returns  none if the other end is closed
+/// Receives a number; none if the other end is closed.
 std::optional<int> receive(const UniqueFd& socket) {
     wait_for_news(socket);
     int number = 0;
@@ -67,7 +67,7 @@ std::optional<int> receive(const UniqueFd& socket) {
 
 class ForkedChildrenTest : public testing::Test {
 protected:
-    /// @returns  our end of the socket of the child
+    /// Sends an order; returns our end of the child's socket.
     UniqueFd order(int status) {
         auto child = *make_sockets(SOCK_SEQPACKET);
         auto prepared = *make_sockets(SOCK_SEQPACKET);

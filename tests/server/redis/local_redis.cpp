@@ -21,8 +21,8 @@
 namespace ccdt::server::test {
 namespace {
 
-/// Debian's redis-server is a link to this program, which behaves according to the name in its first argument.
-/// Installing the package redis-server would start a daemon; the package with this program does not.
+/// Program that behaves as redis-server if its first argument has this name. Debian's redis-server is a link to it. Its
+/// package starts no daemon, unlike the package redis-server.
 constexpr const char* kProgram = "/usr/bin/redis-check-rdb";
 
 int free_port() {

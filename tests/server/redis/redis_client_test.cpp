@@ -32,7 +32,7 @@ protected:
         return reply ? reply->text : "";
     }
 
-    /// Waits until Redis is reachable again.
+    /// Waits until Redis can be reached again.
     void wait_until_back() {
         ASSERT_TRUE(
             test::wait_until("a reply of Redis", [&] { return client_.run(RedisCommand{"PING"}).has_value(); }));

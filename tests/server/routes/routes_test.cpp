@@ -20,7 +20,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Returns the answer to a request whose head was read from the connection. Its body can be read.
+/// Returns the answer to a request whose head was read from the connection. Handlers can read the body.
 Response answer(Routes& routes, Request request, Connection& connection) {
     Response response;
     test::process_without_answer(connection, request, [&](const HttpResult<void>& dispatched) {
@@ -204,7 +204,7 @@ TEST_F(RoutesTest, ListTheMethodsOfAPath) {
     EXPECT_EQ(ask("PUT /sample HTTP/1.1").status, 405);
 }
 
-/// Routes whose computations end when the test says so, and clients that send requests concurrently.
+/// Tests deadlines, with computations that the test ends, and clients that send requests concurrently.
 class DeadlineTest : public RoutesTest {
 protected:
     DeadlineTest() {
@@ -214,7 +214,7 @@ protected:
         };
     }
 
-    /// Stops when requested, but returns its answer only after the other request was answered.
+    /// Stops when requested, but returns its answer only after the other request has been answered.
     Result<api::Answer> compute_part(const Control& control) {
         begun_.set_value();
         std::promise<void> stopped;

@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// The expected values are test cases 1, 2 and 6 of RFC 4231, in base64.
+/// Compares with test cases 1, 2 and 6 of RFC 4231, in base64.
 TEST(Sign, IsHmacSha256) {
     EXPECT_EQ(sign(std::string(20, '\x0b'), "Hi There"), "sDRMYdjbOFNcqK_OrwvxK4gdwgDJgz2nJuk3bC4yz_c");
     EXPECT_EQ(sign("Jefe", "what do ya want for nothing?"), "W9zBRr9gdU5qBCQmCJV1x1oAPwidJzmDnexYuWTsOEM");

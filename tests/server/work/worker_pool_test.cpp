@@ -180,7 +180,7 @@ TEST(WorkerPool, EstimatesItsBacklog) {
     Gate gate;
     WorkerPool pool(1, 100);
     EXPECT_EQ(pool.backlog(), std::chrono::seconds(1)) << "the minimum, because no job has run and none waits";
-    // One job that takes at least 30 ms, by the clock of the pool.
+    // Runs a job that takes at least 30 ms, according to the clock of the pool.
     ASSERT_TRUE(pool.submit(kClient, [](const std::stop_token&) {
         const auto end = WorkerPool::Clock::now() + std::chrono::milliseconds(30);
         while (WorkerPool::Clock::now() < end) std::this_thread::yield();
@@ -212,7 +212,7 @@ TEST(WorkerPool, IgnoresJobsWithLentThreadsInItsPace) {
     pool.drain();
 }
 
-/// Returns the order in which the jobs of these clients run after waiting for another job.
+/// Submits a job for each client while another job runs. Returns the sequence in which the jobs run.
 std::string order_of(const std::vector<std::string>& clients) {
     Gate gate;
     std::string order;
