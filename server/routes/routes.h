@@ -57,7 +57,7 @@ public:
         computing_.drain();
     }
 
-    /// From now on, answers all waiting clients that the server is shutting down.
+    /// From now on, tells all waiting clients that the server is shutting down.
     void abandon() { computing_.abandon(); }
 
 private:
