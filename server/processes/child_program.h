@@ -15,7 +15,7 @@ namespace ccdt::server {
 /// A child process. The destructor kills and reaps the process.
 class ChildProgram {
 public:
-    /// Descriptor that the socket to this process has in a spawned program.
+    /// Number of the descriptor, in a spawned program, of the socket to this process.
     static constexpr int kSocket = 3;
 
     /// Takes ownership of a child. Nothing else may reap the child.
