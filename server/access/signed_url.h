@@ -23,7 +23,7 @@ struct SignedUrl {
     std::optional<std::uint64_t> expires;       ///< seconds since 1970 at which the URL becomes invalid
     std::string options;                        ///< the query without `signature` and `expires`
 
-    /// @param resource  path and query as sent
+    /// Parses a path and query as sent.
     /// Problems (400): several `expires`, or one that is not a whole number.
     static HttpResult<SignedUrl> parse(std::string_view resource);
 

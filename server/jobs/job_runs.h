@@ -22,7 +22,7 @@
 
 namespace ccdt::server {
 
-/// A finished job with its costs, for the log and the metrics.
+/// A finished job, and facts about its last run, for the log and the metrics.
 struct JobEnd {
     Job job;
     Stages stages;
