@@ -20,10 +20,10 @@ namespace ccdt::server {
 struct SignedUrl {
     std::string_view text;                      ///< the signed text
     std::optional<std::string_view> signature;  ///< none: the last parameter is not `signature`
-    std::optional<std::uint64_t> expires;       ///< seconds since 1970 from which on the URL is invalid
+    std::optional<std::uint64_t> expires;       ///< seconds since 1970 at which the URL becomes invalid
     std::string options;                        ///< the query without `signature` and `expires`
 
-    /// @param resource  path and query as sent
+    /// Parses a path and query as sent.
     /// Problems (400): several `expires`, or one that is not a whole number.
     static HttpResult<SignedUrl> parse(std::string_view resource);
 

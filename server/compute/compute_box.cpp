@@ -237,7 +237,7 @@ private:
         return answer;
     }
 
-    /// Tells the process to stop, and sets the time at which it is ended if it does not.
+    /// Tells the process to stop, and sets the deadline at which the process is ended.
     void pass_on_stop(const Call& call) {
         eventfd_t discarded = 0;
         eventfd_read(stopped_.get(), &discarded);

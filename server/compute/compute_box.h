@@ -32,16 +32,16 @@ struct Order;
 /// is repeated once. Thread-safe.
 class ComputeBox {
 public:
-    /// Passes the order of a computation process, to decode a file, to the decoder. The decoder sends the result
+    /// Passes an order to decode a file from a computation process to the decoder. The decoder sends the result
     /// directly to the computation process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
     struct Options {
         api::Limits limits;
-        std::chrono::seconds to_stop{5};  ///< time between a request to stop and the end of the process
+        std::chrono::seconds to_stop{5};  ///< maximum time from a stop request to the end of the process
 
-        /// The same time if nobody waits for the answer any more. It is short, because a killed process costs little: a
-        /// new one starts in about a millisecond, and the system frees 3 GB in 0.25 s.
+        /// Maximum time from a stop request to the end of the process if nobody waits for the answer. Short, because a
+        /// new process starts in about a millisecond, and the system frees 3 GB in 0.25 s.
         std::chrono::milliseconds to_leave{50};
     };
 
@@ -80,7 +80,7 @@ public:
         std::uint64_t overdue = 0;         ///< processes ended because they did not stop at a deadline
         std::uint64_t restarts = 0;        ///< restarts of the fork server
         std::uint64_t silences = 0;        ///< number of times that the fork server stopped replying
-        std::uint64_t decoder_deaths = 0;  ///< decoders that crashed, exceeded a limit or replied nonsense
+        std::uint64_t decoder_deaths = 0;  ///< decoders that crashed, exceeded a limit or replied wrongly
     };
     Counts counts() const;
 

@@ -17,7 +17,7 @@ using Computer = std::function<Result<api::Answer>(const ComputeRequest& request
 /// Answers the calls of the server on `files.channel` (see compute_protocol.h), one at a time. Ends the process as soon
 /// as the server closes the channel, even during a computation.
 ///
-/// A computation uses at most the number of threads in `files.threads`. They start when needed, and end with it.
+/// A computation uses at most `files.threads` threads, which start when needed and end with the computation.
 [[noreturn]] void run_compute_process(ComputeFiles files, const Computer& compute);
 
 }  // namespace ccdt::server

@@ -20,7 +20,7 @@ struct MemoryShares {
     std::size_t jobs = 0;
 };
 
-/// Returns the default shares.
+/// Returns the default shares of `memory` bytes.
 /// @param max_body  size limit of a body, in bytes
 MemoryShares share_memory(std::size_t memory, std::size_t max_body);
 

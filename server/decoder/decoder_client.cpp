@@ -25,7 +25,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Time limit of a child, as a multiple of its limit of processor time. The time limit to begin is added.
+/// Elapsed time that a child may take after its begin, as a multiple of its limit of processor time.
 constexpr int kMaxPerProcessorTime = 3;
 
 /// The reason why there is no reply.

@@ -23,7 +23,7 @@ enum class Layer : std::uint8_t {
     Calls,         ///< the kernel filters system calls
 };
 
-/// The layers that are in force. Each layer was tried to find out.
+/// The layers that are in force, determined by trying each of them.
 struct Confinement {
     static constexpr std::size_t kLayers = 10;
 
@@ -38,8 +38,8 @@ struct Confinement {
     std::string describe() const;
 };
 
-/// Enters new namespaces and records which are in force. A process without the right to create namespaces enters a new
-/// user namespace first; if it belongs to root, it becomes the user nobody before.
+/// Enters new namespaces and records which are in force. A process without the right to create namespaces first enters
+/// a new user namespace, as the user nobody if it belonged to root.
 ///
 /// The PID namespace applies to children of the caller. The first child becomes the init process; when it ends, all
 /// processes in the namespace end. Must be called by a single-threaded process.

@@ -47,7 +47,7 @@ bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Closes inherited files, and redirects the standard streams to /dev/null, except sanitizers' standard error.
+/// Closes inherited files, and redirects the standard streams to /dev/null (with sanitizers, not standard error).
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -243,7 +243,8 @@ void warm_up(const Decoder& decoder) {
     for (int pauses = 0; count_threads() > before && pauses < kMaxPauses; ++pauses) pause_shortly();
 }
 
-/// Starts the helper in a new process, and runs it until the server has ended. Returns only in the helper.
+/// Forks the decoder's helper, a process in new namespaces, which executes orders until the server has ended. Returns
+/// only in the helper; the calling process waits for it and exits.
 /// @returns  false if the helper could not report that it is ready
 bool be_helper(const Decoder& decoder) {
     warm_up(decoder);

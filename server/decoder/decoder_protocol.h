@@ -59,7 +59,7 @@ struct Order {
 /// helper. Only the first report other than `begun` counts.
 struct Outcome {
     std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; 0: a child began
-    std::int32_t ended = 0;       ///< 1: the child has ended; if first, it crashed, was killed or failed
+    std::int32_t ended = 0;       ///< 1: the child has ended; if not reported before, without a reply
     std::int32_t no_helper = 0;   ///< 1: there was no helper by the time limit of the order
     std::int32_t begun = 0;       ///< 1: the child has the order; another report follows
     std::int32_t too_slow = 0;    ///< 1: the child ended because it used up its processor time

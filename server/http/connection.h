@@ -55,7 +55,7 @@ public:
 
     /// Takes a piece of a body; returns false to stop.
     using Receive = std::function<bool(std::string_view piece)>;
-    /// Decodes a body from read_content(), and passes the pieces to `receive`. Returns false if this failed.
+    /// Decodes a body from read_content(), and passes the pieces to `receive`. Returns false on failure.
     using Decode = std::function<bool(const Receive& receive)>;
 
     /// Sets the function that decodes the body of the current request; null: the body cannot be read.

@@ -50,7 +50,7 @@ private:
     bool closing_ = false;
     std::jthread ended_;  ///< the thread that ended last; joined by the next thread that ends
     Threads busy_;
-    Threads idle_;  ///< most recently busy last
+    Threads idle_;  ///< the most recently busy thread is last
 };
 
 }  // namespace ccdt::server

@@ -18,7 +18,7 @@ bool allows_origin(const std::vector<std::string>& allowed, std::string_view ori
 /// @param origin   value of the Origin header; empty: not a browser, or a page of this server
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
-/// Makes the headers that permit a request in the answer to a CORS preflight (OPTIONS).
+/// Makes the headers of the answer to a CORS preflight (OPTIONS). They permit the request that will follow.
 /// @param methods  permitted methods, separated by commas
 std::vector<Header> preflight_headers(std::string_view methods);
 

@@ -27,7 +27,7 @@ HttpResult<std::uint64_t> parse_chunk_size(std::string_view line);
 /// Problem (400): a malformed field, or a field that must not be a trailer, such as Content-Length.
 HttpResult<void> check_trailer(std::string_view line);
 
-/// Checks a parsed head for errors after which the client can still get an answer that suits its request.
+/// Checks the headers of a parsed request.
 /// Problems: no Host (400), a repeated field that must be single (400), an unsupported expectation (417).
 HttpResult<void> check_request(const Request& request);
 

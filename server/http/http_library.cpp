@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kLongestName = 1'024;
 constexpr std::size_t kLongestPiece = 2'048;
 
-/// Character on both sides of each cut in a long value. Checked values contain no control characters except tabs.
+/// Marks the ends of the pieces into which a long value is cut. Checked values contain no control characters but tabs.
 constexpr char kCut = '\x01';
 
 /// Headers that the library adds to a request.
@@ -155,8 +155,8 @@ public:
     }
 
 private:
-    /// Takes over the method and headers that the library parsed. Leaves only a path that is harmless for its regular
-    /// expressions, and the framing of the body.
+    /// Moves the parsed method and headers to `request_`. Leaves the library only the headers for the framing of the
+    /// body, and the path `/`, because the library matches paths with regular expressions.
     void take(httplib::Request& theirs) const {
         request_.method = theirs.method;
         request_.headers = take_headers(theirs.headers);

@@ -26,8 +26,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Time-out of connections without a request while Capacity::is_pressed(), while the server drains and is not busy, and
-/// for connections with a reserve or stream slot.
+/// Time-out of connections without a request if Capacity::is_pressed(), if the server drains and serves no request, or
+/// if the connection has a reserve or stream slot.
 constexpr milliseconds kIdleUnderPressure{500};
 
 /// Time for which the connection of a refused client stays open, so that the client can read the answer.

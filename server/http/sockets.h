@@ -35,6 +35,7 @@ Peer peer_of(int socket);
 /// A socket that listens on an address or a path (`unix:/path`). The destructor closes it and removes the path.
 class ListeningSocket {
 public:
+    /// Opens a socket on an address and port, or on a path.
     /// @param port  0: any free port; ignored for a path
     /// Errors (Unusable): the address is unknown or in use; the path is not a socket, or another server listens on it.
     static Result<ListeningSocket> open(const std::string& bind, int port);

@@ -48,7 +48,7 @@ struct Job {
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;           ///< number of runs: the current one, and those ended by the end of their server
+    int starts = 0;           ///< number of runs, including those interrupted by the end of a server
     std::uint64_t claim = 0;  ///< number of the latest claim, see JobStore
     Time created;
     std::optional<Time> started;

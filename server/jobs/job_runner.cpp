@@ -20,7 +20,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 /// crash the server, so this limit only guards against unforeseen faults.
 constexpr int kMaxStarts = 3;
 
-/// Bounds of the interval between deletions of expired jobs, which clients cannot find even before.
+/// Bounds of the interval between deletions of expired jobs, which clients cannot find in the meantime.
 constexpr std::chrono::milliseconds kMinRemovalInterval{100};
 constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 

@@ -22,7 +22,7 @@
 
 namespace ccdt::server {
 
-/// A finished job with its costs, for the log and the metrics.
+/// A finished job, and facts about its last run, for the log and the metrics.
 struct JobEnd {
     Job job;
     Stages stages;
@@ -68,7 +68,7 @@ public:
     Next begin(const Result<JobStore::Renewal>& renewal, Clock::duration timeout);
 
     /// Records progress.
-    /// @returns  whether this progress is the first that the store does not have
+    /// @returns  whether the store had the latest progress before this call
     bool note(const Progress& progress);
 
     /// Records that the computation has ended.
@@ -87,7 +87,7 @@ public:
     /// @returns  false if another thread has the right
     bool start_settling();
 
-    /// Keeps an end that could not be stored, for a later attempt.
+    /// Keeps the end of the job, which could not be stored, for a later attempt.
     void keep_end(End end);
     bool has_end() const;
     std::optional<End> take_end();
@@ -137,7 +137,7 @@ public:
     /// Numbers of events since the start.
     struct Counts {
         std::uint64_t lost = 0;      ///< runs given up because another server had claimed the job
-        std::uint64_t repeated = 0;  ///< runs after the first of a job
+        std::uint64_t repeated = 0;  ///< runs of jobs that an earlier run had not finished
     };
 
     /// @param at_once  maximum number of jobs in the pool at the same time

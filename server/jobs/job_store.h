@@ -135,7 +135,7 @@ public:
     virtual Result<Load> load() = 0;
 
     /// Sets the listener of future changes; null: none. Waits until the previous listener is no longer being notified.
-    /// If notifications come from another process, calls `missed` once their connection is established.
+    /// If notifications come from another process, calls `missed` when they begin to arrive.
     virtual void listen(JobListener* listener) = 0;
 
     /// Number of times that damaged stored data was found.

@@ -101,7 +101,7 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Returns a query for the columns that job_at() reads, followed by the four columns with named numbers above. The last
+/// Returns a query for the columns that job_at() reads, followed by those with the numbers kRow to kDigest. The last
 /// column is the digest of all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "

@@ -66,7 +66,7 @@ public:
     void finish(const Job& job, const StoredJob& stored, std::string_view result,
                 const JobStore::StoredPart& before = {});
 
-    /// @returns  false if there is no such job
+    /// Removes a job; returns false if it does not exist.
     bool remove(const std::string& id);
 
     /// Removes up to `max_jobs` of the jobs that finished until the time `by`, oldest first.

@@ -15,7 +15,7 @@ namespace ccdt::server {
 /// A child process. The destructor kills and reaps the process.
 class ChildProgram {
 public:
-    /// Descriptor that the socket to this process has in a spawned program.
+    /// Number of the descriptor, in a spawned program, of the socket to this process.
     static constexpr int kSocket = 3;
 
     /// Takes ownership of a child. Nothing else may reap the child.
@@ -45,7 +45,7 @@ private:
 /// @param status  as set by waitpid()
 std::string describe_end(int status);
 
-/// Starts a program in the folder of the calling program, in a new process group, without terminal signals.
+/// Starts a program in the folder of the calling program. A new process group shields it from terminal signals.
 ///
 /// The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other standard streams are /dev/null.
 /// Its signal handling is the default. Its environment lacks the variables CCDT_*, which may contain secrets. May be

@@ -53,9 +53,9 @@ public:
     /// Errors: Internal if the program ended before it was ready, in which case it is not restarted; Stopped.
     Result<void> wait_until_ready(const std::stop_token& stop = {});
 
-    /// Returns the socket to the program. Waits if the program is being restarted, until the deadline, or started for
-    /// the first time, without a deadline.
-    /// @param lost  socket of a program that has ended, to which sending failed; it is not returned; null: none
+    /// Returns the socket to the program. Waits for a restart of the program until the deadline, and for its first
+    /// start without a time limit.
+    /// @param lost  socket to which sending failed, because its program has ended; never returned; null: none
     /// @returns     null if no program was ready by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 

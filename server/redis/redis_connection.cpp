@@ -65,14 +65,14 @@ public:
 
     bool is_ready() const { return SSL_is_init_finished(tls_.get()) != 0; }
 
-    /// @returns  false if it failed
+    /// Continues the handshake; returns false after a failure.
     bool shake_hands() { return is_fine(SSL_do_handshake(tls_.get())); }
 
     void take_received(std::string_view bytes) {
         BIO_write(SSL_get_rbio(tls_.get()), bytes.data(), static_cast<int>(bytes.size()));
     }
 
-    /// @returns  false if it failed
+    /// Encrypts bytes to be sent; returns false after a failure.
     bool encrypt(std::string_view bytes) {
         return bytes.empty() || SSL_write(tls_.get(), bytes.data(), static_cast<int>(bytes.size())) > 0;
     }

@@ -30,10 +30,10 @@ constexpr std::chrono::milliseconds kPollInterval{20};
 /// Time after the deadline within which a computation may stop and return a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
-/// Content type of pictures by name. It prevents that a file is parsed as JSON or as a form.
+/// Content type of pictures from the folder of pictures. It prevents parsing as JSON or as a form.
 constexpr const char* kPicture = "image/*";
 
-/// Body size, in bytes, from which on a request cannot be a short job.
+/// Size of a body, in bytes, above which a request is never a short job.
 constexpr std::size_t kLongBody = 65'536;
 
 /// Returns the key of an answer in the cache. Compressed answers have different keys, and are stored compressed.
@@ -94,7 +94,7 @@ struct Computing::ComputedAnswer {
     std::shared_ptr<BodyPipe> pipe = {};  ///< delivers the body if it is still being computed; null: it is complete
 };
 
-/// A future result that a worker passes to the thread of a connection. The connection may end before.
+/// A future result that a worker passes to the thread of a connection. The connection may end earlier.
 template <class T>
 class Computing::PendingResult {
 public:
@@ -129,7 +129,7 @@ public:
         return stages_;
     }
 
-    /// Signals the computation that the result is no longer needed.
+    /// Tells the computation that the result is no longer needed.
     void abandon() { unwanted_.request_stop(); }
     std::stop_token unwanted() const { return unwanted_.get_token(); }
 
@@ -140,7 +140,7 @@ private:
     mutable std::mutex mutex_;  ///< guards the members below
     std::condition_variable finished_;
     std::optional<Result<T>> result_;
-    bool finished_already_ = false;  ///< also after the result was taken
+    bool finished_already_ = false;  ///< a result was set, and may have been taken
     Stages stages_;
 };
 
@@ -308,14 +308,14 @@ std::optional<Response> Computing::find_cached(const std::string& name, bool com
     return response;
 }
 
-/// Checks whether a computation is still accepted. During a shutdown, only the first request of each connection is,
-/// because other clients can retry on a new connection.
+/// Refuses a computation during a shutdown, unless it is for the first request of its connection. The client can retry
+/// on a new connection.
 HttpResult<void> Computing::check_drain(const Incoming& incoming) const {
     if (draining_ && !incoming.connection.is_on_first_request()) return busy(503, "the server is shutting down");
     return {};
 }
 
-/// Reads the body of a request. Refuses the request before, if its head, the shutdown or full queues are a reason.
+/// Reads the body of a request. Does not read it if there is a Content-Encoding, a shutdown or a full queue.
 HttpResult<std::string> Computing::read_body(const Incoming& incoming, bool deferred) const {
     const Request& request = incoming.request;
     Connection& connection = incoming.connection;
@@ -337,7 +337,7 @@ HttpResult<MemoryBudget::Lease> Computing::reserve_memory(std::size_t size) {
     return *std::move(lease);
 }
 
-/// Names the answer, and takes a form apart.
+/// Computes the name of the answer, and converts a form to a plain body.
 HttpResult<Computing::AcceptedPointer> Computing::prepare(const Operation& operation, ComputeRequest request,
                                                           MemoryBudget::Lease lease) {
     auto fields = find_fields(request);

@@ -47,7 +47,7 @@ public:
     /// From now on, computes an answer only for the first request of each connection, and refuses later ones.
     void drain() { draining_ = true; }
 
-    /// From now on, answers all waiting clients that the server is shutting down.
+    /// From now on, tells all waiting clients that the server is shutting down.
     void abandon() { abandoned_ = true; }
 
     /// Makes a problem whose Retry-After is the estimated time until the waiting requests are computed.

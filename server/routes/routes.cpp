@@ -39,7 +39,7 @@ constexpr std::size_t kMaxQuicklyCompressed = 262'144;
 /// Methods that at least one path accepts, for `OPTIONS *`.
 constexpr std::string_view kAllMethods = "GET, HEAD, POST, DELETE, OPTIONS";
 
-/// Seconds after the cancellation of a job from which on a worker that still runs it counts as stuck.
+/// Time in seconds after which a worker that still runs a cancelled job counts as stuck.
 constexpr double kMaxOverdueSeconds = 10;
 
 std::string hexadecimal(std::uint64_t number, int digits) {
@@ -84,10 +84,10 @@ bool accepts_method(std::string_view method, std::string_view of_route) {
     return method == of_route || (method == "HEAD" && of_route == "GET");
 }
 
-/// Seconds for which caches may reuse the halftone of a picture by name without revalidation.
+/// Seconds for which caches may reuse an answer of GET /halftone/{name} without revalidation.
 constexpr std::int64_t kFreshSeconds = 60;
 
-/// Makes the Cache-Control header for a picture by name. The freshness ends when the signed URL expires. A partial
+/// Makes the Cache-Control header of GET /halftone/{name}. Freshness ends when the signed URL expires. A partial
 /// answer, which has no tag, must not be stored.
 /// @param is_private  whether an API key was needed, so that only the client may store the answer
 Header cache_control(const Response& response, const SignedUrl& url, bool is_private) {

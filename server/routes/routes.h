@@ -57,7 +57,7 @@ public:
         computing_.drain();
     }
 
-    /// From now on, answers all waiting clients that the server is shutting down.
+    /// From now on, tells all waiting clients that the server is shutting down.
     void abandon() { computing_.abandon(); }
 
 private:
@@ -121,7 +121,7 @@ private:
     const Obstacle obstacle_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
-    const std::optional<PictureFolder> pictures_;  ///< none: pictures by name are disabled
+    const std::optional<PictureFolder> pictures_;  ///< none: GET /halftone/{name} is disabled
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

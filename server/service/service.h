@@ -57,7 +57,7 @@ public:
     /// Begins the shutdown: refuses new connections and new computations. May be called from any thread.
     void drain();
 
-    /// Answers all waiting clients that the server is shutting down.
+    /// Tells all waiting clients that the server is shutting down.
     void abandon() { routes_.abandon(); }
 
     /// Waits until no computation runs. Must be called after `serve` has returned.

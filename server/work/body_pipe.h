@@ -26,7 +26,7 @@ class BodyPipe {
 public:
     using Clock = std::chrono::steady_clock;
 
-    /// Number of buffered bytes from which on the worker waits.
+    /// Number of buffered bytes at which push() begins to wait.
     static constexpr std::size_t kMaxHeld = std::size_t{4} << 20;
 
     /// Limit of the worker's total waiting time.

@@ -90,7 +90,7 @@ void OdtBorderPattern(benchmark::State& state) {
     });
 }
 
-/// Computes errors of tone relative to one picture on the unit square.
+/// Computes the difference in tone between dots and a picture on the unit square.
 class ToneError {
 public:
     explicit ToneError(const Density& picture) : wanted_(kHighest, kHighest) {

@@ -12,7 +12,7 @@ namespace {
 
 using Parts = std::vector<PolygonPart>;
 
-constexpr std::size_t kMaxVertices = 48;  ///< the number of crossings grows with its square
+constexpr std::size_t kMaxVertices = 48;  ///< limits the number of crossings, which grows quadratically
 
 /// Reads polygons with vertices on a grid of 16 x 16 points, where edges touch and overlap in many ways. Some vertices
 /// are off the grid by a rounding error, and some are anywhere.

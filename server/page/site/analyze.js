@@ -12,7 +12,7 @@ const methods = capabilities.sample.methods.toReversed();  // CCDT comes last
 const maxInSpectrum = 131072;  // points; their spectrum has 8 million values
 const digits = 11;  // significant digits of the largest coordinates, so that two million points take less than 64 MiB
 const maxToCompare = 1024;  // points; CCVT takes a second for this number
-const whitest = 2.5;  // power from which on pixels are white
+const whitest = 2.5;  // power at and above which pixels are white
 
 /**
  * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the

@@ -32,7 +32,7 @@ async function show() {
   panel.activate();
 }
 
-/** End of the last `show`. Calls run one after another, and each reads the address when it starts. */
+/** Promise for the end of the last `show`. Calls run one after another, and each reads the address when it starts. */
 let shown = Promise.resolve();
 function showAddress() {
   shown = shown.catch(() => {}).then(show);
