@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panel that turns a picture into dots.
 
-import { ask, capabilities } from "./api.js";
-import { acceptDrops, count, make, seconds } from "./dom.js";
+import { capabilities } from "./api.js";
+import { count, seconds } from "./dom.js";
 import { Fields } from "./fields.js";
 import { fields, moreFields, presets } from "./halftone_options.js";
 import { inksOf } from "./ink.js";
 import { postPatiently } from "./jobs.js";
 import { lightOfColour, scaledAsLight } from "./light.js";
-import { Panel } from "./panel.js";
+import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
 import { Plotter } from "./plotter.js";
 import { isLarge, reduced } from "./reduced.js";
 import { Snippets } from "./snippets.js";
@@ -17,25 +17,7 @@ import { Viewport } from "./viewport.js";
 const draftOptions = { quality: "draft", iterations: 1, passes: 2 };
 const draftScale = 2;  // largest scale of a draft of a reduced picture
 const thumbWidth = 32;  // CSS pixels; width of the handle of the divider
-const thumbSide = 128;  // pixels; side of a thumbnail
 const toneTolerance = 0.05;
-const firstSample = "astronaut.jpg";
-const ownPicture = "own";  // name in the address for a picture of the user, which the address cannot hold
-
-const samplePath = (name) => `/assets/samples/${name}`;
-
-/**
- * Loads a picture that comes with the page: {name, path, blob}. A picture of the user has no path. Once a picture is
- * chosen, its `original` is the decoded bitmap, or null if the browser cannot decode it.
- */
-const sample = async (name) => ({ name, path: samplePath(name), blob: await (await ask("GET", samplePath(name))).blob() });
-const ownOf = (file) => ({ name: file.name, blob: file });
-
-function canvasOf(bitmap) {
-  const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
-  canvas.getContext("2d", { willReadFrequently: true }).drawImage(bitmap, 0, 0);
-  return canvas;
-}
 
 async function drawingOf(svg, width, height, paper = "#ffffff") {
   const image = new Image();
@@ -57,17 +39,6 @@ async function shownPart(original, dots) {
   // Dots of the whole picture have its aspect ratio, up to a rounding of one pixel.
   if (Math.max(original.width - width, original.height - height) * scale < 2) return original;
   return createImageBitmap(original, (original.width - width) / 2, (original.height - height) / 2, width, height);
-}
-
-/** Returns the middle square of a picture, or its name if the browser cannot decode it. */
-function thumbnailOf({ name, original }) {
-  if (!original) return make("span", { textContent: name });
-  const canvas = make("canvas", { width: thumbSide, height: thumbSide });
-  const side = Math.min(original.width, original.height);
-  const context = canvas.getContext("2d");
-  context.imageSmoothingQuality = "high";
-  context.drawImage(original, (original.width - side) / 2, (original.height - side) / 2, side, side, 0, 0, thumbSide, thumbSide);
-  return canvas;
 }
 
 const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
@@ -112,33 +83,30 @@ function draftOf(options, factor) {
   return draft;
 }
 
-function warningsOf(response, isTimed) {
-  const warnings = JSON.parse(response.headers.get("X-Warnings") ?? "[]").map(({ detail }) => detail);
+/** Returns the warnings of an answer. The tone is not right if a time limit determines the number of dots. */
+function allWarningsOf(response, isTimed) {
+  const warnings = warningsOf(response);
   const tone = Number(response.headers.get("X-Tone") ?? 1);
   if (Math.abs(tone - 1) > toneTolerance && !isTimed) warnings.push(`the dots cover ${Math.round(100 * tone)} % of the area that the tone of the picture needs; with Dots on auto, the tone is right`);
   if (response.headers.has("X-Partial")) warnings.push("the time limit of the server was reached before all dots were spread evenly");
-  return warnings.join("; ");
+  return warnings;
 }
 
-export class Halftone extends Panel {
-  #picture = null;
-  #own = null;
+export class Halftone extends PicturePanel {
   // Includes `scale` (output pixels per pixel of the picture), `status` and `warnings` after a request that is no
   // draft.
-  #shown = { original: null, dots: null };
-  #before = null;  // {picture, shown} from before the choice of a picture that the server has not read yet
+  shown = { original: null, dots: null };
   #scaled = {};  // scaled dots that were drawn last
   #planned = null;  // estimate of the dots in each ink
-  #isStale = true;
 
   constructor(element) {
-    super(element);
+    super(element, presets);
     this.divider = this.find(".divider");
     this.viewport = new Viewport(this.find("canvas"), this.find(".zoom"), (...args) => this.#draw(...args));
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
     this.plotter = new Plotter(this.find(".plotter"), {
-      size: () => this.#picture?.original ?? this.#shown.dots ?? { width: 1, height: 1 },
+      size: () => this.picture?.original ?? this.shown.dots ?? { width: 1, height: 1 },
       plan: () => this.#plan(),
       isTimed: true,
       changed: (draft) => this.refresh(draft),
@@ -147,12 +115,10 @@ export class Halftone extends Panel {
       noted: () => this.note(),
     });
     this.addDownload((format, signal) => this.ask(format, signal));
-    this.#offerPresets();
-    this.#offerFields();
+    this.offerFields();
     this.snippets = new Snippets(this.find(".snippets"));
     this.divider.addEventListener("input", () => { this.#tellDivider(); this.viewport.redraw(); });
     this.#tellDivider();
-    this.#listenForPictures();
   }
 
   #tellDivider() {
@@ -160,127 +126,14 @@ export class Halftone extends Panel {
   }
 
   state() {
-    const { path, name } = this.#picture ?? { path: "", name: firstSample };
-    const picture = path === undefined ? ownPicture : name;
-    return { ...(picture !== firstSample && { picture }), ...this.#settings(), ...this.#heldWidth };
+    return { ...super.state(), ...this.#heldWidth };
   }
 
-  get #parts() {
+  get parts() {
     return [this.fields, this.moreFields, this.plotter];
   }
 
-  #settings() {
-    return Object.assign({}, ...this.#parts.map((part) => part.state()));
-  }
-
-  #restoreSettings(state) {
-    for (const part of this.#parts) part.restore(state);
-    this.#offerFields();
-  }
-
-  #offerPresets() {
-    this.presets = presets.map(({ title, settings }) => {
-      const button = make("button", { type: "button", textContent: title });
-      button.addEventListener("click", () => {
-        this.#restoreSettings(settings);
-        this.note(true);
-        this.refresh();
-      });
-      return { button, settings };
-    });
-    this.find(".presets").append(...this.presets.map(({ button }) => button));
-  }
-
-  #tellPreset() {
-    const text = (settings) => JSON.stringify(Object.entries(settings).sort());
-    const now = text(this.#settings());
-    for (const { button, settings } of this.presets) button.setAttribute("aria-pressed", String(text(settings) === now));
-  }
-
-  async restore(state) {
-    this.#isStale = true;
-    this.element.dataset.state = "busy";
-    this.#restoreSettings(state);
-    if (state.picture === ownPicture && this.#own) return this.#takeNewest(this.#own);
-    const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
-    const name = isOffered ? state.picture : firstSample;
-    if (this.#picture?.path === samplePath(name)) return this.abandonLoads();
-    await this.#takeNewest(sample(name));
-  }
-
-  activate() {
-    if (this.#isStale) this.#lookAnew();
-  }
-
-  async #lookAnew() {
-    if (!this.#picture) await this.#takeNewest(sample(firstSample));
-    this.refresh();
-  }
-
-  #listenForPictures() {
-    this.thumbs = [...this.element.querySelectorAll(".thumb")];
-    for (const thumb of this.thumbs) thumb.addEventListener("click", () => this.#choose(sample(thumb.dataset.sample)));
-    this.ownThumb = make("button", { type: "button", className: "thumb", hidden: true });
-    this.ownThumb.addEventListener("click", () => this.#choose(this.#own));
-    this.find(".pictures").prepend(this.ownThumb);
-    this.find(".file").addEventListener("change", ({ target }) => {
-      if (target.files.length > 0) this.#choose(ownOf(target.files[0]));
-      target.value = "";
-    });
-    acceptDrops(this.find(".drop"), (file) => this.#choose(ownOf(file)));
-    document.addEventListener("paste", (event) => {
-      const [file] = event.clipboardData.files;
-      if (file && !this.element.hidden) this.#choose(ownOf(file));
-    });
-  }
-
-  /** Shows the dots of a picture, or of the one that a promise yields. */
-  async #choose(picture) {
-    if (!(await this.#takeNewest(picture))) return;
-    this.note(true);
-    this.refresh();
-  }
-
-  /** Takes a picture once it is loaded, unless another one is chosen before. Returns whether it was taken. */
-  async #takeNewest(loading) {
-    try {
-      const picture = await this.loadNewest(loading);
-      if (!picture) return false;
-      this.#before ??= { picture: this.#picture, shown: this.#shown };
-      await this.#take(picture);
-      return picture === this.#picture;
-    } catch (problem) {
-      this.showProblem(problem);
-      return false;
-    }
-  }
-
-  /** Loads a picture. If the browser cannot decode it, such as a TIFF, the server still draws its dots. */
-  async #take(picture) {
-    this.element.dataset.state = "busy";
-    this.newest.abandon();
-    this.#picture = picture;
-    if (picture.original === undefined) picture.original = await createImageBitmap(picture.blob).catch(() => null);
-    if (picture !== this.#picture) return;
-    if (picture.original) this.#keepOwn();
-    this.#tellPicture();
-    if (picture.original) this.#show({ original: picture.original, dots: null });
-  }
-
-  #keepOwn() {
-    if (this.#picture.path || this.#picture === this.#own) return;
-    this.#own = this.#picture;
-    this.ownThumb.hidden = false;
-    this.ownThumb.ariaLabel = this.#own.name;
-    this.ownThumb.replaceChildren(thumbnailOf(this.#own));
-  }
-
-  #tellPicture() {
-    for (const thumb of this.thumbs) thumb.setAttribute("aria-pressed", String(this.#picture?.path === samplePath(thumb.dataset.sample)));
-    this.ownThumb.setAttribute("aria-pressed", String(this.#picture === this.#own));
-  }
-
-  #offerFields() {
+  offerFields() {
     const isPlotted = this.plotter.isOn;
     this.fields.offer("dot", !isPlotted);
     const { color = "gray", dot } = this.fields.values();
@@ -320,7 +173,7 @@ export class Halftone extends Panel {
 
   /** Option `width` that gives the width of the last full output; {} if there was none. */
   get #shownWidth() {
-    const { original, scale } = this.#shown;
+    const { original, scale } = this.shown;
     return scale ? { width: Math.round(scale * original.width) } : {};
   }
 
@@ -334,7 +187,7 @@ export class Halftone extends Panel {
   }
 
   async ask(format, signal, onProgress = this.showJob) {
-    if (!this.#picture) await this.#take(await sample(firstSample));
+    await this.takeFirst();
     const options = this.#options(format);
     const { drawn } = capabilities.halftone.formats.find(({ name }) => name === format);
     if (!drawn && isOfBothSides(options)) options.dots = "both";  // which is the default of drawings
@@ -346,51 +199,51 @@ export class Halftone extends Panel {
    */
   #sizeOf(options, format, drawn) {
     const isSized = options.width !== undefined || options.height !== undefined;
-    if (!drawn) return { width: undefined, height: undefined, fit: undefined, ...(isSized && { scale: this.#shown.scale?.toFixed(2) }) };
+    if (!drawn) return { width: undefined, height: undefined, fit: undefined, ...(isSized && { scale: this.shown.scale?.toFixed(2) }) };
     return format === "tiff" && !isForPrint(options) && !isSized ? this.#shownWidth : {};
   }
 
-  #post(options, signal, onProgress, blob = this.#picture.blob) {
+  #post(options, signal, onProgress, blob = this.picture.blob) {
     const given = Object.entries(options).filter(([, value]) => value !== undefined);
     return postPatiently(`/halftone?${new URLSearchParams(given)}`, blob, options,
       { signal, onProgress, type: "application/octet-stream" });
   }
 
   async #postDraft(options, signal) {
-    const picture = this.#picture;
+    const picture = this.picture;
     if (!isLarge(picture.original)) return this.#post(draftOf(options, 1), signal, this.showJob);
     picture.reduced ??= reduced(picture.original);
     const { blob, factor } = await picture.reduced;
     return this.#post(draftOf(options, factor), signal, this.showJob, blob);
   }
 
-  refresh(draft = false) {
-    this.#isStale = false;
-    this.#offerFields();
-    this.#tellPreset();
-    if (!this.#picture) return;
+  refresh(draft) {
+    super.refresh(draft);
+    if (this.picture) this.plotter.wait();
+  }
+
+  showRequest() {
+    this.snippets.showHalftone({ picture: this.picture, options: this.#options() });
+  }
+
+  task(draft) {
     const options = this.#options();
-    this.snippets.showHalftone({ picture: this.#picture, options });
-    this.plotter.wait();
-    if (!draft) this.note();
-    this.start(async (signal) => {
+    return async (signal) => {
       const start = performance.now();
       const response = await (draft ? this.#postDraft(options, signal) : this.#post(shownOptions(options), signal, this.showJob));
-      const dots = canvasOf(await createImageBitmap(await response.blob()));
+      const dots = await canvasOf(response);
       if (signal.aborted) return;
-      const original = await shownPart(this.#picture.original, dots);
-      this.#before = null;
-      this.#keepOwn();
-      this.#tellPicture();
-      if (draft) return this.#show({ ...this.#shown, original, dots });
-      this.#show({
+      const original = await shownPart(this.picture.original, dots);
+      this.keepPicture();
+      if (draft) return this.showResult({ ...this.shown, original, dots });
+      this.showResult({
         original, dots, scale: original && dots.width / original.width,
         status: `${describe(options, response)}, ${dots.width} \u00d7 ${dots.height} pixels, ${seconds(start)}`,
-        warnings: warningsOf(response, this.plotter.minutes !== undefined),
+        warnings: allWarningsOf(response, this.plotter.minutes !== undefined),
       });
       await this.#plot(options, signal);
-      this.status.textContent = this.#shown.status;  // the job of the plot may have cleared it
-    }, draft);
+      this.status.textContent = this.shown.status;  // the job of the plot may have cleared it
+    };
   }
 
   async #plot(options, signal) {
@@ -399,63 +252,34 @@ export class Halftone extends Panel {
     const svg = await response.text();
     this.plotter.showDrawing(svg);
     if (!isOfStrokes(options)) return;
-    const { width, height } = this.#shown.dots;
-    this.#show({ ...this.#shown, dots: await drawingOf(svg, width, height, options.background) });
+    const { width, height } = this.shown.dots;
+    this.showResult({ ...this.shown, dots: await drawingOf(svg, width, height, options.background) });
+  }
+
+  showPicture() {
+    this.showResult({ original: this.picture.original, dots: null });
   }
 
   /** Shows a result. Position and zoom stay as long as the picture does, even if the output has another scale. */
-  #show(shown) {
-    const { original, dots, scale, status = "", warnings = "" } = shown;
+  showResult(shown) {
+    const { original, dots, scale, status = "", warnings = [] } = shown;
     const { width, height } = original ?? dots;
-    this.#shown = shown;
+    this.shown = shown;
     this.status.textContent = status;
-    this.find(".warnings").textContent = warnings;
+    this.showWarnings(warnings);
     this.viewport.unit = dots && (scale ?? dots.width / width) / devicePixelRatio;
     this.viewport.content = { width, height };
   }
 
-  /** Whether the server cannot read the picture. Browsers show parts of some broken pictures. */
-  #isUnreadable({ status, message }) {
-    return status === 415 || (status === 422 && /^the image is (broken|of a kind)/.test(message));
-  }
-
-  show(problem) {
-    const isUnreadable = problem && this.#isUnreadable(problem);
-    if (isUnreadable) {
-      const rest = problem.message.replace(/^this is not an image the server can read/, "");
-      problem.message = `This file is not an image the server can read${rest === problem.message ? ": " : ""}${rest}`;
-      problem.errors = [{ pointer: "image", detail: problem.message }];
-    }
-    super.show(problem);
-    if (isUnreadable && this.#before?.shown.dots) this.#goBack();
-    else if (problem) this.#before = null;
-  }
-
-  #goBack() {
-    const { picture, shown } = this.#before;
-    this.#picture = picture;
-    this.#before = null;
-    this.#tellPicture();
-    this.#show(shown);
-    this.snippets.showHalftone({ picture, options: this.#options() });
-    this.note();
-  }
-
-  place(errors) {
-    for (const part of [this.fields, this.moreFields, this.plotter]) part.show(errors);
-    const aboutPicture = errors.filter(({ pointer }) => pointer === "image");
-    this.find(".picture-error").textContent = aboutPicture.map(({ detail }) => detail).join("; ");
-  }
-
   forget() {
-    this.#shown = { original: this.#picture?.original ?? null, dots: null };
-    this.find(".warnings").textContent = "";
+    this.shown = { original: this.picture?.original ?? null, dots: null };
+    this.showWarnings([]);
     this.plotter.showDrawing(null);
     this.viewport.redraw();
   }
 
   #draw(context, view) {
-    const { original, dots } = this.#shown;
+    const { original, dots } = this.shown;
     this.divider.hidden = !original || !dots;
     if (!original && !dots) return;
     const { width, height } = original ?? dots;
@@ -467,7 +291,7 @@ export class Halftone extends Panel {
 
   /** Draws the dots. Their scaled pixels are kept, because they stay the same while the divider moves. */
   #drawDots(context, place) {
-    const { dots } = this.#shown;
+    const { dots } = this.shown;
     const { width, height } = context.canvas;
     const ground = getComputedStyle(context.canvas.parentElement).backgroundColor;
     const key = JSON.stringify([place, width, height, ground]);
@@ -479,7 +303,7 @@ export class Halftone extends Panel {
 
   /** Draws the picture left of the divider, or all of it if there are no dots. */
   #drawOriginal(context, view, { x, y, width, height }) {
-    const { original, dots } = this.#shown;
+    const { original, dots } = this.shown;
     const share = Number(this.divider.value) / 100;
     const end = dots ? thumbWidth / 2 + share * (view.size.width - thumbWidth) : view.size.width;
     context.save();
@@ -493,7 +317,7 @@ export class Halftone extends Panel {
   }
 
   #plan() {
-    const { original } = this.#picture ?? {};
+    const { original } = this.picture ?? {};
     if (!original) return null;
     const options = { ...this.fields.values(), ...this.moreFields.values() };
     const key = JSON.stringify([options.color, options.palette, options.dots, options.tone]);
