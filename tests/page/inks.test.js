@@ -67,7 +67,7 @@ test("accepts a palette of one to six inks", async () => {
   await open();
   await choose("palette");
   const wells = palette().locator("input");
-  const more = palette().getByRole("button", { name: "Add an ink" });
+  const more = palette().getByRole("button", { name: "Add another ink" });
   const less = (ink) => palette().getByRole("button", { name: `Remove ink ${ink}` });
   const inks = ["#0078bf", "#ff48b0", "#ffe800", "#000000"];
   assert.deepEqual(await requestedOptions(), { palette: inks.join(",") });

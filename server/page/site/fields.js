@@ -136,16 +136,17 @@ function colourField(field, id, change) {
 }
 
 /**
- * Creates colour inputs: at least one, and at most as many as `field.colours` has colours. Initially, there is one for
- * each of the first `field.number` colours.
+ * Creates colour inputs: at least `field.least`, and at most as many as `field.colours` has colours. Initially, there is
+ * one for each of the first `field.number` colours. `field.item` is the word for what has a colour.
  */
 function paletteField(field, id, change) {
+  const { item, least } = field;
   const wells = [];
   const place = make("div", { className: "wells", attributes: { role: "group", "aria-label": field.label } });
-  const more = make("button", { type: "button", textContent: "Add", attributes: { "aria-label": "Add an ink" } });
+  const more = make("button", { type: "button", textContent: "Add", attributes: { "aria-label": `Add another ${item}` } });
   const settle = () => {
     more.disabled = wells.length === field.colours.length;
-    place.classList.toggle("single", wells.length === 1);
+    place.classList.toggle("fewest", wells.length === least);
   };
   const remove = (index) => {
     for (let i = index; i + 1 < wells.length; ++i) wells[i].value = wells[i + 1].value;
@@ -156,9 +157,9 @@ function paletteField(field, id, change) {
   };
   const add = (value) => {
     const index = wells.length;
-    const well = make("input", { type: "color", value, attributes: { "aria-label": `Ink ${index + 1}` } });
+    const well = make("input", { type: "color", value, attributes: { "aria-label": `${item[0].toUpperCase()}${item.slice(1)} ${index + 1}` } });
     if (index === 0) well.id = id;
-    const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ink ${index + 1}` } });
+    const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ${item} ${index + 1}` } });
     well.addEventListener("input", () => change(true));
     well.addEventListener("change", () => change(false));
     less.addEventListener("click", () => remove(index));
@@ -175,7 +176,7 @@ function paletteField(field, id, change) {
   const value = () => wells.map((well) => well.value).join(",");
   const put = (text) => {
     const colours = text.split(",").filter(isColour).slice(0, field.colours.length);
-    if (colours.length === 0) return;
+    if (colours.length < least) return;
     while (wells.length > colours.length) wells.pop().parentElement.remove();
     colours.forEach((colour, i) => { if (i < wells.length) wells[i].value = colour; else add(colour); });
     settle();

@@ -223,7 +223,7 @@ export class Halftone extends PicturePanel {
   }
 
   showRequest() {
-    this.snippets.showHalftone({ picture: this.picture, options: this.#options() });
+    this.snippets.showHalftone({ picture: this.picture, options: this.#options(), file: "dots.png" });
   }
 
   task(draft) {

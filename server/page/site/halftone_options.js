@@ -21,7 +21,7 @@ export const fields = [
     help: "Pixels at the edge of a dot are grey, which suits screens. Without this, each pixel is covered or not, which suits printers." },
   { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]],
     help: "Each ink has its own dots, which keep a distance from the dots of other inks." },
-  { kind: "palette", name: "palette", label: "Palette", number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
+  { kind: "palette", name: "palette", label: "Palette", item: "ink", least: 1, number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
   { kind: "colour", name: "foreground", label: "Dot colour", value: "#000000", standard: "#000000" },
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff", transparent: true },
 ];

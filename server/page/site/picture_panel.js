@@ -6,7 +6,6 @@ import { acceptDrops, make } from "./dom.js";
 import { Panel } from "./panel.js";
 
 const thumbSide = 128;  // pixels; side of a thumbnail
-const firstSample = "astronaut.jpg";
 const ownPicture = "own";  // name in the address for a picture of the user, which the address cannot hold
 
 const samplePath = (name) => `/assets/samples/${name}`;
@@ -50,7 +49,6 @@ export async function canvasOf(response) {
  * - `showRequest()`: shows the request as code
  * - `task(draft)`: returns a task that sends the request and shows its result
  * - `shown` and `showResult(shown)`: what is shown; it has a `status` once there is a result
- * - `showPicture()`: shows the picture until there is a result
  */
 export class PicturePanel extends Panel {
   picture = null;
@@ -58,18 +56,23 @@ export class PicturePanel extends Panel {
   #offered = null;  // picture of the user that the thumbnail shows
   #isStale = true;
 
-  constructor(element, presets) {
+  /** @param firstSample  name of the picture that the panel begins with */
+  constructor(element, presets, firstSample = "astronaut.jpg") {
     super(element);
+    this.firstSample = firstSample;
     this.find(".picture").append(document.getElementById("picture").content.cloneNode(true));
     this.#offerPresets(presets);
     this.#listenForPictures();
   }
 
   state() {
-    const { path, name } = this.picture ?? { path: "", name: firstSample };
+    const { path, name } = this.picture ?? { path: "", name: this.firstSample };
     const picture = path === undefined ? ownPicture : name;
-    return { ...(picture !== firstSample && { picture }), ...this.#settings() };
+    return { ...(picture !== this.firstSample && { picture }), ...this.#settings() };
   }
+
+  /** Shows the picture until there is a result, if the panel can. */
+  showPicture() {}
 
   #settings() {
     return Object.assign({}, ...this.parts.map((part) => part.state()));
@@ -105,7 +108,7 @@ export class PicturePanel extends Panel {
     this.#restoreSettings(state);
     if (state.picture === ownPicture && own) return this.#takeNewest(own);
     const isOffered = this.thumbs.some(({ dataset }) => dataset.sample === state.picture);
-    const name = isOffered ? state.picture : firstSample;
+    const name = isOffered ? state.picture : this.firstSample;
     if (this.picture?.path === samplePath(name)) return this.abandonLoads();
     await this.#takeNewest(sample(name));
   }
@@ -116,7 +119,7 @@ export class PicturePanel extends Panel {
   }
 
   async #lookAnew() {
-    if (!this.picture) await this.#takeNewest(own ?? sample(firstSample));
+    if (!this.picture) await this.#takeNewest(own ?? sample(this.firstSample));
     this.refresh();
   }
 
@@ -172,7 +175,7 @@ export class PicturePanel extends Panel {
 
   /** Takes the first sample if there is no picture yet. */
   async takeFirst() {
-    if (!this.picture) await this.#take(await sample(firstSample));
+    if (!this.picture) await this.#take(await sample(this.firstSample));
   }
 
   #keepOwn() {
