@@ -21,11 +21,11 @@ async function open(address) {
 }
 
 /**
- * Options without a field of the same name. They are older names, shapes, downloads and their layers, controls beside the picture, the
+ * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
  * properties that a map counts, and the pen, which has two fields.
  */
 const elsewhere = {
-  halftone: ["dwell", "format", "invert", "layers", "pen"],
+  halftone: ["dwell", "format", "invert", "pen"],
   devices: [],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
 };

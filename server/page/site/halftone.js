@@ -44,6 +44,10 @@ async function shownPart(original, dots) {
 const isOfBothSides = ({ palette, dots, tone, style = "fill", minutes, background }) =>
   !palette && !dots && tone !== "density" && style === "fill" && minutes === undefined && background !== "transparent";
 
+/** Whether an SVG can have a layer for each kind of dots. With a single ink, the layers are the same in any case. */
+const hasKinds = ({ palette, ...options }) =>
+  isOfBothSides(options) && (palette ? [2, 3].includes(palette.split(",").length) : options.color !== undefined);
+
 /** Whether a pen draws more than a short stroke for each dot, so that the drawing differs from plain dots. */
 const isOfStrokes = ({ style = "fill" }) => !["fill", "stroke"].includes(style);
 
@@ -152,6 +156,7 @@ export class Halftone extends PicturePanel {
     for (const name of ["width", "height"]) this.moreFields.offer(name, !isPlotted);
     const { width, height } = this.moreFields.values();
     this.moreFields.offer("fit", width !== undefined && height !== undefined);
+    this.moreFields.offer("layers", !isPlotted && hasKinds(this.#options()));
     this.offerDownloads(capabilities.halftone.formats, "dots", Object.keys(this.#options()));
   }
 
@@ -183,6 +188,7 @@ export class Halftone extends PicturePanel {
     // Dots of paper need grey, and pens draw a layer of ink for each colour.
     if (options.color && (options.dots === "paper" || this.plotter.isOn)) options.dots = "ink";
     if (options.antialias !== isForPrint(options)) delete options.antialias;  // it is the default
+    if (format !== "svg") delete options.layers;
     return options;
   }
 
@@ -222,8 +228,11 @@ export class Halftone extends PicturePanel {
     if (this.picture) this.plotter.wait();
   }
 
+  /** Shows the request for the preview, or for an SVG if its layers are chosen. */
   showRequest() {
-    this.snippets.showHalftone({ picture: this.picture, options: this.#options(), file: "dots.png" });
+    const asSvg = this.#options("svg");
+    const options = asSvg.layers ? { ...asSvg, format: "svg" } : this.#options();
+    this.snippets.showHalftone({ picture: this.picture, options, file: `dots.${options.format ?? "png"}` });
   }
 
   task(draft) {

@@ -49,6 +49,8 @@ export const moreFields = [
   { kind: "number", name: "width_mm", label: "Print width, mm", value: 200, min: 20, max: 2000, step: 1, log: true, auto: true, free: "none",
     help: "The width at which other programs print the file. Sets the resolution of PNG and TIFF, and the size of SVG." },
   { kind: "choice", name: "style", label: "Dots in SVG", standard: "fill", choices: [["fill", "circles"], ["stroke", "strokes for plotters"]] },
+  { kind: "choice", name: "layers", label: "SVG layers", standard: "ink", choices: [["ink", "one per ink"], ["kind", "one per kind of dot"]],
+    help: "Dots of a kind flip the same inks. With a layer for each kind, the ground below the dots has a layer, too." },
   { kind: "choice", name: "on_deadline", label: "At the time limit", standard: "error", choices: [["error", "show an error"], ["partial", "show the result so far"]],
     help: "The server limits how long a request may take." },
 ];
