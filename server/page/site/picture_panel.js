@@ -197,10 +197,10 @@ export class PicturePanel extends Panel {
   }
 
   refresh(draft = false) {
-    this.#isStale = false;
     this.offerFields();
     this.#tellPreset();
     if (!this.picture) return;
+    this.#isStale = false;
     this.showRequest();
     if (!draft) this.note();
     this.start(this.task(draft), draft);
