@@ -5,12 +5,16 @@
 #include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "api/analyze/analyze.h"
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
+#include "api/input/colour.h"
+#include "api/input/device.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
 #include "api/sample/sample_parser.h"
@@ -45,6 +49,24 @@ Json describe(const DeviceFormat& format) {
 
 Json describe(const AnalysisFormat& format) {
     return describe(format.file);
+}
+
+std::vector<std::string> hexadecimal_of(std::span<const Colour> colours) {
+    std::vector<std::string> list;
+    list.reserve(colours.size());
+    for (const Colour& colour : colours) list.push_back(hexadecimal(colour));
+    return list;
+}
+
+Json describe_devices() {
+    Json list = Json::array();
+    for (const Device& device : devices()) {
+        list.push_back({{"name", device.name},
+                        {"title", device.title},
+                        {"sent", hexadecimal_of(device.sent)},
+                        {"seen", hexadecimal_of(device.seen)}});
+    }
+    return list;
 }
 
 template <class Row>
@@ -116,7 +138,7 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
          {{"formats", describe_all(halftone_formats())},
           {"options", halftone_options()},
           {"devices",
-           {{"names", device_names()}, {"formats", describe_all(device_formats())}, {"options", device_options()}}},
+           {{"types", describe_devices()}, {"formats", describe_all(device_formats())}, {"options", device_options()}}},
           {"pictures", name_of(pictures)}}},
         {"sample",
          {{"formats", describe_all(sample_formats())},

@@ -26,8 +26,7 @@ namespace {
 constexpr DeviceFormat kPngPixels{kPng, write_device_png};
 constexpr DeviceFormat kBmpPixels{{"bmp", "BMP", "bmp", "image/bmp", ""}, write_bmp};
 // Rows of pixels and ESC/POS have no registered media types.
-constexpr DeviceFormat kRawPixels{{"raw", "rows of packed pixels", "bin", "application/octet-stream", ""},
-                                  write_packed_rows};
+constexpr DeviceFormat kRawPixels{{"raw", "Packed pixels", "bin", "application/octet-stream", ""}, write_packed_rows};
 constexpr DeviceFormat kEscposPixels{{"escpos", "ESC/POS", "bin", "application/x-escpos", ""}, write_escpos};
 constexpr const DeviceFormat* kFormats[] = {&kPngPixels, &kBmpPixels, &kRawPixels, &kEscposPixels};
 

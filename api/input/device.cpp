@@ -32,20 +32,21 @@ constexpr std::array<Colour, 7> kAcep7Seen = {
 
 struct KnownDevice {
     std::string_view name;
+    std::string_view title;
     std::span<const Colour> sent;
     std::span<const Colour> seen;
     std::size_t greys = 0;  ///< number of greys in equal steps of sRGB values; 0: the colours are listed
 };
 
 constexpr std::array<KnownDevice, 8> kDevices = {{
-    {"1bit", {}, {}, 2},
-    {"gray4", {}, {}, 4},
-    {"gray16", {}, {}, 16},
-    {"bwr", kBlackWhiteRed, kBlackWhiteRedSeen},
-    {"bwy", kBlackWhiteYellow, kBlackWhiteYellowSeen},
-    {"spectra6", kSpectra6, kSpectra6Seen},
-    {"acep7", kAcep7, kAcep7Seen},
-    {"custom", {}, {}},
+    {"1bit", "Black and white", {}, {}, 2},
+    {"gray4", "4 greys", {}, {}, 4},
+    {"gray16", "16 greys", {}, {}, 16},
+    {"bwr", "Black, white and red", kBlackWhiteRed, kBlackWhiteRedSeen},
+    {"bwy", "Black, white and yellow", kBlackWhiteYellow, kBlackWhiteYellowSeen},
+    {"spectra6", "Spectra 6", kSpectra6, kSpectra6Seen},
+    {"acep7", "ACeP, 7 colours", kAcep7, kAcep7Seen},
+    {"custom", "Custom colours", {}, {}},
 }};
 
 std::vector<Colour> greys(std::size_t count) {
@@ -57,6 +58,15 @@ std::vector<Colour> greys(std::size_t count) {
     return colours;
 }
 
+Device device_of(const KnownDevice& known) {
+    Device device;
+    device.name = known.name;
+    device.title = known.title;
+    device.sent = known.greys > 0 ? greys(known.greys) : std::vector(known.sent.begin(), known.sent.end());
+    device.seen = known.greys > 0 ? device.sent : std::vector(known.seen.begin(), known.seen.end());
+    return device;
+}
+
 }  // namespace
 
 bool Device::is_grey() const {
@@ -64,20 +74,18 @@ bool Device::is_grey() const {
     return has_grey_count && sent == greys(sent.size());
 }
 
-std::vector<std::string_view> device_names() {
-    std::vector<std::string_view> names;
-    names.reserve(kDevices.size());
-    for (const KnownDevice& device : kDevices) names.push_back(device.name);
-    return names;
+std::vector<Device> devices() {
+    std::vector<Device> all;
+    all.reserve(kDevices.size());
+    for (const KnownDevice& known : kDevices) all.push_back(device_of(known));
+    return all;
 }
 
 Result<Device> read_device(const Input& input) {
-    return read_word(input, device_names()).map([](std::size_t i) {
-        const KnownDevice& known = kDevices[i];
-        if (known.greys > 0) return Device{std::string(known.name), greys(known.greys), greys(known.greys)};
-        return Device{
-            std::string(known.name), {known.sent.begin(), known.sent.end()}, {known.seen.begin(), known.seen.end()}};
-    });
+    std::vector<std::string_view> names;
+    names.reserve(kDevices.size());
+    for (const KnownDevice& known : kDevices) names.push_back(known.name);
+    return read_word(input, names).map([](std::size_t i) { return device_of(kDevices[i]); });
 }
 
 Result<std::vector<Colour>> read_device_colours(const Input& input) {

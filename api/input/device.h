@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "api/input/colour.h"
@@ -14,6 +13,7 @@ namespace ccdt::api {
 /// A device whose pixels each show one of a few colours.
 struct Device {
     std::string name;
+    std::string title;         ///< name for people
     std::vector<Colour> sent;  ///< colours in files for the device, in the order of the pixel values
     std::vector<Colour> seen;  ///< the same colours as they look on the device
 
@@ -25,10 +25,10 @@ struct Device {
     bool is_grey() const;
 };
 
-/// Returns the names of the devices.
-std::vector<std::string_view> device_names();
+/// Returns all devices. The device `custom` has no colours; these come from read_device_colours().
+std::vector<Device> devices();
 
-/// Reads the name of a device. The device `custom` has no colours yet; these come from read_device_colours().
+/// Reads the name of a device.
 /// Errors: Malformed.
 Result<Device> read_device(const Input& input);
 

@@ -153,11 +153,21 @@ TEST(Capabilities, ReportWhetherServerOffersPictures) {
 TEST(Capabilities, ListDevicesWithDocumentedNamesFormatsAndOptions) {
     const Json devices = capabilities().at("halftone").at("devices");
     const Json documented = properties_of("DeviceOptions");
-    EXPECT_EQ(devices.at("names"), documented.at("device").at("enum"));
+    EXPECT_EQ(all(devices.at("types"), "name"), documented.at("device").at("enum").get<std::vector<std::string>>());
     EXPECT_EQ(all(devices.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
     std::set<std::string> names;
     for (const auto& [name, schema] : documented.items()) names.insert(name);
     EXPECT_EQ(devices.at("options").get<std::set<std::string>>(), names);
+}
+
+TEST(Capabilities, ListColoursOfDevicesAsSentAndAsSeen) {
+    const Json types = capabilities().at("halftone").at("devices").at("types");
+    for (const Json& type : types) EXPECT_EQ(type.at("sent").size(), type.at("seen").size()) << type;
+    EXPECT_EQ(row_of(types, "1bit").at("sent"), Json::parse(R"(["#000000","#ffffff"])"));
+    EXPECT_EQ(row_of(types, "gray4").at("seen"), Json::parse(R"(["#000000","#555555","#aaaaaa","#ffffff"])"));
+    EXPECT_EQ(row_of(types, "bwr").at("sent"), Json::parse(R"(["#000000","#ffffff","#ff0000"])"));
+    EXPECT_EQ(row_of(types, "bwr").at("seen"), Json::parse(R"(["#0a070e","#adb2ae","#55180e"])"));
+    EXPECT_EQ(row_of(types, "custom").at("sent"), Json::array());
 }
 
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {

@@ -35,3 +35,15 @@ test("asks for a key, and again after a wrong one", async () => {
   await run("bash", ["-c", curl], { cwd: folder, env: { ...process.env, CCDT_KEY: key } });
   assert.match(await run("file", ["dots.png"], { cwd: folder }), /PNG image data/);
 });
+
+test("shows results in all panels once it has a key", async () => {
+  const { page } = world;
+  await page.goto(world.url);
+  await page.waitForSelector("#access:not([hidden])");
+  await page.fill("#key", key);
+  await page.click("#access button");
+  for (const panel of ["halftone", "devices", "sample"]) {
+    await page.click(`#tab-${panel}`);
+    await settled(page, panel);
+  }
+});

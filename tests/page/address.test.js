@@ -57,7 +57,7 @@ test("shares the settings of every kind of field of a halftone", async () => {
   await page.click("#halftone [data-name=palette] button:text-is('Add')");
   await page.check("#halftone [data-name=background] input[type=checkbox]");
   await page.click("#halftone .more summary");
-  await page.getByLabel("black point").fill("0.1");
+  await page.locator("#halftone").getByLabel("black point").fill("0.1");
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").fill("3");
   await page.locator("#halftone .more [data-name=iterations] input[type=number]").blur();
   await settled(page, "halftone");
@@ -78,6 +78,19 @@ test("shares a radius in pixels with the width at which it was shown", async () 
   await type("halftone", "dot", "2.5");
   assert.deepEqual(await settings(), { sites: "500", dot: "2.5", width: "1000" });
   await isShared("halftone");
+});
+
+test("shares the settings of a device", async () => {
+  for (const address of [
+    "#devices?picture=camera.jpg&device=acep7&width=200&height=auto&rotate=90&seen=false",
+    "#devices?device=custom&palette=%23000000%2C%23ffffff%2C%23aa2200&width=90&height=60&fit=contain&background=%23aa2200&levels=0.1%2C1%2C1",
+    "#devices?width=64&height=64&format=raw&bit_order=lsb&invert_bits=true",
+  ]) {
+    await open(address);
+    assert.equal(await hash(), address);
+    await isShared("devices");
+    await world.page.goto("about:blank");
+  }
 });
 
 test("shares a shape: drawn, with sides, or a map", async () => {

@@ -7,7 +7,7 @@ import { test } from "node:test";
 import { appearances, isAccessible, looksAsKept, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
-const panels = ["halftone", "sample", "analyze"];
+const panels = ["halftone", "devices", "sample", "analyze"];
 
 /** Opens all parts that are closed at first: rare options, help texts, and the controls of the plotter. */
 async function unfold(page, panel) {
@@ -42,6 +42,11 @@ for (const { colorScheme, size, viewport, tags } of appearances) {
         await settled(page, panel);
       }
       await unfold(page, panel);
+      if (panel === "devices") {
+        await page.selectOption("#devices [data-name=device] select", "custom");
+        await page.selectOption("#devices [data-name=format] select", "raw");
+        await settled(page, panel);
+      }
       if (panel === "sample") {
         await page.selectOption("#sample [data-name=order] select", "progressive");
         await settled(page, panel);
@@ -59,8 +64,8 @@ test("works by keyboard alone", async () => {
   await page.keyboard.press("Tab");
   assert.equal(await page.evaluate(() => document.activeElement.id), "tab-halftone");
   await page.keyboard.press("ArrowRight");
-  await settled(page, "sample");
-  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-sample");
+  await settled(page, "devices");
+  assert.equal(await page.evaluate(() => document.activeElement.id), "tab-devices");
   await page.keyboard.press("ArrowLeft");
   await settled(page, "halftone");
   await page.focus("#halftone [data-name=sites] input[type=range]");

@@ -95,7 +95,7 @@ for (const viewport of [{ width: 1280, height: 900 }, { width: 390, height: 844 
   test(`has the download button beside the picture, ${viewport.width} pixels wide`, async () => {
     const { page } = world;
     await page.setViewportSize(viewport);
-    for (const panel of ["halftone", "sample"]) {
+    for (const panel of ["halftone", "devices", "sample"]) {
       await page.goto(`${world.url}/#${panel}`);
       await settled(page, panel);
       const { y, height } = await page.locator(`#${panel} .download button`).boundingBox();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The three panels in Debian's Firefox.
+// The panels in Debian's Firefox.
 
 import assert from "node:assert/strict";
 import { once } from "node:events";
@@ -102,6 +102,19 @@ test("drafts a large photograph from a reduced one", async () => {
     return Promise.all(bodies.map(async (body) => (await createImageBitmap(body)).width));
   });
   assert.deepEqual(sent, [670, 1500]);
+});
+
+test("shows a picture in the colours that are seen on a device", async () => {
+  await show("devices", "?device=bwr&width=201&height=121");
+  const { types } = (await (await fetch(`${running.url}/capabilities`)).json()).halftone.devices;
+  const { sizes, colours } = await page.$eval("#devices .exact canvas", (canvas) => {
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const found = new Set();
+    for (let i = 0; i < data.length; i += 4) found.add(`#${[...data.slice(i, i + 3)].map((value) => value.toString(16).padStart(2, "0")).join("")}`);
+    return { sizes: [canvas.width, canvas.height, canvas.clientWidth, canvas.clientHeight], colours: [...found] };
+  });
+  assert.deepEqual(sizes, [201, 121, 201, 121]);
+  assert.deepEqual(colours.sort(), types.find(({ name }) => name === "bwr").seen.toSorted());
 });
 
 test("opens at an address, and goes back to it", async () => {

@@ -83,12 +83,16 @@ export const elementPage = (url) => `<!DOCTYPE html><html lang="en"><title>Dots<
 let shared = null;
 let users = 0;
 
+/** Launches a browser of its own for a test, with additional flags. */
+export async function launchChromium(...flags) {
+  const browser = await chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: [...quiet, ...flags] });
+  closeAtLimit(() => browser.close());
+  return browser;
+}
+
 /** Returns a browser that all tests of a file share. */
 async function sharedChromium() {
-  shared ??= chromium.launch({ executablePath: process.env.CCDT_CHROMIUM, args: quiet }).then((browser) => {
-    closeAtLimit(() => browser.close());
-    return browser;
-  });
+  shared ??= launchChromium();
   return shared;
 }
 

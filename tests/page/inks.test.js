@@ -2,12 +2,12 @@
 // Halftones in several inks.
 
 import assert from "node:assert/strict";
-import { mkdtemp, rm } from "node:fs/promises";
+import { mkdtemp, readFile, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
-import { isAccessible, run, settled, useBrowser } from "./harness.js";
+import { download, isAccessible, run, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
 const primary = ["#000000", "#00ffff", "#ff00ff", "#ffff00", "#ffffff"];
@@ -67,7 +67,7 @@ test("accepts a palette of one to six inks", async () => {
   await open();
   await choose("palette");
   const wells = palette().locator("input");
-  const more = palette().getByRole("button", { name: "Add an ink" });
+  const more = palette().getByRole("button", { name: "Add another ink" });
   const less = (ink) => palette().getByRole("button", { name: `Remove ink ${ink}` });
   const inks = ["#0078bf", "#ff48b0", "#ffe800", "#000000"];
   assert.deepEqual(await requestedOptions(), { palette: inks.join(",") });
@@ -113,6 +113,30 @@ test("shows a command that returns the same picture, and is accessible", async (
   assert.match(await run("file", ["dots.png"], { cwd: folder }), new RegExp(`PNG image data, ${size.replace("\u00d7", "x")}, 8-bit`));
   await rm(folder, { recursive: true });
   await context.close();
+});
+
+test("saves an SVG with a layer for each kind of dots", async () => {
+  await open();
+  const isOffered = () => field("layers").evaluate(({ hidden }) => !hidden);
+  assert.ok(!(await isOffered()));  // a single ink has the same layers in any case
+  await choose("cmyk");
+  assert.ok(await isOffered());
+  const labels = async () => {
+    const svg = await readFile(await (await download(world.page, "halftone", "SVG")).path(), "utf8");
+    return [...svg.matchAll(/inkscape:label="([^"]*)"/g)].map(([, label]) => label);
+  };
+  assert.ok(!(await labels()).some((label) => label.includes("+")));
+  await world.page.click("#halftone .more summary");
+  await field("layers").locator("select").selectOption("kind");
+  await settled(world.page, "halftone");
+  assert.deepEqual((await labels()).slice(0, 4), ["ground", "cyan", "magenta", "cyan+magenta"]);
+  assert.deepEqual(await requestedOptions(), { color: "cmyk", layers: "kind", format: "svg" });
+  assert.match(await world.page.textContent("#halftone pre"), /-o dots\.svg$/);
+  assert.equal((await download(world.page, "halftone", "PNG")).suggestedFilename(), "dots.png");
+  await field("dots").locator("select").selectOption("ink");
+  await settled(world.page, "halftone");
+  assert.ok(!(await isOffered()));
+  assert.deepEqual(await requestedOptions(), { color: "cmyk", dots: "ink" });
 });
 
 test("counts the dots of all inks in an analysis", async () => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The page offers all options of the server's routes, with help texts where needed.
+// The page offers all options of the server's routes, and explains those that need it.
 
 import assert from "node:assert/strict";
 import { mkdtempSync } from "node:fs";
@@ -21,11 +21,12 @@ async function open(address) {
 }
 
 /**
- * Options without a field of the same name: older names, shapes, formats and layers of downloads, controls beside the
- * picture, the counted properties of a map, and the pen, which has two fields.
+ * Options without a field of the same name. They are older names, shapes, downloads, controls beside the picture, the
+ * properties that a map counts, and the pen, which has two fields.
  */
 const elsewhere = {
-  halftone: ["dwell", "format", "invert", "layers", "pen"],
+  halftone: ["dwell", "format", "invert", "pen"],
+  devices: [],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
 };
 
@@ -34,7 +35,8 @@ test("has a field for each option", async () => {
   for (const [panel, others] of Object.entries(elsewhere)) {
     await open(`#${panel}`);
     const names = await world.page.locator(`#${panel} .field`).evaluateAll((fields) => fields.map(({ dataset }) => dataset.name));
-    assert.deepEqual(offered[panel].options.filter((name) => !names.includes(name)).sort(), others.sort());
+    const { options } = panel === "devices" ? offered.halftone.devices : offered[panel];
+    assert.deepEqual(options.filter((name) => !names.includes(name)).sort(), others.sort());
   }
 });
 

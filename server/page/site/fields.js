@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Form fields for the options of a request, with labels, help texts and the error messages of the server.
+// Labelled inputs for the options of a request, with help texts and the error messages of the server.
 
 import { make } from "./dom.js";
 
 let made = 0;
 
-/** Creates a slider and a number input, which accepts numbers outside the range of the slider, too. */
+/**
+ * Creates a slider and a number input. Numbers outside the range of the slider can be typed; the server validates them.
+ */
 function numberInputs(field, id) {
   const number = make("input", { id, type: "number", value: field.value, step: field.step ?? "any" });
   const toSlider = field.log ? Math.log : (x) => x;
@@ -29,8 +31,8 @@ function numberInputs(field, id) {
 }
 
 /**
- * Creates a field for a number. If `field.auto` is defined, adds a checkbox, labelled `field.free`, with which the
- * server chooses the number.
+ * Creates a field for a number. With `field.auto`, it has a checkbox, labelled `field.free`, by which the user leaves
+ * the number to the server.
  */
 function numberField(field, id, change) {
   const { number, slider, all, put: putNumber, limit } = numberInputs(field, id);
@@ -69,7 +71,7 @@ function numberField(field, id, change) {
   return { input: number, parts: [entry, slider], value, text: () => String(value() ?? "auto"), put, limit };
 }
 
-/** Creates several labelled number inputs in a line. The value is a list of numbers, separated by commas. */
+/** Creates number inputs side by side, each with its own label. The value joins the numbers with commas. */
 function numbersField(field, id, change) {
   const inputs = field.numbers.map(({ value, min, max, step }, index) =>
     make("input", { id: index === 0 ? id : `${id}-${index}`, type: "number", value, min, max, step }));
@@ -100,7 +102,7 @@ function checkField(field, id, change) {
   return { input: box, parts: [box], value: () => box.checked, text: () => String(box.checked), put: (text) => { box.checked = text === "true"; } };
 }
 
-/** Creates checkboxes. The value lists the checked choices, which initially are those in `field.checked`. */
+/** Creates checkboxes, of which `field.checked` lists those checked at first. The value lists the checked ones. */
 function severalField(field, id, change) {
   const boxes = field.choices.map(([value, text], index) => {
     const box = make("input", { type: "checkbox", value, checked: field.checked.includes(value), ...(index === 0 && { id }) });
@@ -133,14 +135,18 @@ function colourField(field, id, change) {
   return { input: well, parts: [entry], value, text: value, put };
 }
 
-/** Creates 1 to `field.colours.length` colour inputs, initially for the first `field.number` of these colours. */
+/**
+ * Creates colour inputs: at least `field.least`, and at most as many as `field.colours` has colours. Initially, there is
+ * one for each of the first `field.number` colours. `field.item` is the word for what has a colour.
+ */
 function paletteField(field, id, change) {
+  const { item, least } = field;
   const wells = [];
   const place = make("div", { className: "wells", attributes: { role: "group", "aria-label": field.label } });
-  const more = make("button", { type: "button", textContent: "Add", attributes: { "aria-label": "Add an ink" } });
+  const more = make("button", { type: "button", textContent: "Add", attributes: { "aria-label": `Add another ${item}` } });
   const settle = () => {
     more.disabled = wells.length === field.colours.length;
-    place.classList.toggle("single", wells.length === 1);
+    place.classList.toggle("fewest", wells.length === least);
   };
   const remove = (index) => {
     for (let i = index; i + 1 < wells.length; ++i) wells[i].value = wells[i + 1].value;
@@ -151,9 +157,9 @@ function paletteField(field, id, change) {
   };
   const add = (value) => {
     const index = wells.length;
-    const well = make("input", { type: "color", value, attributes: { "aria-label": `Ink ${index + 1}` } });
+    const well = make("input", { type: "color", value, attributes: { "aria-label": `${item[0].toUpperCase()}${item.slice(1)} ${index + 1}` } });
     if (index === 0) well.id = id;
-    const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ink ${index + 1}` } });
+    const less = make("button", { type: "button", textContent: "\u00d7", attributes: { "aria-label": `Remove ${item} ${index + 1}` } });
     well.addEventListener("input", () => change(true));
     well.addEventListener("change", () => change(false));
     less.addEventListener("click", () => remove(index));
@@ -170,7 +176,7 @@ function paletteField(field, id, change) {
   const value = () => wells.map((well) => well.value).join(",");
   const put = (text) => {
     const colours = text.split(",").filter(isColour).slice(0, field.colours.length);
-    if (colours.length === 0) return;
+    if (colours.length < least) return;
     while (wells.length > colours.length) wells.pop().parentElement.remove();
     colours.forEach((colour, i) => { if (i < wells.length) wells[i].value = colour; else add(colour); });
     settle();
@@ -178,14 +184,14 @@ function paletteField(field, id, change) {
   return { input: wells[0], parts: [place], value, text: value, put };
 }
 
-/** Creates an input for a line of text. Requests omit an empty text. */
+/** Creates an input for a line of text. Requests omit an empty one. */
 function textField(field, id, change) {
   const input = make("input", { id, type: "text", value: field.value ?? "", spellcheck: false, autocomplete: "off" });
   input.addEventListener("change", () => change(false));
   return { input, parts: [input], value: () => input.value || undefined, text: () => input.value, put: (text) => { input.value = text; } };
 }
 
-/** Creates a text area for JSON. Requests contain invalid JSON as a string, which the server rejects. */
+/** Creates a text area for JSON. A text that is not JSON is sent as a string, which the server rejects. */
 function jsonField(field, id, change) {
   const area = make("textarea", { id, rows: 2, spellcheck: false });
   area.addEventListener("change", () => change(false));
@@ -200,7 +206,7 @@ function jsonField(field, id, change) {
   return { input: area, parts: [area], value, text: () => area.value, put: (text) => { area.value = text; } };
 }
 
-/** Creates an input for a picture. The value is {image: base64}. The state omits the picture. */
+/** Creates an input for a picture, whose value is {image: base64}. The state does not contain it. */
 function pictureField(field, id, change) {
   let image = null;
   const input = make("input", { id, type: "file", accept: "image/*" });
@@ -226,7 +232,7 @@ function pictureField(field, id, change) {
 
 const makers = { number: numberField, numbers: numbersField, choice: choiceField, several: severalField, check: checkField, colour: colourField, palette: paletteField, text: textField, json: jsonField, picture: pictureField };
 
-/** Creates a help text, initially hidden, and a button that shows and hides it: {button, line}. */
+/** Creates a button that shows and hides a help text: {button, line}. */
 function helpFor(label, text, id) {
   const line = make("p", { id, className: "help", textContent: text, hidden: true });
   const button = make("button", {
@@ -240,7 +246,7 @@ function helpFor(label, text, id) {
   return { button, line };
 }
 
-/** Adds a help text and the button that shows it to an element. */
+/** Adds a button and a help text to an element. */
 export function explain(element, text) {
   const { button, line } = helpFor(element.textContent, text, `help-${++made}`);
   element.append(" ", button);
@@ -248,8 +254,8 @@ export function explain(element, text) {
 }
 
 /**
- * The fields of a form. `change` is called with true while a slider moves, and with false when a value is final. Each
- * field has `name`, `label`, `kind`, `value` (initial value), `standard` (default of the server, omitted in requests)
+ * Fields in a form. `change` is called with true while a slider moves, and with false when a value is final. A field
+ * has `name`, `label`, `kind`, `value` (the initial value), `standard` (the default of the server, which requests omit)
  * and optionally `help`.
  */
 export class Fields {
@@ -283,13 +289,16 @@ export class Fields {
     return this.#entries.filter(({ element }) => !element.hidden);
   }
 
-  /** Returns the values that differ from the defaults of the server, by name. Omits hidden fields. */
+  /** Returns the values that differ from the defaults of the server, by name. Hidden fields are left out. */
   values() {
     const all = this.#offered.map((entry) => [entry.field.name, entry.value(), entry.field.standard]);
     return Object.fromEntries(all.filter(([, value, standard]) => value !== undefined && value !== standard));
   }
 
-  /** Returns the values that differ from the initial values, as texts by name for `restore`. Omits hidden fields. */
+  /**
+   * Returns the values that differ from the initial ones, as texts by name that `restore` accepts. Hidden fields are
+   * left out.
+   */
   state() {
     const changed = this.#offered.filter((entry) => entry.text() !== entry.first);
     return Object.fromEntries(changed.map((entry) => [entry.field.name, entry.text()]));
@@ -313,7 +322,7 @@ export class Fields {
     this.#find(name).element.hidden = !offered;
   }
 
-  /** Records a new default of the server. If the field has the previous default, sets it to the new one. */
+  /** Changes the default of the server, and sets the field to it if the field had the previous default. */
   setStandard(name, standard) {
     const entry = this.#find(name);
     const isThere = entry.text() === entry.field.standard;
@@ -326,17 +335,17 @@ export class Fields {
     this.#find(name).input.disabled = !enabled;
   }
 
-  /** Shows or hides a choice of a field. If a hidden choice was selected, selects the default of the server. */
+  /** Shows or hides a choice. If a hidden choice was selected, the default of the server takes its place. */
   allow(name, choice, allowed) {
     this.#find(name).allow(choice, allowed);
   }
 
-  /** Sets the upper end of a slider, so that its range does not exceed the limit of the server. */
+  /** Limits the range of a slider to what the server accepts. */
   limit(name, most) {
     this.#find(name).limit(most);
   }
 
-  /** Shows each error beside its field. Ignores errors of hidden fields and of other forms. */
+  /** Shows each error beside its field. Skips fields that are hidden or not in this form. */
   show(errors) {
     for (const entry of this.#entries) {
       entry.error.textContent = "";

@@ -21,7 +21,7 @@ export const fields = [
     help: "Pixels at the edge of a dot are grey, which suits screens. Without this, each pixel is covered or not, which suits printers." },
   { kind: "choice", name: "color", label: "Inks", standard: "gray", choices: [["gray", "one"], ["cmyk", "CMYK: four"], ["rgb", "RGB: light on black"], ["palette", "a palette"]],
     help: "Each ink has its own dots, which keep a distance from the dots of other inks." },
-  { kind: "palette", name: "palette", label: "Palette", number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
+  { kind: "palette", name: "palette", label: "Palette", item: "ink", least: 1, number: 4, colours: ["#0078bf", "#ff48b0", "#ffe800", "#000000", "#00a95c", "#ff6c2f"] },
   { kind: "colour", name: "foreground", label: "Dot colour", value: "#000000", standard: "#000000" },
   { kind: "colour", name: "background", label: "Background", value: "#ffffff", standard: "#ffffff", transparent: true },
 ];
@@ -49,6 +49,8 @@ export const moreFields = [
   { kind: "number", name: "width_mm", label: "Print width, mm", value: 200, min: 20, max: 2000, step: 1, log: true, auto: true, free: "none",
     help: "The width at which other programs print the file. Sets the resolution of PNG and TIFF, and the size of SVG." },
   { kind: "choice", name: "style", label: "Dots in SVG", standard: "fill", choices: [["fill", "circles"], ["stroke", "strokes for plotters"]] },
+  { kind: "choice", name: "layers", label: "SVG layers", standard: "ink", choices: [["ink", "one per ink"], ["kind", "one per kind of dot"]],
+    help: "Dots of a kind flip the same inks. With a layer for each kind, the ground below the dots has a layer, too." },
   { kind: "choice", name: "on_deadline", label: "At the time limit", standard: "error", choices: [["error", "show an error"], ["partial", "show the result so far"]],
     help: "The server limits how long a request may take." },
 ];

@@ -4,6 +4,7 @@
 import { readAddress, writeAddress } from "./address.js";
 import { setKey } from "./api.js";
 import { Analyze } from "./analyze.js";
+import { Devices } from "./devices.js";
 import { Halftone } from "./halftone.js";
 import { Sample } from "./sample.js";
 
@@ -11,9 +12,10 @@ const tabs = [...document.querySelectorAll("[role=tab]")];
 const nameOf = (tab) => tab.getAttribute("aria-controls");
 
 const halftone = new Halftone(document.getElementById("halftone"));
+const devices = new Devices(document.getElementById("devices"));
 const sample = new Sample(document.getElementById("sample"));
 const analyze = new Analyze(document.getElementById("analyze"), { halftone, sample });
-const panels = { halftone, sample, analyze };
+const panels = { halftone, devices, sample, analyze };
 
 function select(tab) {
   for (const other of tabs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Base class of the three panels: progress, status and errors.
+// Base class of the panels: progress, status and errors.
 
 import { hasKey, Newest } from "./api.js";
 import { make, save } from "./dom.js";
@@ -101,15 +101,23 @@ export class Panel {
     this.newest.start(work, draft);
   }
 
+  /** Creates a button that saves a file, which `ask(signal)` returns as {response, name}. */
+  downloadButton(ask) {
+    const button = make("button", { type: "button", className: "primary", textContent: "Download" });
+    button.addEventListener("click", () => this.start(async (signal) => {
+      const { response, name } = await ask(signal);
+      save(await response.blob(), name);
+    }));
+    return button;
+  }
+
   /** Adds a button that saves the answer of `ask(format, signal)`, and a menu of formats. */
   addDownload(ask) {
     this.format = make("select", { attributes: { "aria-label": "Format" } });
-    const button = make("button", { type: "button", className: "primary", textContent: "Download" });
-    button.addEventListener("click", () => this.start(async (signal) => {
-      const { value: name, selectedOptions: [{ dataset }] } = this.format;
-      save(await (await ask(name, signal)).blob(), dataset.file);
-    }));
-    this.find(".download").append(button, this.format);
+    this.find(".download").append(this.downloadButton(async (signal) => {
+      const { value: format, selectedOptions: [{ dataset }] } = this.format;
+      return { response: await ask(format, signal), name: dataset.file };
+    }), this.format);
   }
 
   /**

@@ -66,11 +66,15 @@ with urlopen(request) as answer${python}`,
   };
 }
 
-const toFile = (name, output) => ({
-  output,
-  script: `const ${name} = await answer.blob();\nconsole.log(${name}.type, ${name}.size);`,
-  python: `, open("${output}", "wb") as file:\n    file.write(answer.read())`,
-});
+/** Returns the code that saves or describes the answer, with the name of the file. */
+function toFile(output) {
+  const [name] = output.split(".");
+  return {
+    output,
+    script: `const ${name} = await answer.blob();\nconsole.log(${name}.type, ${name}.size);`,
+    python: `, open("${output}", "wb") as file:\n    file.write(answer.read())`,
+  };
+}
 
 const toPoints = {
   output: "points.json",
@@ -79,9 +83,9 @@ const toPoints = {
   imports: "import json\n",
 };
 
-function halftoneSnippets({ picture, options }) {
+function halftoneSnippets({ picture, options, file }) {
   const url = `${location.origin}/halftone${query(options)}`;
-  return snippetsOf(url, sourceOf(picture, "picture"), { name: "picture", script: "picture" }, toFile("dots", `dots.${options.format ?? "png"}`));
+  return snippetsOf(url, sourceOf(picture, "picture"), { name: "picture", script: "picture" }, toFile(file));
 }
 
 const maxArgument = 100_000;  // characters; Linux allows arguments of 128 KiB
@@ -100,7 +104,7 @@ const writtenOut = (body) => ({
 function sampleSnippets({ path, body, file }, isMask) {
   const source = file ? sourceOf(file, "shape") : writtenOut(body);
   const script = file ? "shape" : `JSON.stringify(${body})`;
-  return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask", "mask.png") : toPoints);
+  return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask.png") : toPoints);
 }
 
 export class Snippets {

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Panel that shows a picture in the pixels and colours of a device, such as electronic paper.
+
+import { post } from "./api.js";
+import { make, seconds } from "./dom.js";
+import { fields, formats, moreFields, presets, types, viewFields } from "./device_options.js";
+import { Fields } from "./fields.js";
+import { canvasOf, PicturePanel, warningsOf } from "./picture_panel.js";
+import { Snippets } from "./snippets.js";
+
+/** Formats that store the width in millimetres. */
+const measuredFormats = ["png", "bmp"];
+
+/** Returns a copy of pixels in which each colour that is sent to a device is replaced by the colour that is seen. */
+function asSeen({ data, width, height }, { sent, seen }) {
+  const bytesOf = (colour) => [1, 3, 5].map((start) => parseInt(colour.slice(start, start + 2), 16));
+  const numberOf = (red, green, blue) => (red << 16) | (green << 8) | blue;
+  const seenBySent = new Map(sent.map((colour, i) => [numberOf(...bytesOf(colour)), bytesOf(seen[i])]));
+  const image = new ImageData(new Uint8ClampedArray(data), width, height);
+  for (let i = 0; i < data.length; i += 4) image.data.set(seenBySent.get(numberOf(data[i], data[i + 1], data[i + 2])), i);
+  return image;
+}
+
+const isMeasured = ({ sent, seen }) => sent.some((colour, i) => colour !== seen[i]);
+
+/** Creates a sample of each colour. The upper half is the colour that is sent, the lower half the one that is seen. */
+function swatchesOf({ sent, seen }) {
+  return sent.map((colour, i) => {
+    const name = colour === seen[i] ? colour : `${colour}, seen as ${seen[i]}`;
+    const swatch = make("span", { title: name, style: `--sent: ${colour}; --seen: ${seen[i]}`, attributes: { role: "img", "aria-label": name } });
+    return make("li", {}, swatch);
+  });
+}
+
+export class Devices extends PicturePanel {
+  shown = {};  // {pixels, colours, status, warnings} after a request
+
+  constructor(element) {
+    super(element, presets, "cat.jpg");
+    this.canvas = this.find(".exact canvas");
+    this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
+    this.moreFields = new Fields(this.find(".more form"), moreFields, (draft) => this.refresh(draft));
+    this.view = new Fields(this.find(".view"), viewFields, () => { this.note(); this.#draw(); });
+    this.swatches = make("ul", { className: "swatches", attributes: { "aria-label": "Colours of the device" } });
+    this.swatchesHint = make("p", { className: "hint", textContent: "Above: in the file. Below: as measured on a panel." });
+    this.find("[data-name=device]").append(this.swatches, this.swatchesHint);
+    this.find(".download").append(this.downloadButton(async (signal) =>
+      ({ response: await this.#post(this.#options, signal), name: this.#fileName })));
+    this.snippets = new Snippets(this.find(".snippets"));
+    addEventListener("resize", () => this.#fit());
+    this.offerFields();
+  }
+
+  get parts() {
+    return [this.fields, this.moreFields, this.view];
+  }
+
+  get #format() {
+    return this.fields.values().format ?? "png";
+  }
+
+  get #fileName() {
+    return `pixels.${formats.find(({ name }) => name === this.#format).extension}`;
+  }
+
+  /** Colours of the device: {sent, seen}. */
+  get #colours() {
+    const { device, palette } = this.fields.values();
+    if (device !== "custom") return types.find(({ name }) => name === device);
+    const colours = palette.split(",");
+    return { sent: colours, seen: colours };
+  }
+
+  offerFields() {
+    const { device, width, height } = this.fields.values();
+    this.fields.offer("palette", device === "custom");
+    this.fields.offer("fit", width !== undefined && height !== undefined);
+    const colours = this.#colours;
+    this.fields.allow("format", "escpos", colours.sent.length === 2);
+    for (const name of ["bit_order", "invert_bits"]) this.fields.offer(name, this.#format === "raw");
+    this.moreFields.offer("width_mm", measuredFormats.includes(this.#format));
+    this.view.offer("seen", isMeasured(colours));
+    this.swatches.replaceChildren(...(device === "custom" ? [] : swatchesOf(colours)));
+    this.swatchesHint.hidden = !isMeasured(colours);
+  }
+
+  get #options() {
+    return { ...this.fields.values(), ...this.moreFields.values() };
+  }
+
+  #post(options, signal) {
+    return post(`/halftone?${new URLSearchParams(options)}`, this.picture.blob, { signal, type: "application/octet-stream" });
+  }
+
+  showRequest() {
+    this.snippets.showHalftone({ picture: this.picture, options: this.#options, file: this.#fileName });
+  }
+
+  /** The preview is a PNG. Files in all formats have the same pixels. */
+  task() {
+    const { format, bit_order, invert_bits, width_mm, ...options } = this.#options;
+    const colours = this.#colours;
+    return async (signal) => {
+      const start = performance.now();
+      const response = await this.#post(options, signal);
+      const canvas = await canvasOf(response);
+      if (signal.aborted) return;
+      const { width, height } = canvas;
+      const warnings = warningsOf(response);
+      if (response.headers.has("X-Partial")) warnings.push("the time limit of the server was reached before the search for the best pixels had ended");
+      this.keepPicture();
+      this.showResult({
+        pixels: canvas.getContext("2d").getImageData(0, 0, width, height), colours, warnings,
+        status: `${width} \u00d7 ${height} pixels, ${colours.sent.length} colours, ${seconds(start)}`,
+      });
+    };
+  }
+
+  showResult(shown) {
+    this.shown = shown;
+    this.status.textContent = shown.status;
+    this.showWarnings(shown.warnings);
+    this.#draw();
+  }
+
+  forget() {
+    this.shown = {};
+    this.showWarnings([]);
+    this.#draw();
+  }
+
+  #draw() {
+    const { pixels, colours } = this.shown;
+    this.canvas.hidden = !pixels;
+    if (!pixels) return;
+    Object.assign(this.canvas, { width: pixels.width, height: pixels.height });
+    this.canvas.getContext("2d").putImageData(this.view.values().seen ? asSeen(pixels, colours) : pixels, 0, 0);
+    this.#fit();
+  }
+
+  /** Gives each pixel of the preview one pixel of the screen. */
+  #fit() {
+    const { width, height, style } = this.canvas;
+    style.width = `${width / devicePixelRatio}px`;
+    style.height = `${height / devicePixelRatio}px`;
+  }
+}
