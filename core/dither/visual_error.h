@@ -12,16 +12,19 @@
 
 namespace ccdt {
 
+/// Blur of an eye that resolves about three pixels: standard deviation, in pixels.
+inline constexpr double kEyeBlur = 1.5;
+
 /// Error that an eye sees of a picture on a device, and its exact changes when pixels change.
 ///
 /// Let r be the residual, the device's picture minus the wanted one. Level l sums r over squares of 2^l x 2^l pixels
-/// and blurs these sums with a Gaussian G of 1.5 squares. The error is
+/// and blurs these sums with a Gaussian G, whose standard deviation in squares is the same at all levels. The error is
 ///
 ///     E = sum over levels l of weight_l |G * r_l|^2.
 ///
-/// Level 0 is an eye that resolves about three pixels. Since sums grow with the squares, coarser levels weigh long
-/// waves with about the square of their wavelength, as transport does. They prevent the tone of deep shadows from
-/// drifting, where level 0 alone sees only single dots.
+/// Level 0 is what the eye sees. Since sums grow with the squares, coarser levels weigh long waves with about the
+/// square of their wavelength, as transport does. They prevent the tone of deep shadows from drifting, where level 0
+/// alone sees only single dots.
 ///
 /// The class stores A * r_l for each level, where A is the autocorrelation of G times the weight. A change d of one
 /// pixel then changes E by 2 d . gradient() + |d|^2 self(), and changes the stored values in a small window only.
@@ -39,7 +42,8 @@ public:
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
 
     /// @param residual  [width * height]
-    VisualError(std::span<const Colour> residual, int width, int height, Executor& executor);
+    /// @param blur      standard deviation of G in squares, at most kEyeBlur
+    VisualError(std::span<const Colour> residual, int width, int height, double blur, Executor& executor);
 
     /// Returns half the derivative of E with respect to the residual of a pixel.
     Colour gradient(int x, int y) const {
