@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 
 #include "core/dither/device_colours.h"
@@ -108,10 +109,19 @@ Result<std::vector<double>> pixel_shares(const Density& density, std::span<const
         return static_cast<std::size_t>(
             sum_of_pixels(executor, shares.size(), [&](std::size_t i) { return is_counted(i) ? 1.0 : 0.0; }));
     };
-    if (number_of([&](std::size_t i) { return included[i] != 0; }) > count)
-        return failure(ErrorCode::Unusable, "more pixels are included than shall be chosen", "include");
-    if (number_of([&](std::size_t i) { return included[i] != 0 || shares[i] > 0; }) < count)
-        return failure(ErrorCode::Unusable, "the density is positive in fewer pixels than shall be chosen", "sites");
+    const std::size_t forced = number_of([&](std::size_t i) { return included[i] != 0; });
+    if (forced > count)
+        return failure(
+            ErrorCode::Unusable,
+            std::to_string(forced) + " pixels are included, but there are only " + std::to_string(count) + " sites",
+            "include");
+    const std::size_t possible = number_of([&](std::size_t i) { return included[i] != 0 || shares[i] > 0; });
+    if (possible < count)
+        return failure(ErrorCode::Unusable,
+                       "only " + std::to_string(possible) +
+                           " pixels have a density above 0 or are included, but there are " + std::to_string(count) +
+                           " sites",
+                       "sites");
 
     // Pixels whose density reaches the limit have the share 1. Each of them leaves less density for the remaining
     // count, so the limit only falls.
