@@ -24,7 +24,7 @@ constexpr std::size_t index(int i) {
 template <std::size_t Channels>
 class DirectSearch {
 public:
-    using Colour = VisualError<Channels>::Colour;
+    using Colour = typename VisualError<Channels>::Colour;
 
     DirectSearch(std::span<const DeviceColours::Opponent> wanted, std::span<const std::uint8_t> given,
                  std::vector<std::uint8_t> chosen, int width, int height, const DeviceColours& device,
