@@ -17,6 +17,7 @@
 #include "api/input/device.h"
 #include "api/input/method.h"
 #include "api/output/formats.h"
+#include "api/sample/pixel_sample.h"
 #include "api/sample/sample_parser.h"
 
 namespace ccdt::api {
@@ -44,6 +45,10 @@ Json describe(const MaskFormat& format) {
 }
 
 Json describe(const DeviceFormat& format) {
+    return describe(format.file);
+}
+
+Json describe(const PixelFormat& format) {
     return describe(format.file);
 }
 
@@ -144,6 +149,7 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
          {{"formats", describe_all(sample_formats())},
           {"inputs", describe_maps()},
           {"masks", describe_all(mask_formats())},
+          {"pixels", {{"formats", describe_all(pixel_formats())}, {"options", pixel_options()}}},
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
         {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};

@@ -17,9 +17,11 @@ struct FileFormat {
     std::string content_type() const { return std::string(media_type) += parameters; }
 };
 
-// Formats that several endpoints offer. All other formats are defined beside the table of their endpoint.
+// Formats that several tables have. All other formats are defined beside their table.
 inline constexpr FileFormat kJson{"json", "JSON", "json", "application/json", ""};
 inline constexpr FileFormat kSvg{"svg", "SVG", "svg", "image/svg+xml", ""};
 inline constexpr FileFormat kPng{"png", "PNG", "png", "image/png", ""};
+inline constexpr FileFormat kCsv{"csv", "CSV", "csv", "text/csv", "; header=present"};
+inline constexpr FileFormat kNpy{"npy", "NPY", "npy", "application/x-npy", ""};  ///< no registered media type
 
 }  // namespace ccdt::api

@@ -94,15 +94,8 @@ constexpr PointFormat kJsonSequence{{"geojsonseq", "GeoJSON text sequence", "geo
                                     {},
                                     ListWriter{true, write_point_sequence},
                                     true};
-constexpr PointFormat kCsvPoints{{"csv", "CSV", "csv", "text/csv", "; header=present"},
-                                 kMinTextBytes,
-                                 kNumbersCost,
-                                 {},
-                                 ListWriter{true, list_csv},
-                                 true};
-// NPY has no registered media type.
-constexpr PointFormat kNpyPoints{
-    {"npy", "NPY", "npy", "application/x-npy", ""}, 2 * sizeof(double), kNumbersCost, {}, ListWriter{true, list_npy}};
+constexpr PointFormat kCsvPoints{kCsv, kMinTextBytes, kNumbersCost, {}, ListWriter{true, list_csv}, true};
+constexpr PointFormat kNpyPoints{kNpy, 2 * sizeof(double), kNumbersCost, {}, ListWriter{true, list_npy}};
 
 constexpr const PointFormat* kHalftoneFormats[] = {&kPngPoints,  &kJsonPoints,  &kSvgPoints,  &kCsvPoints,
                                                    &kNpyPoints,  &kWebPPoints,  &kTiffPoints, &kPdfPoints,

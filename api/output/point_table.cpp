@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "api/output/npy_header.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
@@ -14,7 +15,6 @@ namespace {
 constexpr std::size_t kStopStride = 4'096;     ///< points between two checks of the stop token
 constexpr std::size_t kTypicalLineBytes = 40;  ///< two numbers with 18 characters each, a comma and a line break
 constexpr std::size_t kTypicalNameBytes = 8;   ///< usual number of bytes of an ink's name and a comma
-constexpr std::size_t kNpyAlignment = 64;      ///< the offset of the first number is a multiple of this
 
 /// @param ranks  ranks of the points; may be empty
 /// @param end    text after the point and its rank: the remaining columns and the end of the line
@@ -34,18 +34,9 @@ void write_lines(Body& body, std::span<const Point> points, std::span<const std:
 
 void write_npy_header(std::size_t rows, std::size_t columns, Body& body) {
     static_assert(std::endian::native == std::endian::little && sizeof(Point) == 2 * sizeof(double));
-    constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
-    std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ", " +
-                         std::to_string(columns) + "), }";
-    const std::size_t length = kMagic.size() + 2 + header.size() + 1;
-    header.append((kNpyAlignment - length % kNpyAlignment) % kNpyAlignment, ' ') += '\n';
-
-    body.expect(length + kNpyAlignment + rows * columns * sizeof(double));
-    std::string& out = body.text();
-    out += kMagic;
-    out += static_cast<char>(header.size() & 255);
-    out += static_cast<char>(header.size() >> 8);
-    out += header;
+    const std::string header = npy_header("<f8", rows, columns);
+    body.expect(header.size() + rows * columns * sizeof(double));
+    body.text() += header;
 }
 
 /// Writes a row for each point.

@@ -14,47 +14,10 @@
 #include "api/sample/placement.h"
 #include "api/sample/sample_area.h"
 #include "api/sample/sample_writer.h"
-#include "core/density/density.h"
 #include "core/globe/turns.h"
-#include "core/halftone/tone.h"
 
 namespace ccdt::api {
 namespace {
-
-/// Reverses the order of the rows. Pictures begin with the top row, density grids with the bottom row.
-void flip_rows(std::vector<float>& values, int width) {
-    const auto row = static_cast<std::ptrdiff_t>(width);
-    auto top = values.begin();
-    for (auto bottom = values.end() - row; top < bottom; top += row, bottom -= row) {
-        std::swap_ranges(top, top + row, bottom);
-    }
-}
-
-Result<Density> make_density(const DensityImage& image, const Limits& limits, const Decode& decode,
-                             const Control& control) {
-    auto picture = decode.grey(image.file.bytes, limits.max_pixels, control.stop);
-    if (!picture) return failure(picture.error().code, picture.error().message, "/density/image");
-    const int width = picture->width;
-    const int height = picture->height;
-    std::vector<float> coverage = ink_coverage(*picture, Tone::Linear, false);
-    *picture = {};  // frees several megabytes per megapixel
-    flip_rows(coverage, width);
-    auto density = Density::grid(width, height, std::span<const float>(coverage));
-    if (!density) density.error().field = "/density/image";
-    return density;
-}
-
-/// Creates the density of a request. Errors: those of `decode` and of Density::grid, with a JSON Pointer.
-Result<Density> make_density(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                             const Control& control) {
-    if (const auto* image = std::get_if<DensityImage>(&request.density))
-        return make_density(*image, limits, decode, control);
-    const auto* grid = std::get_if<DensityGrid>(&request.density);
-    if (grid == nullptr) return Density::uniform();
-    auto density = Density::grid(grid->width, grid->height, std::span<const double>(grid->values));
-    if (!density) return tl::unexpected(error_below(density.error(), "/density"));
-    return density;
-}
 
 /// Shifts the longitudes of points, which are from -180 to 180 degrees, by multiples of 360 degrees, so that the points
 /// lie in the box that is drawn.
@@ -98,7 +61,7 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (!area) return tl::unexpected(area.error());
     const auto page = plan_page(request, area->whole, limits);
     if (!page) return tl::unexpected(page.error());
-    const auto density = make_density(request, limits, decode, control);
+    const auto density = make_density(request.density, YAxis::Up, limits, decode, control);
     timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
 

@@ -190,17 +190,13 @@ std::size_t bytes_of(const FeatureList& features) {
 
 Cost cost_of(const SampleRequest& request, const Limits& limits) {
     if (request.threshold_mask) return total_cost(cost_of_mask(*request.threshold_mask));
-    const auto* image = std::get_if<DensityImage>(&request.density);
-    const auto* grid = std::get_if<DensityGrid>(&request.density);
-    Estimate density;
-    if (image != nullptr) density = density_cost(static_cast<double>(image->file.header.pixels()));
-    if (grid != nullptr) density = density_cost(static_cast<double>(grid->values.size()));
-    const bool is_uniform = image == nullptr && grid == nullptr && !request.region.is_on_globe();
-    const Estimate placing = domain_cost(request) + charts_cost(request) + dot_map_cost(request) + density +
-                             request.method->cost(request.run, is_uniform) + long_waves_cost(request);
+    const bool is_uniform = std::holds_alternative<std::monostate>(request.density) && !request.region.is_on_globe();
+    const Estimate placing = domain_cost(request) + charts_cost(request) + dot_map_cost(request) +
+                             density_cost(request.density) + request.method->cost(request.run, is_uniform) +
+                             long_waves_cost(request);
     const Estimate made =
         then(then(placing, ordering_cost(request)), features_cost(request) + writing_cost(request, limits));
-    const Estimate read = image != nullptr ? decoding_cost(image->file) : Estimate{};
+    const Estimate read = decoding_cost(request.density);
     Cost all =
         total_cost(then(request.region.exclude ? then(decoding_cost(*request.region.exclude), read) : read, made));
     all.answer = request.run.sites * request.output.format->least;
@@ -221,12 +217,11 @@ Cost cost_of_parsing(std::string_view body) {
 }
 
 std::size_t size_of(const SampleRequest& request) {
-    std::size_t size = bytes_of(request.region.avoid) + request.run.fixed.size() * sizeof(Point);
+    std::size_t size =
+        bytes_of(request.region.avoid) + bytes_of(request.density) + request.run.fixed.size() * sizeof(Point);
     if (const auto* polygon = std::get_if<PolygonInput>(&request.region.domain)) size += bytes_of(*polygon);
     if (request.features) size += bytes_of(*request.features);
     if (request.counts) size += request.counts->counts.size() * sizeof(std::size_t);
-    if (const auto* grid = std::get_if<DensityGrid>(&request.density)) size += grid->values.size() * sizeof(double);
-    if (const auto* image = std::get_if<DensityImage>(&request.density)) size += bytes_of(image->file);
     if (request.region.exclude) size += bytes_of(*request.region.exclude);
     return size;
 }

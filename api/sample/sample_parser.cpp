@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -20,18 +19,9 @@
 namespace ccdt::api {
 namespace {
 
-constexpr std::uint64_t kMaxSide = std::numeric_limits<int>::max();
-
 constexpr std::uint64_t kMaxWidth = 65'535;
 
 constexpr Interval kNotNegative = {.min = 0};
-
-struct DensityDraft {
-    std::optional<int> width;
-    std::optional<int> height;
-    std::optional<std::vector<double>> values;
-    std::optional<ImageFile> image;
-};
 
 /// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
 struct Draft {
@@ -73,59 +63,6 @@ Result<OnInvalid> read_invalid(const Input& input) {
 Result<Coordinates> read_coordinates(const Input& input) {
     static constexpr Choice<Coordinates> kWords[] = {{"plane", Coordinates::Plane}, {"lonlat", Coordinates::LonLat}};
     return read_choice<Coordinates>(input, kWords);
-}
-
-Result<std::vector<double>> read_values(const Input& input) {
-    const auto list = std::get<JsonValue>(input.value);
-    if (!list.is_array()) return malformed(input, "must be a list of numbers");
-    std::vector<double> values;
-    values.reserve(list.size());
-    for (const JsonValue value : list) {
-        if (!value.is_number() || value.number() < 0) {
-            const std::string pointer = pointer_below(input.field, values.size());
-            return failure(ErrorCode::Malformed, pointer + " must be a number of at least 0", pointer);
-        }
-        values.push_back(value.number());
-    }
-    return values;
-}
-
-Result<void> settle_density(const Input& input, DensityDraft draft, SampleRequest& request) {
-    const bool any_of_grid = draft.width || draft.height || draft.values;
-    if (draft.image && !any_of_grid) {
-        request.density = DensityImage{*std::move(draft.image)};
-        return {};
-    }
-    if (draft.image || !draft.width || !draft.height || !draft.values) {
-        return malformed(input, "must have either the members width, height and values, or the member image");
-    }
-    const std::uint64_t cells = static_cast<std::uint64_t>(*draft.width) * static_cast<std::uint64_t>(*draft.height);
-    if (draft.values->size() != cells) {
-        const std::string pointer = pointer_below(input.field, "values");
-        return failure(ErrorCode::Malformed,
-                       pointer + " must have width times height numbers, " + std::to_string(cells) + ", not " +
-                           std::to_string(draft.values->size()),
-                       pointer);
-    }
-    request.density = DensityGrid{*draft.width, *draft.height, *std::move(draft.values)};
-    return {};
-}
-
-Result<void> read_density(const Input& input, const Limits& limits, Draft& draft) {
-    static constexpr std::array<OptionRule<DensityDraft>, 4> kRules = {{
-        {"/density/width",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.width, read_integer(i, 1, kMaxSide)); }},
-        {"/density/height",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.height, read_integer(i, 1, kMaxSide)); }},
-        {"/density/values",
-         [](const Input& i, const Limits&, DensityDraft& d) { return assign(d.values, read_values(i)); }},
-        {"/density/image",
-         [](const Input& i, const Limits& l, DensityDraft& d) { return assign(d.image, read_embedded_image(i, l)); }},
-    }};
-    DensityDraft density;
-    const auto object = std::get<JsonValue>(input.value);
-    if (auto read = read_members<DensityDraft>(kRules, object, input.field, limits, density); !read) return read;
-    return settle_density(input, std::move(density), draft.request);
 }
 
 /// Reads an excluded picture: an image whose dark area is subtracted from the domain.
@@ -191,7 +128,8 @@ constexpr std::array<OptionRule<Draft>, 8> kShapeRules = {{
     {"holes", [](const Input& i, const Limits&, Draft& d) { return assign(d.holes, read_rings(i)); }},
     {"geometry", [](const Input& i, const Limits&, Draft& d) { return read_geometry(i, d); }},
     {"domain", [](const Input& i, const Limits&, Draft& d) { return assign(d.rectangle, read_rectangle(i)); }},
-    {"density", read_density},
+    {"density",
+     [](const Input& i, const Limits& l, Draft& d) { return assign(d.request.density, read_density(i, l)); }},
     {"fixed", read_fixed},
     {"exclude", read_exclude},
     {"avoid", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.region.avoid, read_areas(i)); }},
@@ -323,19 +261,16 @@ Result<void> settle_features(const Limits& limits, Draft& draft) {
     return assign(draft.request.features, std::move(features));
 }
 
-Result<void> read_request(std::string_view body, const std::vector<TextOption>& options, const Limits& limits,
-                          Draft& draft) {
-    const auto document = JsonDocument::parse(body);
-    if (!document) return tl::unexpected(document.error());
-    if (is_geojson(document->root())) {
-        if (auto read = read_document(document->root(), options, limits, draft); !read) return read;
+Result<void> read_request(JsonValue root, const std::vector<TextOption>& options, const Limits& limits, Draft& draft) {
+    if (is_geojson(root)) {
+        if (auto read = read_document(root, options, limits, draft); !read) return read;
         return settle_features(limits, draft);
     }
     if (!options.empty())
         return failure(ErrorCode::Malformed,
                        "options must be members of the JSON body, unless the body is a GeoJSON document",
                        excerpt(options.front().name));
-    auto inputs = inputs_of(document->root(), "");
+    auto inputs = inputs_of(root, "");
     if (!inputs) return tl::unexpected(inputs.error());
     // The option `object` must be read before the geometry.
     std::stable_partition(inputs->begin(), inputs->end(), [](const Input& input) { return input.name == "object"; });
@@ -462,10 +397,10 @@ std::vector<std::string_view> sample_options() {
     return names_of<Draft>(kRules);
 }
 
-Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
-                                   std::string_view accept, const Limits& limits) {
+Result<SampleRequest> parse_sample(JsonValue root, const std::vector<TextOption>& options, std::string_view accept,
+                                   const Limits& limits) {
     Draft draft;
-    if (auto read = read_request(body, options, limits, draft); !read) return tl::unexpected(read.error());
+    if (auto read = read_request(root, options, limits, draft); !read) return tl::unexpected(read.error());
     ErrorList errors;
     errors.add(check_sites(draft.request));
     errors.add(check_map(draft));
@@ -484,6 +419,13 @@ Result<SampleRequest> parse_sample(std::string_view body, const std::vector<Text
                                                               draft.request.field_of("width_mm")));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     return std::move(draft.request);
+}
+
+Result<SampleRequest> parse_sample(std::string_view body, const std::vector<TextOption>& options,
+                                   std::string_view accept, const Limits& limits) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::unexpected(document.error());
+    return parse_sample(document->root(), options, accept, limits);
 }
 
 }  // namespace ccdt::api

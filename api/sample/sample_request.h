@@ -17,23 +17,11 @@
 #include "api/input/polygon_reader.h"
 #include "api/output/formats.h"
 #include "api/run/deadline.h"
+#include "api/sample/density_input.h"
 #include "api/sample/threshold_mask.h"
 #include "core/ccdt/ccdt.h"
 
 namespace ccdt::api {
-
-/// Grid of densities, stretched over the bounding box of the domain. The first row is at the smallest y.
-struct DensityGrid {
-    int width = 0;
-    int height = 0;
-    std::vector<double> values;  ///< [width * height], finite, >= 0
-};
-
-/// Picture of densities, stretched over the bounding box of the domain. The first row is at the largest y. Dark pixels
-/// have high densities.
-struct DensityImage {
-    ImageFile file;
-};
 
 /// Kind of coordinates.
 enum class Coordinates {
@@ -74,7 +62,7 @@ struct SampleOutput {
 struct SampleRequest {
     std::optional<ThresholdMask> threshold_mask;  ///< if set, the request is for this mask instead of points
     SampleRegion region;
-    std::variant<std::monostate, DensityGrid, DensityImage> density;  ///< std::monostate: uniform
+    DensityInput density;
     Options run;
     const Method* method = &methods().front();
     OnStop on_deadline = OnStop::Error;

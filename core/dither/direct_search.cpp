@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/dither/error_diffusion.h"
-#include "core/dither/visual_error.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
@@ -25,18 +24,19 @@ constexpr std::size_t index(int i) {
 template <std::size_t Channels>
 class DirectSearch {
 public:
-    using Colour = VisualError<Channels>::Colour;
+    using Colour = typename VisualError<Channels>::Colour;
 
     DirectSearch(std::span<const DeviceColours::Opponent> wanted, std::span<const std::uint8_t> given,
                  std::vector<std::uint8_t> chosen, int width, int height, const DeviceColours& device,
-                 Executor& executor)
+                 const SearchOptions& options, Executor& executor)
         : given_(given),
           chosen_(std::move(chosen)),
           width_(width),
           height_(height),
           colours_(device.count()),
+          keeps_counts_(options.keeps_counts),
           executor_(executor),
-          error_(residual(wanted, chosen_, device, executor), width, height, executor),
+          error_(residual(wanted, chosen_, device, executor), width, height, options.blur, executor),
           blocks_((width + kBlock - 1) / kBlock),
           is_due_(index(blocks_) * index((height + kBlock - 1) / kBlock), 1),
           is_due_next_(is_due_.size(), 0) {
@@ -141,7 +141,7 @@ private:
         const Colour gradient = error_.gradient(x, y);
         const std::uint8_t own = chosen_[pixel(x, y)];
         Change best;
-        for (std::size_t other = 0; other < colours_; ++other) {
+        for (std::size_t other = 0; other < colours_ && !keeps_counts_; ++other) {
             if (other == own) continue;
             const Difference& change = differences_[own][other];
             const float error = 2 * product(change.colour, gradient) + change.square * error_.self();
@@ -185,6 +185,7 @@ private:
     std::vector<std::uint8_t> chosen_;
     int width_, height_;
     std::size_t colours_;
+    bool keeps_counts_;
     Executor& executor_;
     VisualError<Channels> error_;
     int blocks_;                             ///< number of blocks in a row
@@ -208,12 +209,14 @@ std::vector<std::uint8_t> search(DirectSearch<Channels> search, std::size_t pixe
 std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponent> wanted,
                                           std::span<const std::uint8_t> given, std::vector<std::uint8_t> chosen,
                                           int width, int height, const DeviceColours& device,
-                                          const std::stop_token& stop, Executor& executor) {
+                                          const SearchOptions& options, const std::stop_token& stop,
+                                          Executor& executor) {
     assert(wanted.size() == index(width) * index(height));
     assert(given.size() == wanted.size() && chosen.size() == wanted.size());
     if (device.is_grey())
-        return search<1>({wanted, given, std::move(chosen), width, height, device, executor}, wanted.size(), stop);
-    return search<4>({wanted, given, std::move(chosen), width, height, device, executor}, wanted.size(), stop);
+        return search<1>({wanted, given, std::move(chosen), width, height, device, options, executor}, wanted.size(),
+                         stop);
+    return search<4>({wanted, given, std::move(chosen), width, height, device, options, executor}, wanted.size(), stop);
 }
 
 }  // namespace ccdt

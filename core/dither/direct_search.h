@@ -7,9 +7,19 @@
 #include <vector>
 
 #include "core/dither/device_colours.h"
+#include "core/dither/visual_error.h"
 #include "core/parallel/executor.h"
 
 namespace ccdt {
+
+/// Settings of a search.
+struct SearchOptions {
+    /// Whether pixels only exchange their colours with neighbouring pixels, so that the number of pixels of each colour
+    /// is kept. Otherwise, pixels may also take other colours.
+    bool keeps_counts = false;
+
+    double blur = kEyeBlur;  ///< of the error, see VisualError
+};
 
 /// Reduces the visible error (VisualError) of a picture in the colours of a device. Changes single pixels and exchanges
 /// neighbouring pixels, until hardly any such step reduces the error.
@@ -26,6 +36,7 @@ namespace ccdt {
 std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponent> wanted,
                                           std::span<const std::uint8_t> given, std::vector<std::uint8_t> chosen,
                                           int width, int height, const DeviceColours& device,
-                                          const std::stop_token& stop = {}, Executor& executor = inline_executor());
+                                          const SearchOptions& options = {}, const std::stop_token& stop = {},
+                                          Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -77,7 +77,7 @@ std::vector<std::uint8_t> dither(const LightPlanes& light, std::span<const std::
                                            : DeviceColours::opponent(device.is_grey() ? map.grey(own) : map(own));
     });
     std::vector<std::uint8_t> chosen = diffuse_error(wanted, given, width, height, device);
-    return search_directly(wanted, given, std::move(chosen), width, height, device, stop, executor);
+    return search_directly(wanted, given, std::move(chosen), width, height, device, {}, stop, executor);
 }
 
 }  // namespace ccdt

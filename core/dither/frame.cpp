@@ -11,6 +11,7 @@
 #include "core/halftone/bilinear.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/reduction.h"
+#include "core/halftone/tone.h"
 
 namespace ccdt {
 
@@ -43,7 +44,8 @@ LightPlanes on_background(const ColourPicture& picture, const Light& background,
     for (std::size_t c = 0; c < planes.size(); ++c) {
         light[c].resize(planes[c]->size());
         for_pixels(executor, light[c].size(), [&](std::size_t i) {
-            light[c][i] = picture.alpha.empty() ? (*planes[c])[i] : mix(behind[c], (*planes[c])[i], picture.alpha[i]);
+            const float own = to_share((*planes[c])[i]);
+            light[c][i] = picture.alpha.empty() ? own : mix(behind[c], own, to_share(picture.alpha[i]));
         });
     }
     return light;

@@ -22,7 +22,8 @@ struct FrameSize {
 /// Scales a picture and centres it in a frame.
 ///
 /// Shrinks by exact means over cells, enlarges bilinearly between pixel centres; both in linear light, weighted by
-/// alpha. A picture that has the size `inner` keeps its pixels exactly.
+/// alpha. A picture that has the size `inner` keeps its pixels exactly. Values outside [0, 1] are clamped, and NaN
+/// counts as 0.
 ///
 /// @param inner       size to which the picture is scaled; each side is at most that of the frame
 /// @param background  light of transparent pixels and around the picture

@@ -12,16 +12,20 @@
 
 namespace ccdt {
 
+/// Blur of an eye that resolves about three pixels: standard deviation, in pixels.
+inline constexpr double kEyeBlur = 1.5;
+
 /// Visible error of a picture on a device, updated exactly when pixels change.
 ///
 /// Let r be the residual: the device's picture minus the wanted picture. Level l holds r_l, the sums of r over squares
-/// of 2^l x 2^l pixels. Let G be a Gaussian with a standard deviation of 1.5 squares. The error is
+/// of 2^l x 2^l pixels. Let G be a Gaussian whose standard deviation, in squares, is the same at all levels. The error
+/// is
 ///
 ///     E = sum over levels l of weight_l |G * r_l|^2.
 ///
-/// Level 0 models an eye that resolves about three pixels. Coarser levels weight long waves by about the square of
-/// their wavelength, because sums grow with the area of the squares. They prevent the tone from drifting in deep
-/// shadows, where level 0 sees only single dots.
+/// Level 0 models the eye. Coarser levels weight long waves by about the square of their wavelength, because sums grow
+/// with the area of the squares. They prevent the tone from drifting in deep shadows, where level 0 sees only single
+/// dots.
 ///
 /// The class stores A * r_l for each level, where A is weight_l times the autocorrelation of G. A change d of one pixel
 /// then changes E by 2 d . gradient() + |d|^2 self(), and changes the stored values in a small window only.
@@ -39,7 +43,8 @@ public:
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
 
     /// @param residual  [width * height]
-    VisualError(std::span<const Colour> residual, int width, int height, Executor& executor);
+    /// @param blur      standard deviation of G in squares, at most kEyeBlur
+    VisualError(std::span<const Colour> residual, int width, int height, double blur, Executor& executor);
 
     /// Returns half the derivative of the error with respect to the residual of a pixel.
     Colour gradient(int x, int y) const {

@@ -10,6 +10,7 @@
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/map/shapefile_reader.h"
+#include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
@@ -74,6 +75,10 @@ Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits
                             const Control& control, api::Timings& timings, api::BodySink* sink) {
     return api::run_sample(request, limits, decode, control, timings, sink);
 }
+Result<api::Answer> compute(const api::PixelRequest& request, const api::Limits& limits, const api::Decode& decode,
+                            const Control& control, api::Timings& timings, api::BodySink* sink) {
+    return api::run_pixels(request, limits, decode, control, timings, sink);
+}
 Result<api::Answer> compute(const api::AnalyzeRequest& request, const api::Limits& /*limits*/,
                             const api::Decode& /*decode*/, const Control& control, api::Timings& timings,
                             api::BodySink* /*sink*/) {
@@ -121,7 +126,12 @@ Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::L
 }
 
 Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits) {
-    return pack(api::parse_sample(request.body, parse_query(request.query), request.accept, limits), limits);
+    const auto document = api::JsonDocument::parse(request.body);
+    if (!document) return tl::unexpected(document.error());
+    const api::JsonValue root = document->root();
+    const auto options = parse_query(request.query);
+    if (api::asks_for_pixels(root)) return pack(api::parse_pixels(root, options, request.accept, limits), limits);
+    return pack(api::parse_sample(root, options, request.accept, limits), limits);
 }
 
 Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits) {

@@ -170,6 +170,15 @@ TEST(Capabilities, ListColoursOfDevicesAsSentAndAsSeen) {
     EXPECT_EQ(row_of(types, "custom").at("sent"), Json::array());
 }
 
+TEST(Capabilities, ListPixelSetsWithDocumentedFormatsAndOptions) {
+    const Json pixels = capabilities().at("sample").at("pixels");
+    const Json documented = properties_of("PixelRequest");
+    EXPECT_EQ(all(pixels.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
+    std::set<std::string> names;
+    for (const auto& [name, schema] : documented.items()) names.insert(name);
+    EXPECT_EQ(pixels.at("options").get<std::set<std::string>>(), names);
+}
+
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {
     const Json formats = capabilities().at("halftone").at("formats");
     const auto format = [&](const std::string& name) { return row_of(formats, name); };

@@ -16,6 +16,7 @@
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
 #include "api/image/png_writer.h"
+#include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
@@ -189,6 +190,31 @@ INSTANTIATE_TEST_SUITE_P(
                     SampleCase{"map_fixed", squares(30, 11, R"("sites":"a","fixed":[[0.1,0.1],[0.2,0.2],[1,1]])"), 7},
                     SampleCase{"wide", R"("sites":1000,"method":"random","format":"png","width":4000,)" + kSquare}),
     [](const auto& each) { return each.param.name; });
+
+class PixelCost : public testing::TestWithParam<SampleCase> {};
+
+TEST_P(PixelCost, BoundsMemoryUsed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
+    const auto document =
+        JsonDocument::parse(R"({"domain":{"type":"pixels","width":1200,"height":1000},)" + GetParam().body + '}');
+    const auto request = parse_pixels(document->root(), {}, "", {});
+    ASSERT_TRUE(request) << request.error().message;
+    const auto work = [&] {
+        Timings timings;
+        if (!run_pixels(*request, {}, decode_inline(), {}, timings)) _exit(1);
+    };
+    expect_near(cost_of(*request, {}), GetParam().most, work, GetParam().name);
+}
+
+INSTANTIATE_TEST_SUITE_P(Requests, PixelCost,
+                         testing::Values(SampleCase{"json", R"("sites":300000)", 2},
+                                         SampleCase{"csv", R"("sites":600000,"format":"csv")", 2},
+                                         SampleCase{"png", R"("sites":300000,"format":"png")", 2},
+                                         SampleCase{"npy", R"("sites":300000,"format":"npy")", 2},
+                                         SampleCase{"blocks",
+                                                    R"("sites":300000,"format":"npy","calibration":{"width":99})", 2},
+                                         SampleCase{"density", R"("sites":300000,"format":"npy",)" + grid(1000), 2}),
+                         [](const auto& each) { return each.param.name; });
 
 struct HalftoneCase {
     std::string name;

@@ -13,8 +13,10 @@
 #include "core/analysis/nonuniform_transform.h"
 #include "core/baselines/odt.h"
 #include "core/ccdt/ccdt.h"
+#include "core/dither/pixel_set.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/order/progressive_order.h"
+#include "core/parallel/thread_executor.h"
 #include "tests/support/evenness.h"
 #include "tests/support/pictures.h"
 #include "tests/support/shapes.h"
@@ -320,6 +322,30 @@ void ProgressiveTone(benchmark::State& state) {
     state.counters["2_spacings_db_over_k"] = sum / count;
 }
 
+/// Measures the choice of one of `range(0)` pixels of 512 x 512, by two threads: the distance of nearest neighbours
+/// relative to a hexagonal grid, and the power below half the principal frequency relative to random points.
+void PixelSet(benchmark::State& state) {
+    constexpr int kSide = 512;
+    constexpr std::size_t kPixels = std::size_t{kSide} * kSide;
+    const std::vector<std::uint8_t> included(kPixels, 0);
+    ThreadExecutor executor(std::size_t{2});
+    std::vector<std::uint8_t> chosen;
+    for (auto _ : state) {
+        const auto count = static_cast<std::size_t>(std::llround(kPixels / static_cast<double>(state.range(0))));
+        const auto shares = pixel_shares(Density::uniform(), included, kSide, kSide, count, executor);
+        chosen = choose_pixels(*shares, kSide, kSide, 1, {}, executor);
+    }
+    std::vector<std::vector<Point>> points(1);
+    for (std::size_t i = 0; i < kPixels; ++i) {
+        if (chosen[i] == 1)
+            points[0].push_back(
+                {(static_cast<double>(i % kSide) + 0.5) / kSide, (static_cast<double>(i / kSide) + 0.5) / kSide});
+    }
+    const Analysis analysis = *analyse(points, *Domain::torus(1, 1), {.max_frequency = 1});
+    state.counters["mean_distance"] = analysis.mean_distance;
+    state.counters["low_power"] = *analysis.low_frequency_power;
+}
+
 BENCHMARK(TorusPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(BorderPattern)->DenseRange(0, 2)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(OdtBorderPattern)->Iterations(1)->Unit(benchmark::kMillisecond);
@@ -328,6 +354,7 @@ BENCHMARK(CountryPattern)->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3}})->Iterations(1)
 BENCHMARK(InksPattern)->ArgsProduct({{0, 1, 2}, {0, 1}})->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(ProgressivePattern)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(ProgressiveTone)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(PixelSet)->ArgsProduct({{2, 3, 4, 6, 8, 10, 16, 64, 256}})->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench

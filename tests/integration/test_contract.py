@@ -382,6 +382,50 @@ class Options(ContractCase):
             self.refuse("/halftone", "levels", levels)
 
 
+class PixelRequests(ContractCase):
+    DOMAIN = {"type": "pixels", "width": 16, "height": 12}
+    BASE = {"sites": 50, "domain": DOMAIN}
+
+    def refuse(self, members):
+        """Asserts that a body is refused, as its schema says, and returns the fields of the errors."""
+        body = {**self.BASE, **members}
+        answer = post_json(self.server, "/sample", body)
+        self.assertEqual(answer.status, 400, members)
+        self.check(DOCUMENT["paths"]["/sample"]["post"], answer)
+        self.assertNotEqual(faults(body, schema("PixelRequest")), [], members)
+        return answer.json()
+
+    def test_match_the_server(self):
+        known = self.refuse({"nonsense": 1})["detail"].split(" are ")[1].split(", ")
+        self.assertEqual(sorted(known), sorted(properties("PixelRequest")))
+
+    def test_are_answered_as_documented(self):
+        for members in ({}, {"seed": 5, "on_deadline": "partial"}, {"calibration": {"width": 3}},
+                        {"include": [[15, 11], {}], "sites": 192}, {"include": [{"y": 2, "height": 1}]},
+                        {"density": {"width": 1, "height": 2, "values": [1, 2]}},
+                        {"density": {"image": data_uri(PICTURE)}}):
+            for word in properties("PixelRequest")["format"]["enum"]:
+                with self.subTest(members=members, format=word):
+                    body = {**self.BASE, **members, "format": word}
+                    self.assertEqual(faults(body, schema("PixelRequest")), [])
+                    answer = self.pose("/sample", body)
+                    if word == "json":
+                        self.assertEqual(faults(answer.json(), schema("PixelPoints")), [])
+                        self.assertEqual(len(answer.json()["points"]), body["sites"])
+
+    def test_are_refused_as_documented(self):
+        for members, pointer in (
+                ({"sites": 0}, "/sites"), ({"sites": 1.5}, "/sites"), ({"format": "svg"}, "/format"),
+                ({"domain": {**self.DOMAIN, "width": 0}}, "/domain/width"),
+                ({"domain": {**self.DOMAIN, "height": 65_536}}, "/domain/height"),
+                ({"domain": {"type": "pixels", "width": 3}}, "/domain"), ({"calibration": {}}, "/calibration"),
+                ({"calibration": {"height": 0}}, "/calibration/height"), ({"include": [[1]]}, "/include/0"),
+                ({"include": [[1, -1]]}, "/include/0/1"), ({"include": [{"width": 0}]}, "/include/0/width"),
+                ({"include": [{"z": 1}]}, "/include/0/z"), ({"include": {}}, "/include"), ({"seed": -1}, "/seed")):
+            with self.subTest(members=members):
+                self.assertEqual([error["pointer"] for error in self.refuse(members)["errors"]], [pointer])
+
+
 class Formats(ContractCase):
     def test_match_the_document(self):
         for path, name in SCHEMAS.items():

@@ -40,7 +40,8 @@ def large(server):
         "sites=60000&scale=0.5&antialias=true", "sites=20000&color=cmyk&antialias=true", "sites=300000&quality=draft&tone=perceptual",
         "quality=draft&scale=0.5&levels=0.1,0.9,1.5", "sites=3000&format=csv")]
     answers += [post_json(server, "/sample", {"sites": 60_000, "format": "csv", "domain": domain}) for domain in (
-        {"type": "torus", "width": 1, "height": 1}, {"type": "rectangle", "width": 2, "height": 1})]
+        {"type": "torus", "width": 1, "height": 1}, {"type": "rectangle", "width": 2, "height": 1},
+        {"type": "pixels", "width": 700, "height": 500})]
     for answer in answers:
         assert answer.status == 200, answer
     return [answer.body for answer in answers]

@@ -120,6 +120,11 @@ def samples(formats, methods):
         yield f"{place} {order}", {"sites": 300, "order": order, "format": "csv", **domains[place]}
     for form in ("mask", "mask16"):
         yield "tile " + form, {"format": form, "seed": 3, "domain": {"type": "torus", "width": 48, "height": 32}}
+    for form in ("json", "csv", "png", "npy"):
+        yield f"pixels {form}", {"sites": 400, "format": form, "domain": {"type": "pixels", "width": 60, "height": 40}}
+    yield "pixels by density", {"sites": 900, "seed": 3, "density": GRID, "calibration": {"width": 8, "height": 8},
+                                "include": [{"y": 2, "height": 1}], "format": "png",
+                                "domain": {"type": "pixels", "width": 101, "height": 77}}
     yield "order density", {"sites": 500, "order": "progressive", "density": GRID, "domain": RECTANGLE}
     yield "order lonlat", {"sites": 500, "order": "progressive", "coordinates": "lonlat",
                            "geometry": polygon("Italy-110m.geojson")}

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace ccdt {
@@ -29,6 +30,18 @@ TEST(Frame, KeepsPixelsOfAPictureThatIsNotScaled) {
     const LightPlanes light = framed(small(), {3, 2}, {3, 2}, {0, 0, 0});
     EXPECT_TRUE(std::ranges::equal(light[0], small().red));
     EXPECT_TRUE(std::ranges::equal(light[2], small().blue));
+}
+
+TEST(Frame, ClampsValuesOutsideOfTheRange) {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity(), kNaN = std::numeric_limits<float>::quiet_NaN();
+    const Plane odd{-1, 2, kInfinity, kNaN};
+    for (const FrameSize& size : {FrameSize{4, 1}, FrameSize{3, 1}, FrameSize{9, 2}}) {
+        for (const LightPlanes& light : {framed({4, 1, odd, odd, odd, {}}, size, size, {0.5f, 0.5f, 0.5f}),
+                                         framed({4, 1, odd, odd, odd, odd}, size, size, {0.5f, 0.5f, 0.5f})}) {
+            for (const float value : light[0]) EXPECT_TRUE(value >= 0 && value <= 1) << value;
+        }
+    }
+    EXPECT_EQ(framed({4, 1, odd, odd, odd, {}}, {4, 1}, {4, 1}, {0, 0, 0})[1], (std::vector<float>{0, 1, 1, 0}));
 }
 
 TEST(Frame, CentresThePictureOnTheBackground) {

@@ -27,7 +27,7 @@ std::vector<Colour> noise() {
 
 TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
     std::vector<Colour> residual = noise();
-    Error changed(residual, kWidth, kHeight, inline_executor());
+    Error changed(residual, kWidth, kHeight, kEyeBlur, inline_executor());
     Random random(4, 0);
     for (int i = 0; i < 200; ++i) {
         const int x = static_cast<int>(kWidth * random.uniform()), y = static_cast<int>(kHeight * random.uniform());
@@ -35,7 +35,7 @@ TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
         changed.change(x, y, by);
         for (std::size_t c = 0; c < by.size(); ++c) residual[static_cast<std::size_t>(y * kWidth + x)][c] += by[c];
     }
-    const Error expected(residual, kWidth, kHeight, inline_executor());
+    const Error expected(residual, kWidth, kHeight, kEyeBlur, inline_executor());
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             for (std::size_t c = 0; c < 4; ++c)
@@ -45,7 +45,7 @@ TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
 }
 
 TEST(VisualError, HasTheSecondDerivativesThatItStates) {
-    Error error(noise(), kWidth, kHeight, inline_executor());
+    Error error(noise(), kWidth, kHeight, kEyeBlur, inline_executor());
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 8}, {15, 16}, {20, 3}, {kWidth - 1, kHeight - 1}}) {
         const Error before = error;
         const Colour by{1, 0.5f, -0.25f, 0};
@@ -64,7 +64,7 @@ TEST(VisualError, HasTheSecondDerivativesThatItStates) {
 }
 
 TEST(VisualError, IsZeroWithoutResidual) {
-    const Error error(std::vector<Colour>(kWidth * kHeight, Colour{}), kWidth, kHeight, inline_executor());
+    const Error error(std::vector<Colour>(kWidth * kHeight, Colour{}), kWidth, kHeight, kEyeBlur, inline_executor());
     EXPECT_EQ(error.gradient(5, 5), Colour{});
 }
 
