@@ -77,7 +77,7 @@ Result<void> settle_points(Draft& draft, const Limits& limits) {
 }
 
 /// Converts the field of an error of analyse() to a JSON Pointer in the request.
-std::string locate(const AnalyzeRequest& request, std::string_view field) {
+std::string pointer_to(const AnalyzeRequest& request, std::string_view field) {
     if (!field.empty() && field.front() != '/') return pointer_below("", field);
     if (!request.single) return "/sets" + std::string(field);
     const auto point = field.find('/', 1);
@@ -134,7 +134,7 @@ Result<Answer> run_analyze(const AnalyzeRequest& request, const Control& control
     timings.optimise = watch.lap();
     if (!analysis) {
         if (analysis.error().code != ErrorCode::Stopped)
-            analysis.error().field = locate(request, analysis.error().field);
+            analysis.error().field = pointer_to(request, analysis.error().field);
         return tl::unexpected(analysis.error());
     }
     auto body = request.format->write(request, *analysis, *domain);

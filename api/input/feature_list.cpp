@@ -160,7 +160,7 @@ void CarriedProperties::append_members(std::string& out, std::size_t feature) co
     }
 }
 
-std::string FeatureList::locate(std::size_t feature) const {
+std::string FeatureList::pointer_to(std::size_t feature) const {
     return is_collection ? pointer_below(pointer, feature) : pointer;
 }
 
@@ -198,7 +198,7 @@ Result<FeatureList> list_features(const FeatureSource& source, std::vector<std::
     if (choice != nullptr) collector.emplace(*choice, option);
     const auto add = [&](JsonValue feature) -> Result<void> {
         list.ids.push_back(id_of(feature));
-        return collector ? collector->add(feature, list.locate(list.size() - 1)) : Result<void>();
+        return collector ? collector->add(feature, list.pointer_to(list.size() - 1)) : Result<void>();
     };
     if (!list.is_collection) {
         if (auto added = add(source.value); !added) return tl::unexpected(added.error());

@@ -76,7 +76,7 @@ struct FeatureList {
     std::size_t size() const { return ids.size(); }
 
     /// Returns the JSON Pointer to a feature.
-    std::string locate(std::size_t feature) const;
+    std::string pointer_to(std::size_t feature) const;
 };
 
 /// Finds the properties of a feature; none if they are missing or null.

@@ -186,7 +186,7 @@ std::size_t PolygonInput::corner_count() const {
     return count;
 }
 
-std::string PolygonInput::locate(std::string_view field) const {
+std::string PolygonInput::pointer_to(std::string_view field) const {
     if (field.empty() && sources.size() > 1) return {};  // the error is about all sources
     if (field.empty()) return sources.front().nesting == Nesting::Members ? "/polygon" : sources.front().coordinates;
     field = without_added(field, parts);
@@ -260,7 +260,7 @@ Result<void> check_size(const PolygonInput& polygon) {
     return failure(ErrorCode::LimitExceeded,
                    "the polygon has " + std::to_string(corners) + " corners; the limit is " +
                        std::to_string(PolygonInput::kMaxCorners),
-                   polygon.locate({}));
+                   polygon.pointer_to({}));
 }
 
 }  // namespace ccdt::api

@@ -47,7 +47,7 @@ struct PolygonInput {
     /// Converts the field of an error or a repair of Domain to a JSON Pointer in the request. unrolled() in
     /// core/globe/region.h can add vertices that are not in the request. For such a vertex, the result points to its
     /// ring.
-    std::string locate(std::string_view field) const;
+    std::string pointer_to(std::string_view field) const;
 };
 
 /// Finds a member that must exist. Errors: Malformed.

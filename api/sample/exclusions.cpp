@@ -48,7 +48,7 @@ std::vector<Area> copies_over(const Box& box, const Area& area) {
 
 /// Converts an error about an avoided area to an error about the request.
 Error located(Error error, const PolygonInput& avoid) {
-    error.field = avoid.locate(error.field);
+    error.field = avoid.pointer_to(error.field);
     if (error.field.empty()) error.field = kAvoid;
     return error;
 }
@@ -61,7 +61,7 @@ Result<RepairedArea> avoided_area(const SampleRequest& request, const std::stop_
     if (!parts) return tl::unexpected(located(parts.error(), avoid));
     auto area = Domain::repair_area(*parts, stop);
     if (!area) return tl::unexpected(located(area.error(), avoid));
-    for (Repair& repair : area->repairs) repair.field = avoid.locate(repair.field);
+    for (Repair& repair : area->repairs) repair.field = avoid.pointer_to(repair.field);
     if (area->repairs.empty() || request.region.on_invalid == OnInvalid::Repair) return area;
     return failure(ErrorCode::Unusable, area->repairs.front().detail, area->repairs.front().field);
 }

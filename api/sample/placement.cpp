@@ -65,7 +65,7 @@ Error located(const SampleRequest& request, const SampleArea& area, Error error)
     constexpr std::string_view kFeature = "features/";
     if (error.field.starts_with(kFeature)) {
         const std::size_t feature = std::stoul(error.field.substr(kFeature.size()));
-        error.field = request.features->locate(area.numbers[feature]);
+        error.field = request.features->pointer_to(area.numbers[feature]);
     } else if (!error.field.empty()) {
         error.field = request.field_of(error.field);
     }

@@ -2,6 +2,7 @@
 #include "api/sample/sample.h"
 
 #include <algorithm>
+#include <cassert>
 #include <span>
 #include <string>
 #include <utility>
@@ -31,7 +32,7 @@ void warn_of_degrees(const SampleRegion& region, SampleArea& area) {
     const auto* polygon = std::get_if<PolygonInput>(&region.domain);
     if (polygon == nullptr || !polygon->is_geojson() || region.is_on_globe()) return;
     if (const auto detail = warning_of_degrees(area.whole.bounds()))
-        area.warnings.push_back({polygon->locate({}), *detail});
+        area.warnings.push_back({polygon->pointer_to({}), *detail});
 }
 
 /// Returns the answer without its body.
@@ -55,7 +56,7 @@ Answer head_of(const PointFormat& format, const SampleArea& area, const PlacedPo
 
 Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
                           const Control& control, Timings& timings, BodySink* sink) {
-    if (request.threshold_mask) return run_mask(*request.threshold_mask, control, timings);
+    assert(!request.threshold_mask);
     Stopwatch watch;
     auto area = make_area(request, limits, decode, control.stop);
     if (!area) return tl::unexpected(area.error());

@@ -14,6 +14,7 @@ namespace ccdt::api {
 /// points of each class are distributed in each feature. A feature without area gets no points; if its count is not 0,
 /// the answer has a warning.
 ///
+/// @param request  without a threshold mask, which run_mask() computes
 /// @param control  a requested stop ends the run within one pass over the points
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body

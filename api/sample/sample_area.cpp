@@ -74,11 +74,12 @@ private:
 
     /// Converts the field of an error or repair of Domain::repair() to a JSON Pointer in the request. Such a field
     /// numbers the parts within the feature.
-    std::string locate(std::size_t feature, const std::string& field) const {
-        if (field.empty()) return features_.locate(feature);
+    std::string pointer_to(std::size_t feature, const std::string& field) const {
+        if (field.empty()) return features_.pointer_to(feature);
         const std::size_t slash = field.find('/', 1);
         const std::size_t part = std::stoul(field.substr(1, slash - 1)) + features_.first_part[feature];
-        return polygon_.locate('/' + std::to_string(part) + (slash == std::string::npos ? "" : field.substr(slash)));
+        return polygon_.pointer_to('/' + std::to_string(part) +
+                                   (slash == std::string::npos ? "" : field.substr(slash)));
     }
 
     Result<void> add(std::size_t feature, const std::stop_token& stop) {
@@ -88,7 +89,7 @@ private:
         auto made = Domain::repair(*parts, stop);
         if (!made) return omit(feature, made.error());
         for (Repair& repair : made->repairs) {
-            repair.field = locate(feature, repair.field);
+            repair.field = pointer_to(feature, repair.field);
             if (request_.region.on_invalid == OnInvalid::Reject)
                 return failure(ErrorCode::Unusable, repair.detail, repair.field);
             repairs_.push_back(std::move(repair));
@@ -103,7 +104,7 @@ private:
 
     /// Leaves out a feature that has no valid area.
     Result<void> omit(std::size_t feature, const Error& error) {
-        const Error error_in_request{error.code, error.message, locate(feature, error.field)};
+        const Error error_in_request{error.code, error.message, pointer_to(feature, error.field)};
         if (error.code != ErrorCode::Unusable) return tl::unexpected(error_in_request);
         return omit_points(request_, feature, error_in_request, warnings_);
     }
@@ -128,7 +129,7 @@ Result<SampleArea> make_domain(const SampleRegion& region, const std::stop_token
         return make_domain(*rectangle).map(valid).map(area_of);
     const auto& polygon = std::get<PolygonInput>(region.domain);
     const auto located = [&](Error error) {
-        error.field = polygon.locate(error.field);
+        error.field = polygon.pointer_to(error.field);
         return error;
     };
     const auto parts = region.is_on_globe() ? unrolled(polygon.parts) : Result<std::vector<PolygonPart>>();
@@ -137,7 +138,7 @@ Result<SampleArea> make_domain(const SampleRegion& region, const std::stop_token
     auto domain =
         region.on_invalid == OnInvalid::Repair ? Domain::repair(given, stop) : Domain::create(given, stop).map(valid);
     if (!domain) return tl::unexpected(located(domain.error()));
-    for (Repair& repair : domain->repairs) repair.field = polygon.locate(repair.field);
+    for (Repair& repair : domain->repairs) repair.field = polygon.pointer_to(repair.field);
     return std::move(domain).map(area_of);
 }
 
@@ -173,7 +174,7 @@ Result<SampleArea> make_area(const SampleRequest& request, const Limits& limits,
 Result<void> warn_of_lost(const SampleRequest& request, std::span<const std::uint32_t> lost, SampleArea& area) {
     for (const std::uint32_t i : lost) {
         const std::uint32_t feature = area.numbers[i];
-        const Error error{ErrorCode::Unusable, "nothing is left of the feature", request.features->locate(feature)};
+        const Error error{ErrorCode::Unusable, "nothing is left of the feature", request.features->pointer_to(feature)};
         if (auto omitted = omit_points(request, feature, error, area.warnings); !omitted) return omitted;
     }
     return {};

@@ -140,7 +140,7 @@ PixelPattern half_of(int width, int height, std::uint64_t seed, const std::stop_
 }
 
 /// Orders the set pixels. For any k, the first k pixels are spread evenly.
-std::vector<std::uint32_t> order(PixelPattern pattern, const Domain& torus, const std::stop_token& stop) {
+std::vector<std::uint32_t> thinning_order(PixelPattern pattern, const Domain& torus, const std::stop_token& stop) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < pattern.size(); ++i) count += pattern.is_set(i) ? 1 : 0;
     const auto few = static_cast<std::size_t>(kSparseShare * static_cast<double>(pattern.size()));
@@ -169,8 +169,8 @@ std::vector<std::uint32_t> threshold_mask(int width, int height, std::uint64_t s
     const Domain torus = Domain::torus(width, height).value();
     std::vector<std::uint32_t> ranks(low.size());
     std::uint32_t first = 0, last = static_cast<std::uint32_t>(ranks.size());
-    for (const std::uint32_t pixel : order(std::move(low), torus, stop)) ranks[pixel] = first++;
-    for (const std::uint32_t pixel : order(std::move(high), torus, stop)) ranks[pixel] = --last;
+    for (const std::uint32_t pixel : thinning_order(std::move(low), torus, stop)) ranks[pixel] = first++;
+    for (const std::uint32_t pixel : thinning_order(std::move(high), torus, stop)) ranks[pixel] = --last;
     return ranks;
 }
 

@@ -100,7 +100,7 @@ std::vector<GraphSolver::Edge> edges_between_sites(const Triangulation& mesh, co
 }
 
 /// Numbers the connected components and returns the number of each vertex' component [vertices].
-std::vector<std::uint32_t> parts_of(const GraphSolver& graph) {
+std::vector<std::uint32_t> connected_parts(const GraphSolver& graph) {
     std::vector<std::uint32_t> part_of(graph.size(), kNone), reached;
     std::uint32_t parts = 0;
     for (std::uint32_t v = 0; v < part_of.size(); ++v) {
@@ -186,7 +186,7 @@ MeshTransport::MeshTransport(const Triangulation& mesh, Measure measure, const P
       measure_(std::move(measure)),
       error_(mesh.site_count()),
       potential_(mesh.site_count()),
-      part_of_(parts_of(solver_)),
+      part_of_(connected_parts(solver_)),
       sums_(part_of_.empty() ? 0 : *std::ranges::max_element(part_of_) + 1),
       counts_(sums_.size()) {}
 

@@ -182,7 +182,7 @@ void JobRunner::submit(Job job) {
 
 void JobRunner::run(const Run& run, const std::stop_token& stop) {
     try {
-        auto end = begin(run) ? compute(run, stop) : std::nullopt;
+        auto end = begin_run(run) ? compute(run, stop) : std::nullopt;
         if (end) settle(run, *std::move(end));
     } catch (const std::exception& exception) {
         settle(run, {{}, failed(run->job(), problem(500, exception.what()).value())});
@@ -192,7 +192,7 @@ void JobRunner::run(const Run& run, const std::stop_token& stop) {
 
 /// Marks a run as started, in this server and in the store.
 /// @returns  false if the job must not be run any more
-bool JobRunner::begin(const Run& run) {
+bool JobRunner::begin_run(const Run& run) {
     Job job = run->job();
     job.status = JobStatus::Running;
     const auto renewal = store_.renew(job);

@@ -70,7 +70,7 @@ private:
     bool claim_next();
     void submit(Job job);
     void run(const Run& run, const std::stop_token& stop);
-    bool begin(const Run& run);
+    bool begin_run(const Run& run);
     std::optional<JobRun::End> compute(const Run& run, const std::stop_token& stop);
     JobRun::End end_of(Job job, Result<api::Answer> answer, ResultWriter& writer, const Stages& stages) const;
     void note(const Run& run, const Progress& progress);

@@ -14,6 +14,7 @@
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/threshold_mask.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
 
@@ -73,6 +74,7 @@ Result<api::Answer> compute(const api::DeviceRequest& request, const api::Limits
 }
 Result<api::Answer> compute(const api::SampleRequest& request, const api::Limits& limits, const api::Decode& decode,
                             const Control& control, api::Timings& timings, api::BodySink* sink) {
+    if (request.threshold_mask) return api::run_mask(*request.threshold_mask, control, timings);
     return api::run_sample(request, limits, decode, control, timings, sink);
 }
 Result<api::Answer> compute(const api::PixelRequest& request, const api::Limits& limits, const api::Decode& decode,

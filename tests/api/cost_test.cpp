@@ -19,6 +19,7 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/threshold_mask.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
 
@@ -141,7 +142,9 @@ TEST_P(SampleCost, BoundsMemoryUsed) {
     ASSERT_TRUE(request) << request.error().message;
     const auto work = [&] {
         Timings timings;
-        if (!run_sample(*request, {}, decode_inline(), {}, timings)) _exit(1);
+        const auto answer = request->threshold_mask ? run_mask(*request->threshold_mask, {}, timings)
+                                                    : run_sample(*request, {}, decode_inline(), {}, timings);
+        if (!answer) _exit(1);
     };
     expect_near(cost_of(*request, {}), GetParam().most, work, GetParam().name);
 }

@@ -15,7 +15,7 @@ void check_polygon(const api::PolygonInput& polygon, std::string_view body) {
     if (!domain) {
         check_location(domain.error(), polygon.parts);
         Error error = domain.error();
-        error.field = polygon.locate(error.field);
+        error.field = polygon.pointer_to(error.field);
         check_error(error, body);
         return;
     }

@@ -7,6 +7,7 @@
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/threshold_mask.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/extreme_pictures.h"
 #include "tests/fuzz/extremes.h"
@@ -254,6 +255,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto decode = fuzz::decode_of(input);
     const auto run = [&] {
         api::Timings timings;
+        if (request->threshold_mask) return api::run_mask(*request->threshold_mask, {}, timings);
         return api::run_sample(*request, fuzz::kLimits, decode, {}, timings);
     };
     const auto answer = run();

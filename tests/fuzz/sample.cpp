@@ -38,7 +38,7 @@ Result<RepairedDomain> domain_of(const api::SampleRequest& request, std::string_
                                                                       : Domain::create(polygon.parts).map(valid);
     if (!domain) {
         check_location(domain.error(), polygon.parts);
-        domain.error().field = polygon.locate(domain.error().field);
+        domain.error().field = polygon.pointer_to(domain.error().field);
         check_error(domain.error(), body);
     }
     return domain;

@@ -89,7 +89,7 @@ TEST(FeatureList, ReadsIds) {
                                           ',' + feature("null", R"(,"id":[1])") + ',' + feature("null")));
     ASSERT_TRUE(features) << features.error().message;
     EXPECT_EQ(features->ids, (std::vector<std::string>{R"("a\"b")", "12", "", ""}));
-    EXPECT_EQ(features->locate(2), "/geometry/features/2");
+    EXPECT_EQ(features->pointer_to(2), "/geometry/features/2");
 }
 
 TEST(FeatureList, AcceptsASingleFeature) {
@@ -97,7 +97,7 @@ TEST(FeatureList, AcceptsASingleFeature) {
     ASSERT_TRUE(features) << features.error().message;
     EXPECT_EQ(features->ids, (std::vector<std::string>{"3"}));
     EXPECT_EQ(members(*features, 0), R"("a":1)");
-    EXPECT_EQ(features->locate(0), "/geometry");
+    EXPECT_EQ(features->pointer_to(0), "/geometry");
 }
 
 TEST(FeatureList, RefusesAChosenPropertyThatNoFeatureHas) {

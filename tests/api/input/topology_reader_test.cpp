@@ -65,9 +65,9 @@ TEST(Topology, ReadsTheNamedObject) {
 
 TEST(Topology, LocatesRings) {
     const auto polygon = read(topology("\"two\":" + kTwo));
-    EXPECT_EQ(polygon->locate("/0/0/3"), "/geometry/objects/two/geometries/0/arcs/0");
-    EXPECT_EQ(polygon->locate("/1/1/2"), "/geometry/objects/two/geometries/2/arcs/0/1");
-    EXPECT_EQ(polygon->locate("/2"), "/geometry/objects/two/geometries/2/arcs/1");
+    EXPECT_EQ(polygon->pointer_to("/0/0/3"), "/geometry/objects/two/geometries/0/arcs/0");
+    EXPECT_EQ(polygon->pointer_to("/1/1/2"), "/geometry/objects/two/geometries/2/arcs/0/1");
+    EXPECT_EQ(polygon->pointer_to("/2"), "/geometry/objects/two/geometries/2/arcs/1");
 }
 
 TEST(Topology, LocatesErrorsByJsonPointer) {

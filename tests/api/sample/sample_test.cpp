@@ -122,10 +122,10 @@ TEST(SampleRequest, ReadsGeoJsonCollections) {
     const auto request = parse(R"({"sites":10,"geometry":)" + features + '}');
     const auto& input = std::get<PolygonInput>(request->region.domain);
     EXPECT_EQ(input.parts[2].outer[0], (Point{0, 0}));
-    EXPECT_EQ(input.locate("/1/0/2"), "/geometry/features/1/geometry/coordinates/1/0/2");
-    EXPECT_EQ(input.locate("/2/0/1"), "/geometry/features/2/geometry/geometries/0/coordinates/0/1");
-    EXPECT_EQ(input.locate("/4"), "/geometry/features/2/geometry/geometries/1/coordinates/1");
-    EXPECT_EQ(input.locate(""), "");
+    EXPECT_EQ(input.pointer_to("/1/0/2"), "/geometry/features/1/geometry/coordinates/1/0/2");
+    EXPECT_EQ(input.pointer_to("/2/0/1"), "/geometry/features/2/geometry/geometries/0/coordinates/0/1");
+    EXPECT_EQ(input.pointer_to("/4"), "/geometry/features/2/geometry/geometries/1/coordinates/1");
+    EXPECT_EQ(input.pointer_to(""), "");
 }
 
 TEST(SampleRequest, ReadsGeoJsonDocumentWithSeparateOptions) {
@@ -258,10 +258,10 @@ TEST(SampleRequest, ReadsAvoidedPolygons) {
     ASSERT_TRUE(rings) << rings.error().message;
     ASSERT_EQ(rings->region.avoid.parts.size(), 2U);
     EXPECT_EQ(rings->region.avoid.parts[1].outer[0], (Point{3, 3}));
-    EXPECT_EQ(rings->region.avoid.locate("/1/0/2"), "/avoid/1/2");
+    EXPECT_EQ(rings->region.avoid.pointer_to("/1/0/2"), "/avoid/1/2");
     const auto polygon = parse(body + R"({"type":"Polygon","coordinates":[[[1,1],[2,1],[2,2]]]}})");
     ASSERT_TRUE(polygon) << polygon.error().message;
-    EXPECT_EQ(polygon->region.avoid.locate("/0/0/2"), "/avoid/coordinates/0/2");
+    EXPECT_EQ(polygon->region.avoid.pointer_to("/0/0/2"), "/avoid/coordinates/0/2");
     EXPECT_TRUE(parse(body + R"({"type":"FeatureCollection","features":[]}})")->region.avoid.parts.empty());
 }
 

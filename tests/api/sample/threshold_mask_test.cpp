@@ -6,7 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
 #include "tests/api/files.h"
@@ -24,7 +23,7 @@ std::string torus(const std::string& width, const std::string& height) {
 
 Result<Answer> answer(const SampleRequest& request, const Control& control = {}) {
     Timings timings;
-    return run_sample(request, {}, decode_inline(), control, timings);
+    return run_mask(*request.threshold_mask, control, timings);
 }
 
 TEST(Mask, IsAGreyPng) {
