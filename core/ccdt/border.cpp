@@ -10,8 +10,8 @@ namespace ccdt {
 
 namespace {
 
-/// Divides the edge ab into equal steps, about one per crossed cell. Returns the length from a to the end of each step,
-/// in hexagonal distances of sites [steps + 1].
+/// Divides the edge ab into equal steps, about one per crossed cell. Returns the lengths from a to the end of each step
+/// [steps + 1], in hexagonal distances of sites; the first entry is 0.
 std::vector<double> spacings_along(Point a, Point b, const CapacityIntegral& capacity, double sites_per_capacity) {
     const int samples = capacity.cells_along(a, b);
     const double step = std::sqrt(dot(b - a, b - a)) / samples;
@@ -28,7 +28,8 @@ long parts_of(double length_in_sites) {
     return std::max(1L, std::lround(length_in_sites));
 }
 
-/// Returns the number of vertices to add on the domain's edges, at the distance of neighbouring sites.
+/// Returns the number of vertices to add on the domain's edges so that vertices are as far apart as neighbouring
+/// sites.
 double wanted_vertices(const Domain& domain, const LengthInSites& length) {
     double sum = 0;
     for (const Ring& ring : domain.rings()) {

@@ -35,7 +35,7 @@ Border bare_border(const Domain& domain);
 /// Computes the constrained Delaunay triangulation of a border, without sites.
 /// @param stop  polled regularly; after a stop the result must not be used
 ///
-/// Fails if rounding of vertices on edges makes nearly touching edges cross or touch. Never fails for a bare border.
+/// Fails if nearly touching edges touch or cross because vertices on edges are rounded. Never fails for a bare border.
 tl::expected<ConstrainedDelaunay, SegmentConflict> triangulate(const Border& border, const std::stop_token& stop = {});
 
 }  // namespace ccdt

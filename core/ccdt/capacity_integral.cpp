@@ -67,7 +67,7 @@ bool leaves_box(const Triangulation& mesh, std::uint32_t edge) {
            !is_in(mesh.point(mesh.origin(edge)), mesh.period()) || !is_in(mesh.point(mesh.target(edge)), mesh.period());
 }
 
-/// Fills the lanes with the values of a function of the index.
+/// Fills the lanes with number(0), number(1) and so on, two values per lane.
 template <class Lanes, class Number>
 CCDT_INLINE inline typename Lanes::Pairs each(Number&& number) {
     std::array<Pair, Lanes::kCount> pairs;
@@ -88,7 +88,8 @@ double CapacityIntegral::rows_below(double y) const {
     return copy * rows_below_.back() + rows_below_[row] + (inside - static_cast<double>(row)) * part;
 }
 
-/// Integrates along all segments, two in each lane at once. The last segment is repeated to fill the lanes.
+/// Integrates along all segments. Each lane processes two segments at a time. The last segment is repeated to fill the
+/// lanes.
 template <bool kRepeated, class Lanes>
 CCDT_INLINE inline void CapacityIntegral::sweep_by(std::span<const Segment> segments, std::span<Sweep> sweeps) const {
     using Pairs = typename Lanes::Pairs;
@@ -149,8 +150,8 @@ void CapacityIntegral::sweep(std::span<const Segment> segments, std::span<Sweep>
                by_four_ && has_two_lanes());
 }
 
-/// Adds an edge's flow (Sweep::flow) to the capacity of its triangle, and subtracts it from that of its twin's
-/// triangle. On a torus, the position of the edge can differ between the two triangles.
+/// Adds an edge's flow (Sweep::flow) to the capacity of its triangle, and subtracts the flow from the capacity of the
+/// twin's triangle. On a torus, the position of the edge can differ between the two triangles.
 /// @param repeated  whether the edge or a triangle may extend beyond a torus' box
 template <class Add>
 void CapacityIntegral::add_flow(const Triangulation& mesh, std::uint32_t edge, double flow, bool repeated,

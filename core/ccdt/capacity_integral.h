@@ -16,8 +16,9 @@ namespace ccdt {
 /// Data of a triangle for exact passes.
 struct TriangleFlows {
     double capacity = 0;
-    /// For each half-edge: integral of (1 - t) * density, where t runs from 0 at the origin to 1 at the target. Times
-    /// the edge's length, it is the capacity that the edge sweeps per unit of its origin's move to the right.
+    /// For each half-edge: integral of (1 - t) * density, where t runs from 0 at the origin to 1 at the target. The
+    /// integral times the edge's length is the capacity swept by the edge, per unit by which its origin moves to the
+    /// right.
     std::array<double, 3> swept{};
 };
 

@@ -40,8 +40,9 @@ using Retouch = std::function<std::vector<std::vector<Point>>(std::span<const st
 /// @param sites      [inks] >= 0, at least one > 0
 /// @param options    apply to all inks, except for the number of sites; the first ink with sites uses the seed, the
 ///                   other inks use seeds derived from it
-/// @param control    the progress covers the iterations and rounds of all inks, with the largest variation; a stop
-///                   returns the current sites, which is not an error; a stop during the start gives the error Stopped
+/// @param control    the progress counts the iterations and rounds, which all inks share, and gives the largest
+///                   capacity variation of any ink; a stop returns the current sites, which is not an error; a stop
+///                   during the start gives the error Stopped
 /// @param retouch    called in the last rounds of the polish if several inks have sites; may be empty
 /// @returns          [inks]; an ink without sites has no points and the trace {0}
 ///

@@ -221,8 +221,8 @@ void Construction::pass_exactly(Relaxation& relaxation) {
 }
 
 /// Whether single sites are relocated after the current iteration. In polygons, this is done after the third iteration,
-/// or the last one if there are fewer. The third iteration is late enough to distinguish surpluses from sites that are
-/// still moving, and early enough for further iterations to follow.
+/// or the last one if there are fewer. Before the third iteration, a surplus of sites at a place can be due to sites
+/// that are still moving. After the third iteration, there are usually further iterations to correct the capacities.
 bool Construction::resettles() const {
     constexpr int kIteration = 2;
     return result_.iterations == std::min(kIteration, options_.iterations - 1) && has_polish(options_) &&
@@ -261,7 +261,8 @@ Result<void> Construction::finish() {
     return {};
 }
 
-/// Moves sites from places of density zero to the nearest positive density. If any moves, all are triangulated anew.
+/// Moves sites from places of density zero to the nearest positive density. If any site moves, triangulates all sites
+/// anew.
 Result<void> Construction::clear_gaps() {
     std::vector<Point> sites;
     bool moved = false;

@@ -48,10 +48,12 @@ public:
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 
-    /// Makes the triangulation Delaunay, then its capacities more equal by `passes` passes. For rounds of the polish.
+    /// Makes the triangulation Delaunay, then makes its capacities more equal by `passes` passes. Called in rounds of
+    /// the polish.
     void equalise(int passes);
 
-    /// Relocates one site of each pair that is too close to a place with more space. Only for polygons.
+    /// Relocates one site of each pair to a place with more space. Only for polygons.
+    /// @param pairs  pairs of sites that are too close to each other
     void separate(std::span<const std::array<std::uint32_t, 2>> pairs);
 
     /// Restores the Delaunay property after the polish. Errors: as for start().

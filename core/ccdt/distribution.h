@@ -32,7 +32,7 @@ struct Options {
     bool keep_mesh = false;  ///< whether to fill Distribution::mesh
     /// Existing points, in the domain's coordinates, that do not move and are not among the sites. Sites keep the same
     /// distance from fixed points as from each other. Each fixed point takes as much area as a site. A cluster of fixed
-    /// points takes only the area that it covers and a rim. Points outside the domain can take area inside.
+    /// points takes only the area that it covers and a rim around it. Points outside the domain can take area inside.
     std::vector<Point> fixed = {};
 };
 

@@ -24,8 +24,8 @@ std::vector<Point> to_unit_frame(const Domain& domain, std::span<const Point> po
 
 /// Subtracts the area of fixed points from a grid of capacities. Each fixed point takes a disc with the capacity of a
 /// new site at the local density, except where another fixed point is nearer. So an isolated fixed point takes as much
-/// as a site, and a cluster takes only the area that it covers and a rim. The new sites share the remaining capacity
-/// equally.
+/// capacity as a site, and a cluster takes only the area that it covers and a rim around it. The new sites share the
+/// remaining capacity equally.
 ///
 /// @param fixed   in the unit frame; may lie outside the domain
 /// @param sites   number of new sites, >= 1

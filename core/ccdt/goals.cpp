@@ -15,12 +15,12 @@ namespace {
 constexpr std::uint32_t kNone = Triangulation::kNone;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 
-/// Sums over triangles, which give the capacity variation. The unit of capacities and targets is half a site's
+/// Sums over triangles, from which the capacity variation follows. The unit of capacities and targets is half a site's
 /// capacity.
 struct Reached {
     double targets = 0;
-    double sum = 0;
-    double squares = 0;  ///< sum of squares, each divided by the target
+    double sum = 0;      ///< sum of capacities
+    double squares = 0;  ///< sum of capacity^2 / target
 
     void add(double reached, double target) {
         targets += target;
@@ -34,7 +34,8 @@ struct Reached {
         squares += other.squares;
     }
 
-    /// Returns the standard deviation of reached / target over its mean, with each triangle weighted by its target.
+    /// Returns the standard deviation of capacity / target, divided by the mean of capacity / target. Both are weighted
+    /// by the targets.
     double variation() const {
         if (!(sum > 0)) return 0;
         const double mean = sum / targets;

@@ -92,7 +92,7 @@ private:
     std::vector<std::size_t> vacancies_;
     std::uint64_t seed_;
     double margin_;
-    std::optional<InteriorSampler> interior_;  ///< draws points in the part part_
+    std::optional<InteriorSampler> interior_;  ///< draws points in part number part_
     std::uint32_t part_ = Triangulation::kNone;
 };
 

@@ -18,14 +18,15 @@ namespace {
 // an area, so that signs of areas are certain, and well below 1, so that it does not affect the pattern.
 constexpr double kKeptArea = 0.1;   ///< least share of its area that a triangle keeps in a move
 constexpr double kMinShape = 1e-5;  ///< least doubled area after a move, relative to the longest edge squared
-/// Doubled area, relative to the mean, below which move() checks a triangle instead of the faster Rings::fit().
+/// Least doubled area, relative to the mean, that the fast test Rings::fit() accepts. If a triangle would become
+/// smaller, move() checks the move.
 constexpr double kSmall = 1e-2;
 constexpr std::size_t kRange = 8192;  ///< triangles per task
 constexpr double kSingular =
     1e-12;  ///< least determinant relative to the product of the diagonal; larger than its rounding error
 
 /// Returns the step along x and y to the minimum of a quadratic with the given half Hessian and half gradient; a zero
-/// step if the Hessian is singular. For one number, or for one number per lane.
+/// step if the Hessian is singular. The arguments are single numbers, or vectors with one number per lane.
 template <class Numbers>
 CCDT_INLINE inline std::array<Numbers, 2> minimum(Numbers xx, Numbers xy, Numbers yy, Numbers x, Numbers y) {
     const Numbers det = xx * yy - xy * xy;
@@ -55,7 +56,7 @@ inline Relaxation::Term Relaxation::term(std::uint32_t triangle) const {
 }
 
 /// The one-rings of sites that are moved at once, one site per lane. Each vector holds the values of two triangles of
-/// each site. The first neighbour is repeated to fill the last pair; flat triangles contribute nothing.
+/// each site. The first neighbour is repeated to fill the last pair. The resulting flat triangle contributes nothing.
 template <std::size_t kPairs, class Lanes>
 struct Relaxation::Rings {
     using Pairs = typename Lanes::Pairs;
@@ -182,7 +183,7 @@ void Relaxation::prepare(TriangleGoals goals, const std::stop_token& stop) {
     list_border();
 }
 
-/// Stores the level of each site, from which the groups follow, but no one-rings.
+/// Stores the level of each site, which determines its group. Stores no one-rings.
 void Relaxation::prepare_exact(TriangleGoals goals, const std::stop_token& stop) {
     goals_ = std::move(goals);
     const bool first_time = levels_.empty();
@@ -694,7 +695,7 @@ void Relaxation::move_exactly(std::uint32_t site, ExactRing& ring) {
     for (const ExactTriangle& t : ring.triangles) flows_[t.triangle].capacity += dot(t.gradient, moved) / unit_;
 }
 
-/// Tests quickly whether move() would neither shorten nor refuse a move. Returns false in uncertain cases.
+/// Tests quickly whether move() would make a move in full. Returns false in uncertain cases.
 inline bool Relaxation::surely_fits(std::uint32_t site, Point by, const ExactRing& ring) const {
     const std::size_t count = ring.triangles.size();
     const double flattest = options_.least_height * options_.least_height;

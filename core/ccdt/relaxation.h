@@ -224,7 +224,7 @@ private:
     std::vector<std::uint8_t> levels_;        ///< [sites] level of the site's group
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
     /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of
-    /// the size of a block would hardly fit later needs.
+    /// the size of a block would be too small for later allocations.
     std::vector<std::uint32_t> record_memory_;
     Fans border_;
     std::vector<TriangleFlows> flows_;  ///< [triangles] current capacities; swept integrals as last measured

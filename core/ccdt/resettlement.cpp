@@ -229,8 +229,9 @@ bool Resettlement::is_in_small_part(std::uint32_t site) {
     return !small_parts().triangles[mesh_.part_of(site)].empty();
 }
 
-/// Returns the place that is farthest from all other sites, in the small part where `site` lies. If several places are
-/// far enough, returns one in the largest triangle.
+/// Returns the place that is farthest from all other sites, in the small part where `site` lies. Distances count
+/// only up to the least distance that two sites should have. Of equally far places, returns one in the largest
+/// triangle.
 Resettlement::Place Resettlement::farthest_place(std::uint32_t site) {
     constexpr double kThird = 1.0 / 3, kSixth = 1.0 / 6;
     constexpr std::array<std::array<double, 3>, 4> kPlaces{{{kThird, kThird, kThird},
@@ -265,7 +266,8 @@ double Resettlement::enough_squared(std::uint32_t site) const {
     return least * least;
 }
 
-/// Returns the positions of all sites except `but` within `reach` of the bounding box of some triangles and of `but`.
+/// Returns the positions of all sites, except `but`, that are within `reach` of a box. The box bounds some triangles
+/// and the site `but`.
 std::vector<Point> Resettlement::sites_near(std::span<const std::uint32_t> triangles, std::uint32_t but,
                                             double reach) const {
     Box box{mesh_.point(but), mesh_.point(but)};

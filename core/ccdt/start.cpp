@@ -13,7 +13,8 @@ namespace ccdt {
 namespace {
 
 /// Number of sites drawn in each cell. With one site per cell, the cells are visible: the peak of a draft's spectrum is
-/// nearly twice as high (TorusPattern). With 64 sites, long waves arise (StartSites.FollowTheDensity).
+/// nearly twice as high (benchmark TorusPattern). With 64 sites per cell, long waves arise (test
+/// StartSites.FollowTheDensity).
 constexpr std::size_t kSitesPerCell = 4;
 
 /// Number of sites in a cell that the border cuts. With more sites, too many would lie on the wrong side of fjords and
@@ -181,8 +182,8 @@ bool StartSites::is_cut(const Rectangle& box) const {
     return inside < kCut * (box.x1 - box.x0) * (box.y1 - box.y0);
 }
 
-/// Returns the density at a place relative to the largest in its grid cell; 1 unless the density is finer than the
-/// grid.
+/// Returns the density at a place relative to the largest density in its grid cell. If the density is no finer than the
+/// grid, returns 1 where the density is positive, else 0.
 double StartSites::acceptance(double x, double y) const {
     if (density_.is_uniform()) return 1;
     const auto place = [](double v, int cells, int pixels) {

@@ -22,7 +22,7 @@ namespace ccdt {
 /// In that case, the caller must draw another position for the site.
 class StartSites {
 public:
-    /// @param domain, density  must outlive this; their documented ranges keep the numbers of cells within an int
+    /// @param domain, density  must outlive this; their documented ranges ensure that numbers of cells fit in an int
     StartSites(const Domain& domain, const Density& density, const Options& options);
 
     /// Returns a position for a site, in the unit frame. Sites with close numbers are mostly neighbours. The position

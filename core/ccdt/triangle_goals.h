@@ -12,8 +12,8 @@
 
 namespace ccdt {
 
-/// The capacity of a triangle is weight * doubled area, and should be near the target. Its unit is half a site's
-/// capacity, so a triangle between three sites has the target 1.
+/// The goal of a triangle. The triangle's capacity is weight * doubled area, and should be near the target. The unit of
+/// capacities is half a site's capacity, so a triangle between three sites has the target 1.
 struct TriangleGoal {
     double weight = 0;  ///< capacity per doubled area, held fixed while vertices move
     double target = 1;

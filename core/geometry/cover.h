@@ -52,9 +52,11 @@ private:
         bool is_known = false;
     };
     struct Part {
-        std::uint32_t outer = 0;  ///< group of the outer ring
-        std::size_t holes = 0;    ///< holes that contain the current triangle
-        std::size_t faces = 0;    ///< faces that walk() entered across this part's border and no other part covers
+        std::uint32_t outer = 0;  ///< number of the group that is the outer ring
+        std::size_t holes = 0;    ///< number of holes that contain the current triangle
+        /// Number of faces of the part that walk() entered across the part's border. Excludes thin faces, and faces
+        /// that other parts cover as well.
+        std::size_t faces = 0;
     };
     /// An input point that coincides with other input points.
     struct Shared {
@@ -101,7 +103,7 @@ private:
     std::vector<std::uint32_t> open_;    ///< open groups, the most recently entered last
     std::size_t covering_ = 0;           ///< number of parts that cover the current triangle
     std::size_t passed_ = 0;             ///< number of triangles entered so far, except in thin faces
-    std::vector<std::size_t> thick_in_;  ///< [groups] as passed_, counted only while the ring was open
+    std::vector<std::size_t> thick_in_;  ///< [groups] number of triangles counted in passed_ while the ring was open
 };
 
 }  // namespace ccdt

@@ -55,8 +55,8 @@ Kernel::Point_2 to_cgal(Point p) {
 }
 
 /// Inserts points in spatial order.
-/// @returns  [points] the vertex of each point, empty after a stop; coincident points share a vertex with one of their
-///           numbers
+/// @returns  [points] the vertex of each point; empty after a stop. Coincident points share a vertex, which has the
+///           number of one of them.
 std::vector<Vertex> insert_points(Triangulation& triangulation, std::span<const Point> points,
                                   const std::stop_token& stop) {
     using Numbered = std::pair<Kernel::Point_2, std::uint32_t>;

@@ -61,10 +61,10 @@ struct Reach {
 /// border point nearest to it lies either on an edge or at a reflex corner. On an edge, the point lies on the left of
 /// the edge; at a reflex corner, it lies between the normals of the corner's two edges. So a piece is the neighbourhood
 /// of an edge, on its left, with the reflex corners at its ends. A run of many edges close to one segment is replaced
-/// by a capsule around the segment. So a border with detail much finer than the distance has few pieces.
+/// by a capsule around the segment. So a border with detail much finer than the radius has few pieces.
 ///
-/// Second case: the discs have other centres. Each piece is then a capsule. If there are many pieces and the discs
-/// hardly differ, all edges use the largest distance instead.
+/// Second case: the centres of the discs can differ from the border points. Each piece is then a capsule. If there are
+/// many pieces and the discs hardly differ, all edges use the largest distance instead.
 class Strip {
 public:
     Strip(const Domain& domain, const DiscAround& disc_around, bool is_centred, double indifference)
@@ -426,8 +426,8 @@ public:
     /// Whether the division ended early because there are very many squares. The tree is then useless.
     bool is_too_fine() const { return coarse_ == 0 && has_very_many_squares(); }
 
-    /// Returns the removed area, at least within the squares that its border crosses. Computes the whole area if more
-    /// than a fifth of the pieces are long and far apart; otherwise, computes it square by square.
+    /// Returns the removed area. If more than a fifth of the pieces are long and far apart, computes the whole area.
+    /// Otherwise, computes the area only in the squares that its border can cross, square by square.
     Result<std::vector<Area>> border() const {
         constexpr double kMaxWhole = 0.2;
         const auto whole = static_cast<double>(std::ranges::count(counts_whole_, true));
@@ -483,9 +483,8 @@ public:
 
     /// Whether a corner of the area that remains after subtracting border() is too near to the border of the domain.
     bool is_too_near(Point p) const {
-        constexpr double kRounding = 1e-6,
-                         kRoundings = 2;  // kRounding: relative to the distance; kRoundings: in resolutions, half of
-                                          // the margin of the discs
+        // kRounding is relative to the distance. kRoundings is in resolutions, and half of the margin of the discs.
+        constexpr double kRounding = 1e-6, kRoundings = 2;
         std::uint32_t at = 0;
         Cell cell = kRoot;
         while (squares_[at].kind == Kind::Divided) {
@@ -517,7 +516,7 @@ private:
         Clear,    ///< no point of the square is too near to the border
         Near,     ///< all points of the square are too near
         Border,   ///< few pieces of the border can be nearest to points of the square
-        Crowded,  ///< the square is so small that it is removed as a whole
+        Crowded,  ///< removed as a whole: too small to be divided, or all quarters are removed
         Divided,  ///< divided into four
     };
     struct Square {
@@ -527,8 +526,8 @@ private:
     };
     static constexpr Cell kRoot{{0.5, 0.5}, 0.5};
 
-    /// Whether there are so many pieces that combining them saves time. Combined and separate pieces differ in how
-    /// corners of the result are rounded.
+    /// Whether there are so many pieces that combining them saves time. Combining pieces changes how corners of the
+    /// result are rounded.
     bool has_many() const {
         constexpr std::size_t kMany = 10'000;
         return reaches_.size() > kMany;
@@ -655,7 +654,7 @@ private:
     const double coarsest_;
     std::vector<Square> squares_;
     std::vector<std::uint32_t> members_;  ///< pieces of all squares of kind Border, concatenated
-    std::vector<bool> counts_whole_;      ///< [pieces] whether a square wider than 4 times its distance lists the piece
+    std::vector<bool> counts_whole_;  ///< [pieces] whether a square wider than 4 times the piece's distance lists it
     std::stop_token stop_;
 };
 
@@ -673,7 +672,7 @@ Result<Area> divided(const Domain& domain, const ReachTree& tree, const std::sto
 
 /// Subtracts the neighbourhood of the border from the bounding box. Returns the remaining area, inside and outside the
 /// domain, and leftover rings inside the neighbourhood. Requires discs with a radius above 0 around all points of the
-/// border. The domain itself takes no part, since very many edges would be cut very often.
+/// border. Does not intersect the domain itself, since its very many edges would be cut very often.
 Result<Area> far_from_border(const Domain& domain, const ReachTree& tree, const std::stop_token& stop) {
     const Point most = domain.unit_bounds().max;
     const auto strip = tree.border();
@@ -716,7 +715,7 @@ Result<Area> simplified(const Area& area, double tolerance, double resolution, c
 /// Subtracts the neighbourhood of the border, at least where the new border runs. The remaining area consists of the
 /// eroded domain and of rings that are too near to the border, which are dropped.
 /// @param is_coarse  whether the new border may be much farther from the old one than the indifference
-/// @returns          none if the border is too fine, and a coarse border is allowed
+/// @returns          none if the exact border needs too many squares, and `indifference` permits a coarse border
 Result<std::optional<Domain>> without_strip(const Domain& domain, const DiscAround& disc_around, bool is_centred,
                                             double indifference, bool is_coarse, const std::stop_token& stop) {
     constexpr double kCoarser = 10, kRadius = 0.25, kMaxRadius = 4, kSimplified = 0.5;  // relative to the indifference

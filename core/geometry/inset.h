@@ -20,11 +20,11 @@ struct Disc {
 /// @param domain        not a torus
 /// @param distance      > 0, in the domain's coordinates
 /// @param indifference  approximate limit on the additional distance of the new border, in the domain's coordinates
-///                      (exceptions below); 0 requires the exact border, at any cost
+///                      (exceptions below); 0 requires a border exact to 1 % of `distance`, at any cost
 ///
 /// The unit frame and the bounding box do not change. The new border is at least `distance` from the old one. If
-/// `indifference` is 0, it is at most 1 % farther: arcs around corners become circumscribed polygons, and borders with
-/// detail much finer than the distance are simplified.
+/// `indifference` is 0, the new border is at most 1 % farther: arcs around corners become circumscribed polygons, and
+/// borders with detail much finer than the distance are simplified.
 ///
 /// Errors: Unusable if nothing is left; Stopped. Deterministic. O(n log n) in practice, even for ragged borders.
 ///

@@ -15,7 +15,7 @@
 
 namespace ccdt {
 
-/// Whether the processor handles two pairs in one instruction.
+/// Whether the processor has instructions for two lanes (AVX2).
 inline bool has_two_lanes() {
 #ifdef __x86_64__
     static const bool has = __builtin_cpu_supports("avx2") != 0;

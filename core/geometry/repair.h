@@ -15,7 +15,8 @@
 
 namespace ccdt {
 
-/// Returns the limit on the pieces into which crossings may cut segments. It permits scribbles, but bounds the memory.
+/// Returns the limit on the pieces into which crossings may cut segments. It permits rings with very many crossings,
+/// but bounds the memory.
 /// @param more  additional pieces per corner
 constexpr std::size_t max_pieces(std::size_t corners, std::size_t more = 0) {
     return corners / 4 + 200'000 + more * corners;

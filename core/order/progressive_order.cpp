@@ -46,7 +46,8 @@ constexpr double kNodeDistance = 3;
 /// Ratio of reference points (see Surplus) to remaining points above which the remaining points become the reference.
 constexpr std::size_t kMaxReferenceRatio = 8;
 
-/// Least number of remaining points in a region. Fewer points mean less choice and more noise; more take longer.
+/// Least number of remaining points in a region. Fewer points mean less choice and more noise. More points take
+/// longer.
 constexpr std::size_t kMinRegionPoints = 256;
 
 /// Number of neighbours whose distance measures the local density. It is large enough for a stable measure, and small
@@ -617,7 +618,7 @@ private:
     Regions regions_;
     std::vector<std::uint32_t> left_;
     std::span<const Point> reference_;  ///< points that represent the wanted density
-    std::vector<Point> sparse_;         ///< storage for the reference once it is no longer places_
+    std::vector<Point> sparse_;         ///< storage for reference_, except while reference_ refers to places_
     Executor& executor_;
 
     // State of the current step. It covers the points that remained at the beginning of the step.

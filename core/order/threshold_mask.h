@@ -12,8 +12,8 @@ namespace ccdt {
 ///
 /// First, half of the pixels are chosen: one at random from each horizontal pair. The chosen pixels move to
 /// neighbouring pixels as long as that lowers the sum of Gaussians between all chosen pixels. They get the lower half
-/// of the ranks, in descending order: each time, the pixel that the Gaussians of the others crowd most is removed and
-/// gets the highest free rank. When only a 16th of the tile is left, the Gaussians no longer overlap, and
+/// of the ranks, in descending order: each time, the pixel with the largest sum of the other pixels' Gaussians is
+/// removed and gets the highest free rank. When only a 16th of the tile is left, the Gaussians no longer overlap, and
 /// progressive_order() ranks the remaining pixels. The other pixels get the upper half of the ranks in the same way,
 /// but in ascending order.
 ///

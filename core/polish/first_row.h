@@ -10,7 +10,8 @@
 
 namespace ccdt {
 
-/// Distance of the first row from the border, in spacings. Half a row of the hexagonal grid is 0.47 spacings.
+/// Least distance of the first row from the border, in spacings. It is slightly less than half a row of the hexagonal
+/// grid, 0.47 spacings.
 inline constexpr double kFirstRow = 0.45;
 
 /// The first row: the sites that share an edge with a vertex of the border.

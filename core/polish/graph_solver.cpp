@@ -10,9 +10,9 @@ namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-/// Conductance of a coarse edge relative to the sum of the fine edges that it replaces. The potential falls evenly over
-/// the width of an aggregate, which is two or three fine edges. In the coarse graph, all of this difference lies across
-/// one edge, so the edge must conduct less.
+/// Conductance of a coarse edge, relative to the total conductance of the fine edges that it replaces. The potential
+/// falls evenly over the width of an aggregate, which is two or three fine edges. In the coarse graph, all of this
+/// difference lies across one edge, so the edge must conduct less.
 constexpr double kLengthening = 0.35;
 
 constexpr std::uint32_t kBlock = 512;  ///< vertices per block

@@ -76,7 +76,8 @@ Point MeshPolish::allowed(Point p, Spacing&& spacing) const {
 
 void MeshPolish::even_out_start(std::span<Point> sites, const std::stop_token& stop) {
     // Fewer rounds leave a larger error of tone: benchmark PictureTone. In free rounds, sites may stand where there is
-    // no density. Without free rounds, or without momentum, too few sites cross white gaps: Polish.EvensOutSmallSpots.
+    // no density. Without free rounds, or without momentum, too few sites cross white gaps: test
+    // Polish.EvensOutSmallSpots.
     constexpr int kRounds = 5, kFreeRounds = 3;
     constexpr double kMomentum = 0.5;
     if (density_.is_uniform() || !transport_) return;
@@ -145,7 +146,8 @@ void MeshPolish::begin(const Triangulation& mesh) {
     largest_area_ = std::ranges::max(largest);
 }
 
-/// Lists the edges of range number `block` of the triangles: edges within the block in edges_, the rest in `others`.
+/// Lists the edges between sites in the range of triangles with the number `block`. Stores edges within the block of
+/// this number in edges_, and other edges in `others`.
 void MeshPolish::list_edges(const Triangulation& mesh, std::size_t block, std::vector<std::uint32_t>& others) {
     const SiteBlocks& blocks = mesh.blocks();
     const std::size_t count = blocks.count(0);
@@ -279,7 +281,7 @@ void MeshPolish::push_apart(Triangulation& mesh, double reach, double push, std:
         const double least = half_reach * (spacing_of(a) + spacing_of(b));
         const double squared = dot(along, along);
         if (squared >= least * least) return;
-        // Two sites that face each other across a narrow tongue would be pressed against the shores of the tongue. So
+        // Two sites that face each other across a narrow tongue would be pressed against the borders of the tongue. So
         // they also turn around each other.
         const bool turns = !domain_.is_box() && squared < kStuck * kStuck * least * least;
         const Point way = turns ? Point{along.x - along.y, along.x + along.y} : along;

@@ -62,15 +62,16 @@ public:
                     const std::stop_token& stop);
 
     /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. In polygons,
-    /// two near sites are not always joined by an edge: they can face each other across water or around a vertex of the
-    /// border. This function also finds such pairs, and the next calls of push_apart() move them apart.
+    /// two near sites are not always joined by an edge: they can face each other across a gap in the domain or around a
+    /// vertex of the border. This function also finds such pairs, and the next calls of push_apart() move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
     /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits a pair if one of its
     /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate sites.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
-    /// Removes long waves of density error. In polygons, only if the density is smooth and there are no fixed points.
+    /// Removes long waves of density error. In polygons, does so only if the density is smooth and there are no fixed
+    /// points.
     void even_out(Triangulation& mesh, const std::stop_token& stop);
 
     /// Removes the power of low frequencies. The domain must be a torus of uniform density that is wide enough

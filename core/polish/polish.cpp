@@ -124,7 +124,7 @@ bool Polish::is_any_nearer(double least) {
 }
 
 /// Repeats a push on new triangulations while any two sites are too near. Pushes cannot separate two sites that are
-/// enclosed by other sites or by the shores of a narrow neck. One of two such sites is relocated.
+/// enclosed by other sites or by the border in a narrow neck. One of two such sites is relocated.
 void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
                         const std::stop_token& stop) {
     for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);

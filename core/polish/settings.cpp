@@ -71,7 +71,8 @@ constexpr Row kVarying{
 // Benchmark InksPattern. Shorter reaches between inks, or fewer rounds, reduce the distance between inks. If the meshes
 // are not made Delaunay again (`mesh_every`), this distance is 2 % smaller where the density varies; doing so in each
 // round gains no more. The last even round (`last_rounds`) reduces this distance as well, but without it the tone of
-// each ink is lost: DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py, Likeness.
+// each ink is lost: test DistributeInks.KeepsTheToneOfEachInk. More retouch rounds gain little: test_colour.py,
+// Likeness.
 constexpr Row kInks{
     {.rounds = 10,
      .even_every = 2,

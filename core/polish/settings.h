@@ -19,7 +19,7 @@ enum class Quality {
 /// distance: for pushes within an ink, that of the ink's own sites; for pushes between inks, that of the sites of all
 /// inks. "Waves" are long waves.
 struct PolishSettings {
-    /// For dot maps: number of the last iterations that begin with a push and a removal of waves.
+    /// For dot maps: number of iterations, up to the last one, that begin with a push and a removal of waves.
     int early = 0;
     int rounds = 0;                      ///< rounds that push near sites apart and remove long waves
     int even_every = 1;                  ///< rounds from one removal of waves to the next; also applies to relax rounds
@@ -29,7 +29,7 @@ struct PolishSettings {
     double ink_reach = 0;                ///< distance below which sites of different inks are pushed
     int relax_rounds = 0;                ///< next step: rounds that also equalise the triangles' capacities
     int relax_passes = 0;                ///< passes of relaxation in each relax round
-    int relax_evens = 1;                 ///< removals of waves in each relax round that even_every selects
+    int relax_evens = 1;                 ///< number of removals of waves in a relax round that has any (see even_every)
     int even_rounds = 0;                 ///< next step: even rounds, which remove waves
     int near_pushes_per_even_round = 0;  ///< near pushes after each even round
     int near_rounds = 0;                 ///< next step: near pushes alone, which move too few sites to create waves

@@ -261,11 +261,12 @@ void SplineGrid::gradients(std::span<const Point> points, std::span<Point> gradi
     if (in_pairs < points.size()) gradients[in_pairs] = gradient(points[in_pairs]);
 }
 
-/// Calls add(numbers) with groups of the points for which counts(number) is true. The rows of the grid are divided into
-/// bands. First the even bands are processed in parallel, then the odd bands: taps reach no further than the next band.
+/// Calls add(numbers) with the indices of points, in groups. Leaves out points for which counts(index) is false. The
+/// rows of the grid are divided into bands. First the even bands are processed in parallel, then the odd bands: taps
+/// reach no further than the next band.
 template <class Counts, class Add>
 void SplineGrid::add_all(std::span<const Point> points, Counts&& counts, Add&& add) {
-    // With fewer points, sorting costs more than it gains. Also the size of a task.
+    // With fewer points, sorting costs more than it gains. This number is also the size of a task.
     constexpr std::size_t kPointsPerTask = 8192;
     std::vector<std::uint32_t> order;
     if (points.size() <= kPointsPerTask) {

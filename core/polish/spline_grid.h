@@ -18,8 +18,8 @@ namespace ccdt {
 /// A grid over a box or torus, and its transform. On a torus, this is the Fourier transform. In a box, it is the cosine
 /// transform, which corresponds to a grid that is mirrored at its sides. Points are spread onto the grid, and values
 /// are read from it, with quintic B-splines. Spreading and transforming, followed by a division by the spectrum of the
-/// splines, window(), is a non-uniform transform. For frequencies up to a fifth of a cycle per cell, the error is below
-/// 3e-4 of the content at higher frequencies.
+/// splines, window(), is a non-uniform transform. For frequencies up to a fifth of a cycle per cell, the error
+/// consists of aliases of higher frequencies, each with less than 3e-4 of the original amplitude.
 ///
 /// Source: Beylkin, On the fast Fourier transform of functions with singularities, 1995.
 class SplineGrid {
@@ -40,8 +40,8 @@ public:
     /// Adds a point with a value.
     /// @param p  inside the box; on a torus, any periodic copy
     void spread(Point p, double value);
-    /// Adds the change, to first order, of the spread of a point with value 1 when the point moves by `move`. This is
-    /// the transpose of gradient(), apart from the factor window().
+    /// Adds the change of the grid values, to first order, if a spread point with value 1 moves from `p` by `move`.
+    /// This is the transpose of gradient(), apart from the factor window().
     void spread_move(Point p, Point move);
     /// Adds many points, as spread() does for each point with a value other than 0.
     /// @param values  [points]; empty: 1 each

@@ -39,7 +39,8 @@ Point Support::nearest(Point p, double reach) const {
     }
 }
 
-/// Returns the nearest point with density within `around` columns and rows. g and the result are in units of cells.
+/// Returns the point nearest to g where the density is not 0, within `around` columns and rows. g and the result are in
+/// units of cells.
 std::optional<Point> Support::nearest_within(Point g, int column, int row, int around) const {
     constexpr double kInset = 0.05;  // distance from the sides of a cell, in cells
     double least = std::numeric_limits<double>::infinity();

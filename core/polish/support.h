@@ -19,11 +19,11 @@ public:
     /// O(density's cells).
     Support(const Domain& domain, const Density& density);
 
-    /// Returns a point with density, at most sqrt(2) times as far from p as the nearest one. Returns p if p has
-    /// density, or if no point with density is within reach. O(cells within reach).
+    /// Returns a point with nonzero density, at most sqrt(2) times as far from p as the nearest such point. Returns p
+    /// if the density at p is not 0, or if no such point is within reach. O(cells within reach).
     Point nearest(Point p, double reach) const;
 
-    /// Returns p, moved away from the sides of its cell, if the cell has density; else none.
+    /// Returns p, moved away from the sides of its cell, if the density of the cell is not 0; else none.
     std::optional<Point> inset_in_cell(Point p) const;
 
 private:

@@ -34,13 +34,15 @@ constexpr double kMaxContrast = 4;
 
 // Larger and smaller values of these constants both increase the error of tone (benchmark PictureTone). The exception
 // is kLevelSmoothing: a larger value would reduce the error.
-constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in finest spacings
-/// Smoothing of the density from which octaves follow, in finest spacings. Sparse places near dense ones count as fine.
+constexpr double kSmoothing = 1;  ///< smoothing of the density from which spacings follow, in spacings of octave 0
+/// Smoothing of the density from which octaves follow, in spacings of octave 0. Because of this wider smoothing, sparse
+/// places near dense ones get finer octaves.
 constexpr double kLevelSmoothing = 2;
-constexpr double kCaution = 0.7;  ///< octaves by which the octave of a site is coarser than its spacing
+constexpr double kCaution = 0.7;  ///< number of octaves added to the octave that follows from the spacing
 
-/// Returns the share of a wave's error that a round removes. If the density varies, the octaves overlap and need a
-/// softer end. Lower or higher ends leave more error: benchmarks TorusPattern and PictureTone.
+/// Returns the share of a wave's error that a round removes. The share falls from 1 to 0 around an end frequency. If
+/// the density varies, the octaves overlap, so the share must fall more gradually. Lower or higher end frequencies
+/// leave more error: benchmarks TorusPattern and PictureTone.
 /// @param frequency  frequency of the wave, in cycles per spacing
 double share_undone(double frequency, bool uniform) {
     constexpr double kUniformEnd = 0.52, kVaryingEnd = 0.57;
@@ -146,8 +148,8 @@ void Transport::add_octave() {
     });
 }
 
-/// Returns the factor from a wave's coefficient in the error to its coefficient in the potential, divided by octave 0's
-/// window. Not for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
+/// Returns the factor that converts a wave's coefficient in the error to its coefficient in the potential, divided by
+/// octave 0's window. Not for the constant wave. The unit of length is octave 0's spacing, so values fit a float.
 double Transport::potential_of(int column, int row) const {
     const SplineGrid& finest = octaves_[0].grid;
     const Point f = octave_spacing(0) * finest.frequency(column, row);
