@@ -11,8 +11,9 @@ inline constexpr int kCcvtIterations = 1000;
 /// Distributes sites by a capacity-constrained Voronoi tessellation: each site is the centroid of a cell, and all cells
 /// have exactly the same number of samples of the density.
 ///
-/// Each site gets 256 stratified random samples (mass_samples.h), up to 1,024 if there are fewer than 1,024 sites.
-/// Cells then swap samples (equal_cells.h). If a centroid lies outside the domain, the site moves only part of the way.
+/// Each site gets 256 stratified random samples (mass_samples.h). If there are fewer than 1,024 sites, each gets more,
+/// up to 1,024 samples. Cells then swap samples (equal_cells.h). If a centroid lies outside the domain, the site moves
+/// only part of the way.
 ///
 /// @param options  passes are ignored; `iterations` is the largest number of sweeps over all pairs of sites; the method
 ///                 ends earlier if no swap lowers the energy

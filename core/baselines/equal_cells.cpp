@@ -108,7 +108,7 @@ double EqualCells::find_gains(std::uint32_t from, std::uint32_t to, std::vector<
     return *std::ranges::max_element(gains);
 }
 
-/// Whether the shortest vectors from the first site's samples to the two sites stay in the box.
+/// Whether the shortest vectors from the first site's samples to both sites are known not to cross a seam.
 bool EqualCells::is_clear_of_seams(std::uint32_t from, std::uint32_t to) const {
     if (!images_.is_torus()) return true;
     const Point a = sites_[from], period = images_.period(), way = sites_[to] - a;

@@ -24,7 +24,7 @@ namespace ccdt {
 /// capacity, not to an arbitrary one; centroids are updated after each swap, not after each round.
 class EqualCells {
 public:
-    /// @param samples  [sites * capacity]; on a torus, within its box
+    /// @param samples  [sites * capacity]; on a torus: within the torus's box
     /// @param sites    [n >= 1] initial positions
     /// @param stop     polled regularly; after a stop samples may be missing and the cells must not be used
     EqualCells(std::vector<Point> samples, std::span<const Point> sites, const PeriodicImages& images,
@@ -35,7 +35,7 @@ public:
     /// @returns     whether anything was swapped
     bool sweep(const std::stop_token& stop);
 
-    /// Centroid of each site's samples [sites]; on a torus, within its box.
+    /// Centroid of each site's samples [sites]; on a torus: within the torus's box.
     std::span<const Point> centroids() const { return sites_; }
 
     /// Samples of a site [capacity].

@@ -22,9 +22,9 @@ inline constexpr int kOdtIterations = 100;
 ///
 /// Errors: those of distribute(). Deterministic. O(sites) per iteration.
 /// Source: Chen and Xu 2004, section 4; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005, equation 5. Departures: areas are
-/// weighted by the density to the power of 3/2. Where triangle sizes vary, circumcentres are in balance if the weight
-/// is inversely proportional to the third power of the size. Triangles that touch the border have a larger weight. So
-/// the first row of sites lies half a row from the border. With equal weights it would lie a whole row away, because
+/// weighted by the density to the power of 3/2. Where triangle sizes vary, sites are in equilibrium if the weight is
+/// inversely proportional to the third power of the edge length. Triangles that touch the border have a larger weight.
+/// So the first row of sites lies half a row from the border. With equal weights it would lie a whole row away, because
 /// the vertices on the border would act like sites.
 Result<Distribution> odt(const Domain& domain, const Density& density, const Options& options,
                          const Control& control = {});

@@ -101,7 +101,8 @@ bool SiteMesh::keeps_margin() const {
     return true;
 }
 
-/// Triangulates all sites from scratch, each at the end of its move or of a shortened move.
+/// Triangulates all sites from scratch. Each site is placed at the end of its move. If there is no place, its move is
+/// shortened.
 /// @returns  false if there is no place for a site
 bool SiteMesh::insert_all(std::span<const Point> from, std::span<const Point> to) {
     Triangulation mesh = empty_.mesh;

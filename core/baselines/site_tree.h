@@ -26,12 +26,12 @@ public:
     SiteTree(std::span<const Point> sites, const PeriodicImages& images);
 
     /// Returns the nearest site that is not hidden; none if all are hidden. Mostly O(log n).
-    /// @param place  on a torus, within its box
+    /// @param place  on a torus: within the torus's box
     std::optional<Found> nearest(Point place) const;
 
     /// Finds all sites within a distance, hidden ones included. If `distance` is at least 2 r plus the distance to the
     /// nearest site, the result contains every site that can be nearest to some point within the distance r of `place`.
-    /// @param place  on a torus, within its box
+    /// @param place  on a torus: within the torus's box
     /// @param found  out; replaced
     void within(Point place, double distance, std::vector<Found>& found) const;
 
@@ -54,7 +54,7 @@ private:
 
     PeriodicImages images_;
     std::vector<Node> nodes_;   ///< children of node k are 2 k + 1 and 2 k + 2
-    std::vector<Found> sites_;  ///< in the order of the leaves; on a torus, within its box
+    std::vector<Found> sites_;  ///< in the order of the leaves; on a torus: within the torus's box
     std::vector<std::uint32_t> slot_of_;
     std::vector<bool> hidden_;  ///< [sites_] whether the site is hidden
 };

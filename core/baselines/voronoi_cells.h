@@ -14,8 +14,9 @@ namespace ccdt {
 /// Integrates the square of a density over the Voronoi cells of sites, clipped to a domain.
 ///
 /// Triangles of the domain are bisected until few sites can be nearest to any point in them, and are then clipped at
-/// the bisectors between these sites. A triangle of negligible mass is assigned as a whole to the site nearest to its
-/// centre, because many sites are almost equally near to a remote triangle.
+/// the bisectors between these sites. A triangle of negligible mass is not divided further, but assigned to the site
+/// nearest to its centre. Otherwise triangles far from all sites would be divided very often, because many sites are
+/// almost equally near to them.
 class VoronoiCells {
 public:
     /// @param mesh     mesh of the domain: the initial triangles, unless the domain is a box

@@ -53,7 +53,8 @@ public:
     int width() const { return width_; }    ///< cells; 0 if uniform
     int height() const { return height_; }  ///< cells; 0 if uniform
 
-    /// Scaled value of a cell, with the rounding errors of the row's prefix sums.
+    /// Scaled value of a cell, with the rounding errors of the row's prefix sums. This function and all those below
+    /// must not be called for a uniform density.
     double value(int column, int row) const {
         const double* sums = row_sums_.data() + static_cast<std::size_t>(row) * (static_cast<std::size_t>(width_) + 1) +
                              static_cast<std::size_t>(column);
@@ -63,7 +64,7 @@ public:
     /// Prefix sums of a row: `row_sums(row)[x]` is the sum of the values left of column x, x in [0, width].
     std::span<const double> row_sums(int row) const;
 
-    /// Block of all cells. This function and the following ones must not be called for a uniform density.
+    /// Block of all cells.
     CellBlock cells() const { return {0, 0, width_, height_}; }
 
     /// Returns the smallest block that contains all nonzero cells. O(cells).

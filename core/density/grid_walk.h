@@ -11,7 +11,8 @@ namespace ccdt {
 /// piece's cell, the abscissa of its midpoint and its signed height. The heights add up to b.y - a.y. A horizontal
 /// segment has no pieces.
 ///
-/// @param columns, rows size of the grid in cells, which contains the segment; the last cells include the far sides
+/// @param columns, rows  size of the grid in cells, which contains the segment; points on its right and upper sides
+///                       belong to the last cells
 template <class Visit>
 inline void walk_cells(Point a, Point b, int columns, int rows, Visit&& visit) {
     const double height = b.y - a.y;

@@ -7,7 +7,7 @@
 
 namespace ccdt {
 
-/// Several segments ab, two for each lane.
+/// Several segments ab. Each lane holds a pair of segments.
 template <class Lanes>
 struct Segments {
     static constexpr std::size_t kCount = 2 * Lanes::kCount;
@@ -20,7 +20,7 @@ struct Segments {
 /// pieces of any segment; the other segments get additional pieces of length 0. The pieces of a segment depend neither
 /// on the other segments nor on the lane, bit for bit.
 ///
-/// @param columns, rows size of the grid in cells; the segments lie within the grid, except for rounding
+/// @param columns, rows  size of the grid in cells; the segments lie within the grid, except for rounding
 template <class Lanes, class Visit>
 CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns, int rows, Visit&& visit) {
     using Pairs = typename Lanes::Pairs;
@@ -34,9 +34,9 @@ CCDT_INLINE inline void walk_pieces(const Segments<Lanes>& segments, int columns
     struct Axis {
         Pairs step;  ///< 1 or -1, from a cell to the next one
         Pairs cell;
-        Pairs distance;  ///< from a to the next grid line, along the axis, in cells
-        Pairs inverse;   ///< 1 / length of the segment along this axis; 0 if the segment does not move along the axis
-        Pairs after;     ///< 0, or 2 (never reached) if the segment does not move along the axis
+        Pairs distance;  ///< from a to the next grid line, along the axis, in cells; negative if b < a
+        Pairs inverse;   ///< 1 / (b - a) along the axis; 0 if b - a is almost 0
+        Pairs after;     ///< 0; or 2 if b - a is almost 0, so that the segment never reaches next()
 
         CCDT_INLINE Pairs next() const { return distance * inverse + after; }
     };

@@ -13,7 +13,7 @@
 
 namespace ccdt {
 
-/// Function that returns the rest of an area after a cut. Errors: Unusable if nothing remains; any others.
+/// Function that returns the rest of an area after a cut. Returns the error Unusable only if nothing remains.
 using Cut = std::function<Result<Domain>(const Domain& area)>;
 
 /// Cuts the areas of all features that have dots. If a cut would remove all of a feature's area, the feature's dots are

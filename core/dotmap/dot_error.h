@@ -14,8 +14,8 @@ namespace ccdt {
 
 /// Measures the smoothed difference between the actual and the wanted density of a map's dots. Each octave of spacing
 /// has a grid with the features of this octave and of the two adjacent octaves. The error of a dot is read from the
-/// grid of its feature's octave. So neighbouring features up to four times denser or sparser are part of the grid. Any
-/// other neighbouring feature counts as outside the border.
+/// grid of its feature's octave. This grid contains all neighbouring features that are up to four times denser or
+/// sparser. Features that it does not contain count as outside the border.
 class DotError {
 public:
     /// @param land  domain in whose unit frame all positions are given

@@ -125,7 +125,7 @@ Options DotGround::start_options(std::uint32_t feature, std::uint64_t seed) cons
 /// is no clearance, so that borders do not show.
 FeatureArea DotGround::make_fence(std::uint32_t feature) const {
     constexpr double kClear = 0.3;    // relative to the distance of neighbours; half a row would be 0.43
-    constexpr double kSteepness = 2;  // no clearance if the density beyond is at least half of that inside
+    constexpr double kSteepness = 2;  // no clearance if the density outside is at least half the density inside
     constexpr double kThin = 0.5;     // limit on the clearance relative to the feature's width
     // Distance beyond the border at which the density is sampled, relative to the distance of neighbours.
     constexpr double kBeyond = 1e-3;

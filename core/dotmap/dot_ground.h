@@ -56,21 +56,23 @@ public:
     bool is_uniform() const { return map_.density.is_uniform(); }
     bool is_smooth() const { return map_.density.is_smooth(); }
 
-    /// Returns a feature's dots per squared unit where the density is 1, outside the area that fixed points take.
+    /// Returns a feature's wanted dots per squared unit where the density is 1. The area that fixed points take does
+    /// not count.
     double weight(std::size_t feature) const { return wanted_[feature]; }
 
     /// Returns the wanted density at a point, according to the map's density.
     double density(Point p) const;
 
-    /// Draws the initial dots: in each feature, a few at random in each of many cells of equal capacity. The result is
-    /// grouped by feature, and successive features are mostly neighbours.
+    /// Draws the initial dots. Divides each feature into many cells of equal capacity, and draws a few random positions
+    /// in each cell. The result is grouped by feature, and successive features are mostly neighbours.
     /// @param rounded  rounds a position to the precision of the mesh; called in parallel
     ///
     /// Errors: Unusable for a feature that is too thin; Stopped.
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
                                          Executor& executor, const std::stop_token& stop) const;
 
-    /// Draws positions for a dot, anywhere in its feature, until `accept` returns true; Unusable if none is accepted.
+    /// Draws random positions anywhere in a feature until `accept` returns true. Errors: Unusable if no position is
+    /// accepted.
     /// @param interior  sampler of the feature; created here if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;
@@ -97,7 +99,7 @@ public:
     /// Fast, conservative form of is_clear(), which returns false at some clear positions.
     bool is_deep(std::uint32_t feature, Point p) const { return is_uniform() && fences_[feature].is_deep(p); }
 
-    /// Returns the end of a dot's move from one position towards another, which does not leave the feature.
+    /// Moves a dot from one position towards another, without leaving the feature. Returns the end of the move.
     Point towards(std::uint32_t feature, Point from, Point to) const;
 
 private:

@@ -25,8 +25,8 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kMaxPush = 0.4;   ///< longest move, in radii; neighbours keep more than half of their distance
-constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps in a move, as in relaxation
+constexpr double kMaxPush = 0.4;   ///< longest move, in radii; two dots at the wanted distance keep at least 0.6 of it
+constexpr double kKeptArea = 0.1;  ///< least share of its area that a triangle keeps in a move, as in Relaxation
 constexpr double kSmall = 0.01;    ///< share of the wanted area below which a triangle may be a needle
 // Number of dots or triangles per task.
 constexpr std::size_t kDots = 4096, kTriangles = 8192;
@@ -56,7 +56,8 @@ double DotLayer::radius(double density) const {
     return 0.5 * hexagonal_spacing(density) / scale();
 }
 
-/// Returns the length of a border edge up to the end of each of several steps, in local distances of dots.
+/// Divides a border edge into steps, and returns its length up to the start and up to the end of each step. The unit is
+/// the local distance between dots.
 std::vector<double> DotLayer::length_in_dots(Point a, Point b) const {
     constexpr double kInward = 1e-3;
     constexpr int kSteps = 8;
@@ -201,7 +202,7 @@ double DotLayer::measure() {
 }
 
 /// Reduces the weight of triangles between dense and sparse dots. The error of such triangles is due to the sparse
-/// dots, which cannot adapt. With full weight, these triangles would draw rows of dense dots onto the border.
+/// dots, which cannot adapt. With full weight, these triangles would pull rows of dense dots onto the border.
 void DotLayer::soften_borders() {
     const auto soften = [this](std::uint32_t triangle) {
         double least = std::numeric_limits<double>::max(), most = 0;

@@ -40,7 +40,8 @@ public:
     Result<void> start();
 
     bool has_next_iteration() const;
-    /// Runs the polish steps that precede the next iteration: a push and an even round. Does nothing if there are none.
+    /// Runs the polish steps before an iteration: a push and an even round. Does nothing before early iterations; see
+    /// PolishSettings::early.
     void polish_between(const PolishSettings& settings);
     /// Runs one iteration. Returns false after a stop.
     bool iterate();

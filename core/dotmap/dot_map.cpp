@@ -33,7 +33,7 @@ Result<Domain> land_of(std::span<const MapFeature> features, std::optional<std::
     return Domain::united(areas, stop);
 }
 
-/// Moves the dots of all classes in step and polishes them together.
+/// Runs each iteration for all classes in turn, and polishes all classes together.
 class DotMap {
 public:
     DotMap(std::span<const MapFeature> features, const Box& box, const Density& density, const Options& options,

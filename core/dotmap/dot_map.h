@@ -31,8 +31,8 @@ namespace ccdt {
 /// @returns         [classes]
 ///
 /// Errors: as for distribute(); Unusable with the field `features/i` if a density is zero everywhere in a feature that
-/// has dots, or if a feature is too thin for points strictly inside. Deterministic. O(dots log c) per pass, where c is
-/// the number of the features' corners.
+/// has dots, or if a feature is too thin to hold points strictly inside. Deterministic. O(dots log c) per pass, where c
+/// is the number of the features' corners.
 Result<std::vector<ClassDots>> distribute_dots(std::span<const MapFeature> features, const Box& box,
                                                const Density& density, const Options& options,
                                                const Control& control = {});

@@ -104,6 +104,7 @@ std::size_t FeatureArea::row_of(double y) const {
     return static_cast<std::size_t>(std::clamp(row, 0.0, static_cast<double>(first_.size() - 2)));
 }
 
+/// Returns the position of a point relative to the area.
 /// @param near  out: if the result is Margin, an edge whose clearance contains the point
 FeatureArea::Place FeatureArea::place_of(Point p, const Edge*& near) const {
     if (!(p.x > bounds_.min.x && p.x < bounds_.max.x && p.y > bounds_.min.y && p.y < bounds_.max.y))

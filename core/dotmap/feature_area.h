@@ -48,9 +48,10 @@ public:
         return !grid_.empty() && grid_[grid_row(p.y) * grid_columns_ + grid_column(p.x)] == Cell::Inside;
     }
 
-    /// Returns the end of a move from one position towards another that does not leave the area. If `to` is inside, the
-    /// move ends there. Otherwise the point slides along the obstructing edge. If sliding would leave the area, too,
-    /// the point moves half of the way to the edge, or not at all. Points that keep the clearance continue to do so.
+    /// Moves a point from one position towards another, without leaving the area. Returns the end of the move. If `to`
+    /// is inside, the move ends there. Otherwise the point slides along the obstructing edge. If sliding would leave
+    /// the area, too, the point moves half of the way to the edge, or not at all. Points that keep the clearance
+    /// continue to do so.
     /// @param from  not outside
     Point towards(Point from, Point to) const;
 

@@ -11,7 +11,8 @@
 
 namespace ccdt {
 
-/// Finds the features at a position. Uses a grid with at most one cell per feature, so features lie in few cells.
+/// Finds the features at a position. Uses a grid with about one cell per feature, or fewer, so that a bounding box
+/// overlaps at most eight cells on average.
 class FeatureIndex {
 public:
     /// @param areas  [n >= 1]; must outlive this

@@ -25,7 +25,7 @@ std::size_t all_dots(std::span<const MapFeature> features) {
     return sum;
 }
 
-/// Features in the plane of their common chart, and the same features in degrees within one turn of the globe.
+/// Features in the plane of their common chart, and the same features in degrees, as returned by in_one_turn().
 struct Charted {
     std::vector<MapFeature> plane;
     std::vector<Domain> degrees;

@@ -64,14 +64,15 @@ private:
         return made;
     }
 
-    /// Calls function(copy) for each shift of a point by whole periods that may lie in an area.
+    /// Shifts a point by whole periods, and calls function(copy) for each copy within the extent of all areas along x.
     template <class Function>
     void for_copies(Point p, Function&& function) const {
         if (period_ == 0) return function(p);
         for (p.x += period_ * std::ceil((box_.min.x - p.x) / period_); p.x <= box_.max.x; p.x += period_) function(p);
     }
 
-    /// Finds the area whose border is nearest. Considers only areas whose bounding boxes are near, if there are any.
+    /// Finds the area whose border is nearest. Considers only areas whose bounding boxes may contain the point; if
+    /// there are none, all areas.
     std::uint32_t nearest(Point p) const {
         std::uint32_t best = 0;
         double least = std::numeric_limits<double>::max();

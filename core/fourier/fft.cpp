@@ -12,7 +12,8 @@
 namespace ccdt {
 namespace {
 
-/// Number of lines per task: more than are transformed at once, and enough columns to fill whole cache lines of a row.
+/// Number of lines per task. This is more than vector instructions process at once. As many columns fill whole cache
+/// lines of a row.
 constexpr std::size_t kLines = 16;
 
 struct Free {

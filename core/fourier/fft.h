@@ -42,7 +42,8 @@ public:
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
-    /// Memory of the spectrum as an array of `spare` numbers, free for other use between backward() and forward().
+    /// Memory of the spectrum as an array of as many real numbers as the constructor's `spare`. Free for other use
+    /// between backward() and forward().
     std::span<double> spare();
 
     /// Computes spectrum[k] = sum over cells j of grid[j] e^(-2 pi i k.j), k.j = x_k x_j / columns + y_k y_j / rows.

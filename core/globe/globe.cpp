@@ -20,7 +20,7 @@ namespace ccdt {
 namespace {
 
 /// Divides the sites among the parts in proportion to the integrals of the parts' densities.
-/// @param taken  [parts] ground that the fixed points of each part take, in numbers of sites
+/// @param taken  [parts] number of sites for which there would be space on the ground that fixed points take
 std::vector<std::size_t> shared_out(std::size_t sites, const std::vector<PlaneDensity>& densities,
                                     const std::vector<double>& taken) {
     double all = 0, places = static_cast<double>(sites);

@@ -23,7 +23,7 @@ struct GlobeDistribution {
 /// density.
 ///
 /// @param region   in longitude and latitude, see chart_region(). Parts that overlap only after a shift by a whole turn
-///                 are not recognised as the same ground, and their overlap is left out.
+///                 are not united; their overlap does not belong to the region.
 /// @param density  wanted density on the ground, up to a factor; stretched over the region's bounding box in degrees
 /// @param options  fixed points are in degrees as well; if the region is divided into two parts, sites are divided in
 ///                 proportion to the ground that fixed points leave in each part

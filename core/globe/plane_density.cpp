@@ -22,8 +22,8 @@ struct Raster {
     std::vector<double> values;
 };
 
-/// Returns the number of cells along the longer side of a part's box, from 16 to 1,024. The scale of ground areas then
-/// changes little between cells. The limit for few sites is 8 cells per site along the side, but at least 256.
+/// Returns the number of cells along the longer side of a part's box, from 16 to 1,024. The number is so large that the
+/// scale of ground areas changes little between cells. But it is at most the larger of 256 and 8 sqrt(sites).
 int cells_for_ground(const Box& box, std::size_t sites) {
     constexpr double kStep = 0.005, kPerSite = 8, kMin = 16, kFew = 256, kMax = 1'024;
     const double most = std::clamp(kPerSite * std::sqrt(static_cast<double>(sites)), kFew, kMax);

@@ -35,7 +35,8 @@ Result<void> check_positions(const Ring& ring, const std::string& pointer) {
     return {};
 }
 
-/// Whether a ring jumps from one side of a map to the other. In such a ring, an edge of 360 degrees has no length.
+/// Whether a ring jumps from one side of a map to the other: one of its edges spans more than 180 and less than 360
+/// degrees.
 bool jumps(const Ring& ring) {
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const double jump = std::abs(ring[(i + 1) % ring.size()].x - ring[i].x);
@@ -44,7 +45,8 @@ bool jumps(const Ring& ring) {
     return false;
 }
 
-/// Removes the jumps of a ring. If the ring goes around a pole, closes it along the pole.
+/// Removes the jumps of a ring. If the ring has jumps, its edges of 360 degrees count as edges of zero length. If the
+/// ring goes around a pole, closes it along the pole.
 void unroll(Ring& ring) {
     if (!jumps(ring)) return;
     double shift = 0, latitudes = 0;
@@ -279,7 +281,8 @@ void Charting::improve(Far& far) const {
     }
 }
 
-/// Finds the point farthest from the border. Prefers a point outside the region, at least 5 degrees from it.
+/// Finds the point outside the region that is farthest from the border. If it is less than 5 degrees from the border,
+/// and a point inside the region is farther, finds the farthest point inside.
 Far Charting::far_from_border() const {
     constexpr int kTried = 2'000;
     constexpr double kFree = 5 * kDegree;  // with a free cap of this radius, the scale varies by a factor of 525
@@ -346,8 +349,8 @@ bool is_straight(Point a, Point b, double tolerance) {
     return dot(along, along) * kDegree * kDegree < tolerance;
 }
 
-/// Calls `visit(a, b)` for all edges that count as border. Such edges are curved on a chart. Edges along a pole, and
-/// pieces common to both sides of the seam, do not count.
+/// Calls `visit(a, b)` for all edges that count as border. Edges along a pole, and pieces common to both sides of the
+/// seam, do not count. All other edges are curved on a chart.
 template <class Visit>
 void Charting::for_bent_edges(Visit visit) const {
     for_edges([&](Point a, Point b) {
@@ -447,7 +450,8 @@ Ring circle(double angle) {
     return ring;
 }
 
-/// @param far  point inside the region; the second chart is a circle around it
+/// Divides the region along a circle around a point far from the border. The second part is the inside of the circle.
+/// @param far  point inside the region
 Result<std::vector<ChartedPart>> Charting::on_two_charts(const Far& far) const {
     constexpr double kMaxAngle = 20 * kDegree, kMinAngle = kDegree;
     const double angle = std::min(kMaxAngle, far.distance - 2 * step_ - buffer_);

@@ -38,7 +38,7 @@ struct ChartedPart {
     double seam = 0;
     /// Deviation of the domain's edges, in metres on the ground; 0 if negligible relative to the buffer.
     double error = 0;
-    double indifference = 0;  ///< parameter of inset(): distance in the plane that is too small to be visible
+    double indifference = 0;  ///< parameter of inset(): distance in the plane that is too small to matter
 };
 
 /// Projects a region of the globe onto charts. If a cap with a radius of 5 degrees lies outside the region, one chart

@@ -48,7 +48,7 @@ int mirrored(int place, int side) {
 }
 
 /// Filters some adjacent columns of an image.
-/// @param from, to  top of the first column
+/// @param from, to  top of the first column, in the image and in the result
 /// @param columns   at most kColumns
 void filter_columns(const Box& box, int width, int height, const float* from, float* to, std::size_t columns) {
     const auto stride = static_cast<std::size_t>(width);

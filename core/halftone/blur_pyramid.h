@@ -42,7 +42,8 @@ public:
 
     /// Returns the interpolation with which at() computes the mean around a position.
     /// @param place  in pixels from the image's upper left corner
-    /// @param sigma  approximate standard deviation in pixels; clamped to the range of the levels, from 1 on
+    /// @param sigma  approximate standard deviation in pixels; at least 1 and at most the standard deviation of the
+    ///               coarsest level
     Sample sample(Point place, double sigma) const;
 
     /// Returns the mean weighted by a Gaussian, interpolated between levels.

@@ -10,7 +10,8 @@ namespace ccdt {
 
 namespace {
 
-/// Weight of differences in chroma and hue, relative to lightness, which matters most to the picture.
+/// Weight of differences in chroma and hue, relative to differences in lightness. Lightness matters most to the
+/// picture.
 constexpr double kColour = 0.5;
 
 }  // namespace

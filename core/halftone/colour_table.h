@@ -22,8 +22,8 @@ enum class Steps { Lightness, Light };
 /// Approximates a function of colours by interpolation in a table. Evaluates the function at a node on first use.
 ///
 /// Along each axis, nodes have equal steps of lightness, so they are dense in dark colours. Each cell of the table is
-/// divided into six tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron. So
-/// is the smallest of the three channels, on which the amount of black ink depends. Thread-safe.
+/// divided into six tetrahedra that share the cell's grey diagonal. The interpolation is linear in each tetrahedron.
+/// The smallest of the three channels is linear there, too. The amount of black ink depends on it. Thread-safe.
 ///
 /// @tparam Node  an array of float
 template <class Node>

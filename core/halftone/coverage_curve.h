@@ -23,7 +23,8 @@ public:
     /// shares above solid(), returns the number for solid().
     double dots(double share) const;
 
-    /// Returns the largest share that is worth its dots according to kMinGain. Areas of this share count as solid.
+    /// Returns the share at which one more dot would newly cover only kMinGain of its own area. Areas of this share
+    /// count as solid.
     double solid() const { return solid_; }
 
 private:

@@ -100,12 +100,13 @@ public:
     }
 
 private:
-    /// Returns the gain of a dot in each channel, without the sign; see FittedDots::improve(). Of all corrections by
-    /// the kinds around the dot, this one has the least sum of squared relative changes of area, weighted by the share
-    /// that each kind covers. Let A_ij be the share in which dots flip both channels i and j (see areas_at()). Let S be
-    /// the diagonal matrix of signs: -1 for channels with white ground, 1 for black. Let s be these signs for the
-    /// channels that a kind flips, and 0 for the others. The relative change of this kind is then -s^T (S A S)^-1 e,
-    /// where e holds the error of each channel.
+    /// Returns the gain of a dot in each channel, to be multiplied by sign(); see FittedDots::improve().
+    ///
+    /// With these gains, the kinds around the dot together correct the error. Of all such corrections, this is the one
+    /// with the least sum of squared relative changes of area, weighted by the share that each kind covers. Let A_ij be
+    /// the share in which dots flip both channels i and j (see areas_at()). Let S be the diagonal matrix of signs: -1
+    /// for channels with white ground, 1 for black. Let s be these signs for the channels that a kind flips, and 0 for
+    /// the others. The relative change of this kind is then -s^T (S A S)^-1 e, where e holds the error of each channel.
     Channels gains_of(std::size_t dot) const {
         // Relative to the largest share; leaves errors that only few dots could correct.
         constexpr float kDamping = 0.05f;
@@ -132,7 +133,7 @@ private:
     }
 
     /// Returns, for each pair of channels, the share of the area around a site in which dots flip both channels.
-    /// @param share  flipped share of each channel; needed only if the flipped areas are nested
+    /// @param share  flipped share of each channel; used only if the flipped areas are nested (TwoSidedPlan::is_nested)
     std::array<Channels, kMaxInks> areas_at(Point site, const Channels& share) const {
         std::array<Channels, kMaxInks> areas{};
         const auto for_pairs = [&](const auto& work) {

@@ -17,7 +17,7 @@ namespace ccdt {
 /// If the boundary of the ground crosses a dot, the two parts of the dot have opposite colours.
 ///
 /// @param sites  [kinds][dots] centres of the dots, in cells; y points down
-/// @param fit    false: each dot gets the area that the plan has at its centre
+/// @param fit    whether the areas are fitted; if not, each dot gets the area that the plan has at its centre
 /// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
 /// @returns      [kinds] sizes of the dots, and their grounds
 /// Deterministic for any number of threads. O(cells + sites).

@@ -57,7 +57,8 @@ private:
     std::array<double, kBins + 1> sums_{};
 };
 
-/// Computes the total area of equal discs for a wanted coverage. Overlaps count once for each disc.
+/// Computes the total area of the equal discs that produce a wanted coverage. An overlap counts once for each of its
+/// discs.
 class DiscArea {
 public:
     /// Returns the total disc area that is needed, divided by the wanted coverage.

@@ -29,7 +29,7 @@ struct DotPlan {
 };
 
 /// Plans dots of the same size in all inks, such that the dots of each ink cover the wanted share of each part of the
-/// picture. Overlaps within an ink count once (CoverageCurve). The density of dots at a pixel follows from the mean
+/// picture. Overlaps within an ink count once (see CoverageCurve). The density of dots at a pixel follows from the mean
 /// coverage around it. Pixels without coverage get no dots.
 ///
 /// If only the number of sites is given, the radius follows from it. If only the radius is given, the number of sites

@@ -134,7 +134,8 @@ private:
         return {top, std::min(top + rows_, height_)};
     }
 
-    /// Returns a height of bands, in rows, at which few dots touch several bands. Prefers kBands bands or more.
+    /// Returns the height of bands, in rows. At four times the reach, few dots touch several bands. The height is
+    /// smaller if there would be fewer than kBands bands, but no smaller than a parallel task requires.
     static int rows_of_band(const Canvas& canvas, double reach) {
         constexpr int kBands = 16;
         const double preferred = std::min(std::ceil(4 * reach), std::floor(canvas.height / kBands));
@@ -198,7 +199,7 @@ double pixel_coverage(double inside) {
     return std::clamp(inside + 0.5, 0.0, 1.0);
 }
 
-/// Returns the radius at which antialiased dots have the mean coverage; about -0.5 for a mean coverage of 0.
+/// Returns the radius at which antialiased dots have the given mean coverage; about -0.5 if it is 0.
 double antialiased_radius(const Values& squared, double mean_coverage, double reach) {
     constexpr std::size_t kBins = 1 << 16;
     std::vector<std::size_t> count(kBins, 0);
@@ -226,7 +227,8 @@ struct Fitted {
     double radius;
 };
 
-/// Finds the radius for the mean coverage. Increases the reach of the distance map until the reach exceeds the radius.
+/// Finds the radius for the mean coverage in the options. Increases the reach of the distance map until the reach
+/// exceeds the radius.
 Fitted fit_radius(std::span<const Point> dots, const Canvas& canvas, const DotOptions& options,
                   const std::stop_token& stop, Executor& executor) {
     const double pixels = static_cast<double>(canvas.width) * canvas.height;

@@ -31,9 +31,9 @@ struct Raster {
 struct DotOptions {
     std::optional<double> radius;  ///< pixels, >= 0, finite; none: chosen such that the mean is `mean_coverage`
     double mean_coverage = 0;      ///< mean of the raster, in [0, 1]; used only without `radius`
-    bool antialias = false;        ///< false: a pixel is covered if its centre is
+    bool antialias = false;        ///< whether rims are antialiased; if not, a pixel is covered if its centre is
     /// Number of samples along each side of a pixel. A pixel is the mean of its samples, so the total coverage is that
-    /// of exact discs. Requires `radius`. 0: an antialiased pixel depends only on the nearest dot.
+    /// of exact discs. Requires `radius`. Without samples (0), only the nearest dot determines the coverage of a pixel.
     int samples = 0;
 };
 
@@ -51,7 +51,7 @@ int samples_for(double radius, const Canvas& canvas, bool antialias);
 ///
 /// If the radius is chosen for `mean_coverage`, the mean of an antialiased raster is exact to one part in 10,000. The
 /// mean of a binary raster is exact to one pixel, except if several pixels are at exactly the chosen radius from the
-/// nearest dot. Binary rasters with several samples per pixel are rounded by diffuse().
+/// nearest dot. If a binary raster has several samples per pixel, diffuse() rounds the means to 0 or 255.
 ///
 /// @param dots    finite; may lie outside the canvas
 /// @param canvas  at least 1 x 1; its scale positive
@@ -64,8 +64,9 @@ Raster draw_dots(std::span<const Point> dots, const Canvas& canvas, const DotOpt
 ///
 /// @param dots       finite; may lie outside the canvas
 /// @param radii      [dots] in units of the dots' coordinates, >= 0
-/// @param antialias  false: a pixel is covered if its centre is
-/// @param samples    number of samples along each side of a pixel, >= 1; above 1, the raster is always antialiased
+/// @param antialias  whether rims are antialiased; if not, a pixel is covered if its centre is
+/// @param samples    number of samples along each side of a pixel, >= 1; if above 1, the raster is antialiased in any
+///                   case
 /// @param stop       polled at each dot; after a stop the result must not be used
 /// Deterministic for any number of threads. O(pixels + dots + total area of the dots).
 Raster draw_dots(std::span<const Point> dots, std::span<const float> radii, const Canvas& canvas, bool antialias,

@@ -21,7 +21,7 @@
 
 namespace ccdt {
 
-/// Dots of all kinds, whose areas are fitted in rounds. Leaves only the mixing of colours to the caller.
+/// Dots of all kinds, whose areas are fitted in rounds. The caller computes how dots change the light.
 ///
 /// The error is measured on the dot cells of the plan. Finer detail has no effect, because the error at a dot is a mean
 /// over the local spacing. Positions and areas are in cells of the plan.
@@ -40,7 +40,7 @@ public:
     /// Returns the share of the ground around a dot that dots of its kind are planned to cover.
     float planned_share(std::size_t dot) const { return planned_[dot] / ground_per_dot_[dot]; }
 
-    /// Returns whether the boundary of a ground may cross a dot, at some area that the dot can get.
+    /// Returns whether the boundary of a ground may cross a dot, even if the fit gives the dot its largest area.
     bool is_near_boundary(std::size_t dot) const { return near_boundary_[dot] != 0; }
 
     /// Finds the pairs of dots that may overlap, given the current areas.
@@ -58,7 +58,7 @@ public:
     ///
     /// @param bases  [channels][dot cells] error of the drawing without dots
     /// @param draw   draw(channel, image) adds the light of all dots to an image of the error
-    /// @param gain   gain(dot, channel) returns the factor of a dot for errors of a channel
+    /// @param gain   gain(dot, channel) returns the gain of a dot for errors of a channel
     template <class Draw, class Gain>
     void improve(std::span<const std::vector<float>> bases, const Draw& draw, const Gain& gain) {
         constexpr float kStep = 0.85f, kSmallest = 0.25f, kNoise = 0.004f;
@@ -94,15 +94,15 @@ private:
     std::vector<std::uint8_t> near_boundary_;  ///< [dots] channels whose boundary is near, as bits
     Point scale_;                              ///< dot cells per cell, along each axis
     BlurPyramid means_;
-    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] interpolations in `means_` at the dots
-    std::vector<float> image_, changes_;        ///< buffers of improve()
+    std::vector<BlurPyramid::Sample> samples_;  ///< [dots] interpolation of `means_` at each dot
+    std::vector<float> image_, changes_;        ///< scratch memory of improve()
 };
 
 /// Fits the areas of dots in rounds, and returns the sizes of the dots.
 ///
-/// @param sizes  the fit: an object with the functions improve(), find_cut(), dots(), white_channels(), cut_channels()
-/// @param sites  [kinds][sites]; the fit numbers the dots in this order
-/// @param fit    false: the areas stay as planned
+/// @param sizes  object that fits the areas; has improve(), find_cut(), dots(), white_channels(), cut_channels()
+/// @param sites  [kinds][sites]; `sizes` numbers the dots in this order
+/// @param fit    whether the areas are fitted; if not, they stay as planned
 /// @param stop   polled once per round; after a stop, the result has the areas of the completed rounds
 template <class Fit>
 std::vector<SizedDots> fit_in_rounds(Fit& sizes, std::span<const std::vector<Point>> sites, bool fit,

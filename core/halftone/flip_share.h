@@ -20,7 +20,8 @@ namespace ccdt {
 std::vector<float> flip_share(const std::vector<float>& light, const std::vector<float>& white, const CellGrid& cells,
                               Executor& executor = inline_executor());
 
-/// Removes dots from ground thinner than a dot and, to keep the local mean, from the opposite ground around it.
+/// Removes dots from ground that is thinner than a dot. To keep the local mean, also removes dots from the opposite
+/// ground around it.
 ///
 /// @param white   [cells] share of white ground
 /// @param radius  radius of the dots, in cells

@@ -109,8 +109,8 @@ private:
     std::vector<std::size_t> runs_;
 };
 
-/// Converts flipped shares to coverage by ink, for pixels [begin, end) between the same two cell centres. If the
-/// boundary is not near, all of them have the same ground.
+/// Converts flipped shares to coverage by ink, for pixels [begin, end) between the same two cell centres. If no
+/// boundary is near, all these pixels have the same ground, and one test suffices.
 void apply_run(const LevelRow& row, const PixelColumns& columns, std::size_t begin, std::size_t end,
                const BetweenPixels& between, Point step, bool antialias, std::uint8_t* pixels) {
     const LevelRange range = row.range(between, step);
@@ -128,7 +128,8 @@ struct Part {
     Point low, high;
 };
 
-/// Ranges of cells along one axis: the cells under each part of the picture, and the cells next to them.
+/// Ranges of cells along one axis. Each range contains the cells under one part of the picture, and one more cell on
+/// each side.
 class CellRanges {
 public:
     CellRanges(int cells, int parts) : cells_(cells), parts_(parts) {}
@@ -173,7 +174,7 @@ std::vector<float> unsharp_masked(const std::vector<float>& light, const CellGri
 }
 
 /// Makes nearly grey cells grey, so that the boundaries of all channels coincide there. Moves each channel towards the
-/// luminance by at most 0.04 plus the change of the luminance over 0.75 cells.
+/// luminance by at most 0.04 plus 0.75 times the change of the luminance per cell.
 void join_greys(std::vector<std::vector<float>>& light, const CellGrid& cells, Executor& executor) {
     constexpr float kNear = 0.04f, kCells = 0.75f;
     const auto columns = static_cast<std::size_t>(cells.columns), rows = static_cast<std::size_t>(cells.rows);

@@ -33,7 +33,7 @@ public:
     /// Returns the share of each part of the picture that is white, in [0, 1]. It is exactly 0 or 1 where no boundary
     /// is near.
     /// @param parts  division of the picture into parts of equal size, at most as many as cells along each axis
-    /// @returns      [columns * rows] of `parts`
+    /// @returns      [parts.columns * parts.rows]
     std::vector<float> white_shares(const CellGrid& parts, Executor& executor = inline_executor()) const;
 
     /// Converts the share of each pixel that dots flip to the share that ink covers. The two shares are equal on white
@@ -41,7 +41,7 @@ public:
     ///
     /// @param flipped    raster of the whole picture: coverage by dots, replaced by coverage by ink
     /// @param scale      canvas pixels per cell, across and down
-    /// @param antialias  false: each pixel as a whole gets the ground at its centre
+    /// @param antialias  whether a boundary divides pixels; if not, each pixel gets the ground at its centre
     void apply(Raster& flipped, Point scale, bool antialias, Executor& executor = inline_executor()) const;
 
 private:

@@ -11,15 +11,16 @@
 
 namespace ccdt {
 
-/// Chooses the grounds of inks such that dots on them can reproduce the picture. Black ground where an ink covers more
-/// than a half does not suffice: inks that each cover less may together cover more.
+/// Chooses the grounds of inks such that dots on them can reproduce the picture. It does not suffice to make the ground
+/// of an ink black where this ink covers more than a half. Several inks that each cover less than a half may need dots
+/// that together cover more than a half.
 class InkGrounds {
 public:
     /// @param wanted  light of the picture; must outlive this object
     InkGrounds(const InkSet& inks, const LightPlanes& wanted, Executor& executor);
 
-    /// Exchanges white and black ground of some inks in cells of which dots would cover more than a half. Sets the bare
-    /// share of these inks to 0.35 or 0.65, so that the later smoothing can still change their ground.
+    /// Exchanges white and black ground of some inks in each cell where dots would cover more than a half. Sets the
+    /// bare share of these inks to 0.35 or 0.65, so that the later smoothing can still change their ground.
     /// @param bare  [inks][cells] share of each cell that an ink leaves bare; modified
     void reduce_cover(std::vector<std::vector<float>>& bare);
 
@@ -32,7 +33,8 @@ private:
     /// Returns the inks that cover at least a half of a cell, as bits.
     unsigned ground_of(const std::vector<std::vector<float>>& bare, std::size_t cell) const;
 
-    /// Returns the share of a cell that dots on a ground must cover. The ground is given as inks, as bits.
+    /// Returns the share of a cell that dots on a ground must cover.
+    /// @param ground  solid inks, as bits
     float cover(unsigned ground, std::size_t cell);
 
     /// Returns whether dots on a ground cannot reproduce the light of a cell.

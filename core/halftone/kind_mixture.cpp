@@ -20,7 +20,8 @@ double product(const Row& a, const Row& b) {
 
 /// Minimizes |A x - wanted|^2 / 2 + prices x + kRidge |x|^2 / 2 for x >= 0, where `columns` are the columns of A.
 ///
-/// Uses the active-set method of Lawson and Hanson (1974). About as many entries of x are positive as A has rows.
+/// Uses the active-set method of Lawson and Hanson (1974). The result is sparse: it has about as many positive entries
+/// as A has rows.
 class SparseLeastSquares {
 public:
     SparseLeastSquares(std::span<const Row> columns, const Row& wanted, std::span<const double> prices)

@@ -147,8 +147,8 @@ private:
     }
 
     /// Returns the gain of a dot in each channel; see FittedDots::improve(). For each kind, let d be the light that its
-    /// dots add per area, and w the share that they cover. Let M be the sum of w d d^T over all kinds. The relative
-    /// change of a kind's area for an error e of the light is then -d^T M^-1 e.
+    /// dots add per area, and w the share that they cover. Let M be the sum of w d d^T over all kinds. The vector of
+    /// gains is w M^-1 d. So the relative change of a kind's area for an error e of the light is -d^T M^-1 e.
     Colour gains_of(std::size_t dot) const {
         constexpr float kDamping = 0.02f;  // relative to the trace; leaves errors that only few dots could correct
         const Point site = dots_.site(dot);
@@ -214,7 +214,8 @@ private:
                             part.share * area * change(part.ground, dots_.flips(dot), channel), image);
     }
 
-    /// Corrects the light where two dots overlap. print() adds both, but inks that both flip are flipped only once.
+    /// Corrects the light where two dots overlap. print() adds the light of both dots, but an ink that both dots flip
+    /// is flipped only once there.
     void print_overlap(const ClosePair& pair, std::size_t channel, std::vector<float>& image) const {
         const auto& colours = plan_.colours;
         const unsigned ground = pair.ground, a = dots_.flips(pair.one), b = dots_.flips(pair.other);

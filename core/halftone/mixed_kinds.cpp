@@ -40,7 +40,7 @@ public:
         choose_kinds(inks);
     }
 
-    /// Moves the missing light, which dots on the ground of a cell cannot reproduce, to the surroundings of the cell.
+    /// Finds the light that dots on the ground of a cell cannot reproduce, and adds it to the surroundings of the cell.
     /// @param wanted  light of the picture; modified
     /// @param radius  radius of the dots, in cells
     void distribute_missing_light(LightPlanes& wanted, double radius) {
@@ -65,7 +65,8 @@ public:
         }
     }
 
-    /// Sets the light of each channel to the share that the ink leaves bare, given the shares of the kinds.
+    /// Sets the light of each channel to the share of each cell that the ink leaves bare.
+    /// @param wanted  wanted light; determines the shares of the kinds
     void set_light(const LightPlanes& wanted) {
         for (TwoSidedChannel& channel : plan_.channels) channel.light.resize(cells());
         for_pixels(executor_, cells(), [&](std::size_t i) {
@@ -75,7 +76,8 @@ public:
         });
     }
 
-    /// Sets the share that each kind covers. Cells that a boundary crosses get the mean shares of nearby other cells.
+    /// Sets the share that each kind covers. A cell that a boundary crosses gets the mean shares of nearby cells
+    /// without a boundary.
     void add_shares() {
         for_pixels(executor_, cells(), [&](std::size_t i) {
             if (!is_whole(i)) return;
@@ -156,10 +158,10 @@ private:
     }
 
     /// Adds to `bare` the share of a cell that each ink leaves bare, summed over all grounds in the cell. Divides the
-    /// cell into grounds channel by channel, by recursion.
-    /// @param channel  first channel that is not yet divided
-    /// @param ground   inks of the ground among the channels that are already divided, as bits
-    /// @param weight   share of the cell that has this ground
+    /// cell by the grounds of one channel after the other, by recursion.
+    /// @param channel  next channel by whose ground the cell is divided
+    /// @param ground   solid inks among the previous channels, as bits
+    /// @param weight   share of the cell that has this ground in the previous channels
     void add_bare(std::size_t channel, unsigned ground, float weight, std::size_t cell, const Light& wanted,
                   Channels& bare) {
         if (channel < plan_.channels.size()) {

@@ -11,7 +11,8 @@ namespace ccdt {
 
 /// Adds the kinds of dots to a plan that has grounds. The mean colour of ground and dots is then the colour of the
 /// picture (KindMixture). In the result, KindOfDots::area is relative to the largest dot, and KindOfDots::density is
-/// the covered share. Sets the light of each channel to the share that ground and dots of the ink leave bare.
+/// the covered share. Sets the light of each channel to the share that the ink leaves bare, by its ground and its dots
+/// together.
 ///
 /// @param light   [dot cells] light of the picture
 /// @param radius  radius of the dots, in dot cells

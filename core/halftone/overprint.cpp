@@ -24,7 +24,8 @@ double overlap(double a, double b, double others) {
     return 1 - std::exp(-std::max(0.0, crowding));
 }
 
-/// Returns the coverage that an ink loses because dots of other inks push its dots, which makes its pattern less even.
+/// Returns the coverage that an ink loses because dots of other inks push its dots. These pushes make the pattern of
+/// the ink less even.
 ///
 /// @param own     total dot area of the ink per unit area
 /// @param others  total dot area of all other inks per unit area

@@ -35,7 +35,7 @@ inline constexpr std::size_t kMaxInks = 6;
 struct InkSet {
     std::vector<Light> inks;  ///< [1 to kMaxInks] colours of full coverage on white or, if additive, on black
     Light paper{1, 1, 1};
-    /// false: each ink multiplies the light from below, as in print; true: each ink adds light, as lamps do
+    /// Whether each ink adds light, as lamps do. If not, each ink multiplies the light from below, as in print.
     bool additive = false;
 };
 
@@ -68,7 +68,7 @@ public:
 
 private:
     /// [2^count] For each combination of inks, the share of the area that all of its inks cover, whether or not other
-    /// inks cover it too. A combination is a set of bits, one for each ink.
+    /// inks cover it too. The index of a combination has one bit for each ink.
     using Shares = std::array<double, std::size_t{1} << kMaxInks>;
 
     Shares shares(const Numbers& cover) const;

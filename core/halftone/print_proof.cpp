@@ -16,9 +16,10 @@ namespace {
 
 using Channels = Overprint::Channels;
 
-/// Samples per radius. With 2.5, gaps in nearly solid areas are missed, and errors in shadows are two thirds larger.
+/// Number of samples per radius, unless kSamplesPerDot permits fewer. With 2.5, gaps in nearly solid areas are missed,
+/// and errors in shadows are two thirds larger.
 constexpr double kFine = 4;
-constexpr double kCoarse = 2;           // least number of samples per radius; with fewer, no dot moves
+constexpr double kCoarse = 2;           // least number of samples per radius; if fewer are permitted, no dot moves
 constexpr int kCell = 10;               // samples along each side of a cell
 constexpr double kSamplesPerDot = 200;  // maximum number of samples, divided by the number of dots
 
@@ -26,8 +27,8 @@ constexpr std::size_t kCellsOfTask = 256;
 constexpr std::size_t kSitesOfTask = 1024;
 
 /// Returns the derivative of half the squared colour difference with respect to the light of each channel, scaled for a
-/// step of steepest descent. Divides the derivative by the squared slopes of the difference and by the wanted
-/// luminance, so that steps have similar lengths in light and in dark areas.
+/// step of steepest descent. The derivative is divided by the sum of the squared derivatives of the colour difference,
+/// and by the wanted luminance. So steps have similar lengths in light and in dark areas.
 Channels gradient(const Channels& wanted, const Channels& seen) {
     constexpr double kMinLight = 0.01;
     const ColourDifference difference(lab_of(wanted));
@@ -150,7 +151,7 @@ std::vector<std::uint8_t> PrintProof::printed_samples(std::span<const std::vecto
     return samples;
 }
 
-/// Returns for each cell the change of the squared colour difference per unit of light in each channel; see gradient().
+/// Returns the result of gradient() for each cell.
 LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Executor& executor) const {
     const LightPlanes seen = means(
         [&](int x, int y) {
@@ -168,7 +169,8 @@ LightPlanes PrintProof::gradients(const std::vector<std::uint8_t>& samples, Exec
     return gradients;
 }
 
-/// Returns the move of a dot. Samples outside its rim show how the colour difference changes if the dot covers them.
+/// Returns the move of a dot. Samples just outside the rim attract the dot if it would decrease the colour difference
+/// by covering them. Otherwise they repel the dot.
 Point PrintProof::move(Point site, unsigned ink, const std::vector<std::uint8_t>& samples,
                        const LightPlanes& gradients) const {
     constexpr double kStrength = 0.2;  // radii per unit of the slope

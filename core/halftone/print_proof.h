@@ -56,7 +56,7 @@ private:
     double radius_;                       ///< pixels
     double step_;                         ///< pixels per sample
     int width_ = 0, height_ = 0;          ///< samples
-    int columns_ = 0, rows_ = 0;          ///< cells of kCell x kCell samples, in which light is compared; 0: no moves
+    int columns_ = 0, rows_ = 0;          ///< cells of kCell x kCell samples, to compare light; 0 if no dot moves
     std::array<Point, 24> directions_{};  ///< unit vectors in equally spaced directions
     std::vector<Channels> colours_;       ///< [2^inks] colour of each combination of inks, given as a set of bits
     LightPlanes wanted_;                  ///< [cells] mean wanted light

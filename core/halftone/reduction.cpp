@@ -22,7 +22,8 @@ struct Part {
     double share = 1;  ///< share of the pixel in `cell`; the remaining share is in the next cell
 };
 
-/// Returns the division of each pixel along an axis. A pixel lies in at most two cells, because no cell is smaller.
+/// Returns the division of each pixel along an axis. A pixel lies in at most two cells, because no cell is smaller than
+/// a pixel.
 std::vector<Part> parts_of(int pixels, int cells) {
     std::vector<Part> parts;
     for (std::int64_t pixel = 0; pixel < pixels; ++pixel) {
@@ -78,7 +79,7 @@ private:
         }
     }
 
-    /// Sums a row of pixels over the columns of cells.
+    /// Computes the sum of a row of pixels in each column of cells.
     template <class Value>
     void add_pixels(std::size_t y, std::vector<double>& row, const Value& value) const {
         std::size_t pixel = y * across_.size();

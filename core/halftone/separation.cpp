@@ -29,7 +29,8 @@ Light mapped(const Light& light, Tone tone) {
     return {map(light.red), map(light.green), map(light.blue)};
 }
 
-/// Finds the covers of inks at which the halftone is closest to a colour; of several, those with the least sum.
+/// Finds the covers of inks at which the halftone is closest to a colour. If several mixtures give the same colour,
+/// finds the covers with the least sum.
 ///
 /// Minimises by Gauss and Newton's method, with covers bounded to [0, 1]. The target moves in steps from the paper's
 /// colour to the wanted colour. Each step starts from the mixture that the previous step found. So the minimisation
@@ -43,7 +44,8 @@ public:
 private:
     /// Cost of full cover by an ink, in squared colour differences. The cost decides between mixtures of the same
     /// colour, and leaves out dots that would be invisible. Without it, greys contain other inks than black. A hundred
-    /// times this value causes visible errors: Separation.UsesBlackOnlyForGreys and Separation.MatchesColoursOfPicture.
+    /// times this value causes visible errors. Shown by Separation.UsesBlackOnlyForGreys and
+    /// Separation.MatchesColoursOfPicture.
     static constexpr double kPriceOfCover = 0.1;
 
     /// A mixture and its colour.
@@ -114,7 +116,7 @@ Numbers Separator::improve(const Numbers& cover, const Lab& wanted, int steps, d
 }
 
 Node Separator::node_of(const Light& light) const {
-    // With fewer parts, or one step in each, some colours end in a wrong mixture: Separation.MatchesColoursOfPicture.
+    // With fewer parts, or one step in each, some colours end in a wrong mixture (Separation.MatchesColoursOfPicture).
     constexpr int kParts = 6, kStepsPerPart = 2, kMaxSteps = 20;
     constexpr double kExactPerPart = 1, kExact = 1e-4;
     const Lab paper = lab_of(model_.light({})), colour = lab_of(Overprint::channels_of(light));

@@ -35,7 +35,7 @@ struct Separation {
 ///
 /// @param stop  polled once per row; after a stop the result must not be used
 /// Deterministic for any number of threads. O(pixels), plus a cost for each different colour. For a picture that
-/// contains all colours, this cost equals that of some million additional pixels.
+/// contains all colours, this cost equals that of a few million additional pixels.
 Separation separate(const ColourPicture& picture, const InkSet& inks, Tone tone, const std::stop_token& stop = {},
                     Executor& executor = inline_executor());
 

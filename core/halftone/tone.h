@@ -62,9 +62,10 @@ std::size_t sites_of_drawing(double ink, double fineness, double scale, double p
 inline constexpr double kLargestScale = 16;
 inline constexpr double kMaxCanvasPixels = 16e6;
 
-/// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest integer at which
-/// dots that reproduce the picture's mean tone have a radius of at least 3 canvas pixels, and thus look round. The
-/// number is limited to kLargestScale and to a canvas of kMaxCanvasPixels, but is at least 0.1.
+/// Returns the default number of canvas pixels per picture pixel along each axis. This is the smallest whole number at
+/// which dots that reproduce the picture's mean tone have a radius of at least 3 canvas pixels, and thus look round. If
+/// the canvas would have more than kMaxCanvasPixels, the number is smaller, and need not be whole. The result is
+/// limited to the range from 0.1 to kLargestScale.
 double default_scale(const std::vector<float>& coverage, std::size_t sites);
 
 /// Returns the default scale of a picture, given its ink and its number of pixels.

@@ -65,7 +65,7 @@ private:
         });
     }
 
-    /// Takes a gradient step of the dual field, projects it onto unit vectors, and extrapolates.
+    /// Takes a gradient step of the dual field, limits the lengths of its vectors to 1, and extrapolates it.
     void ascend(float momentum) {
         const float step = 1 / (8 * strength_);
         for_rows([&](std::size_t row) {
@@ -96,7 +96,7 @@ private:
         });
     }
 
-    /// Sets one component of the dual field, and extrapolates it.
+    /// Sets one component of the dual field to `to`. Extrapolates the change and writes the result to `ahead`.
     static void advance(const float* to, std::size_t count, float momentum, float* dual, float* ahead) {
         for (std::size_t i = 0; i < count; ++i) {
             ahead[i] = to[i] + momentum * (to[i] - dual[i]);

@@ -61,7 +61,7 @@ double mean_radius(std::span<const std::vector<float>> light, const TwoSidedOpti
     return std::sqrt(minority_area(light, executor) / (kPi * static_cast<double>(*options.sites)));
 }
 
-/// Returns a plan that contains the grounds of a picture, but no dots. Its dot cells are its cells.
+/// Returns a plan that contains the grounds of a picture, but no dots. Its dot cells equal its cells.
 TwoSidedPlan with_grounds(std::span<const std::vector<float>> light, const CellGrid& cells, double radius,
                           double detail, bool is_rgb, Executor& executor) {
     TwoSidedPlan plan;

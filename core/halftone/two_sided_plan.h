@@ -60,7 +60,7 @@ struct TwoSidedPlan {
     std::vector<KindOfDots> kinds;          ///< sorted by `flips`
     double dots = 0;                        ///< number of dots needed at the areas in `kinds`; 0 if the ground suffices
     double radius = 0;                      ///< radius of the largest dots, in cells
-    bool is_nested = true;  ///< whether flipped areas of channels are nested; false: kinds mix in any shares
+    bool is_nested = true;  ///< whether flipped areas of channels are nested; if not, kinds mix in any shares
     /// [2^channels] light of each set of inks; empty if fit_light() is not used.
     std::vector<std::array<float, 3>> colours;
     LightPlanes wanted;  ///< [dot cells] light of the picture; empty if fit_light() is not used

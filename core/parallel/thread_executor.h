@@ -50,7 +50,7 @@ private:
     std::condition_variable_any wanted_;  ///< signals new work
     std::condition_variable left_;        ///< signals that a helper is no longer busy
     Work* work_ = nullptr;
-    std::atomic<std::size_t> round_ = 0;  ///< number of the current work, counted from the start
+    std::atomic<std::size_t> round_ = 0;  ///< number of calls of run() so far that needed helpers
     std::size_t open_slots_ = 0;          ///< number of helpers that may still join the current work
     std::atomic<std::size_t> busy_ = 0;   ///< number of helpers at work
     std::vector<std::jthread> helpers_;

@@ -253,8 +253,8 @@ private:
         }
     }
 
-    /// Tries the 2-opt step: replaces two edges by the edges a-c and b-d. The two edges lead from a to b, and from a
-    /// nearby stop c to d. Here, b and d are the next stops after a and c, or both are the previous stops.
+    /// Tries the 2-opt step: replaces the edges a-b and c-d by the edges a-c and b-d. The stop c is near a. The stops b
+    /// and d are the next stops after a and c, or else the previous stops.
     /// @returns  whether a step shortened the path
     bool exchange(Stop a) {
         for (const bool forward : {true, false}) {
