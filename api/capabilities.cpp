@@ -94,7 +94,7 @@ Json describe_maps() {
     return list;
 }
 
-/// Returns, for each quality, the estimated seconds per site with a density that is not uniform.
+/// Returns the estimated seconds per site of each quality, for a density that is not uniform.
 Json seconds_of(const Method& method) {
     Json seconds = Json::object();
     for (const auto& [word, quality] : qualities()) {

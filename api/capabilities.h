@@ -7,8 +7,8 @@
 
 namespace ccdt::api {
 
-/// Access of clients to the server's own pictures, which `GET /halftone/{name}` draws: there are no pictures, URLs need
-/// no signature, or each URL must be signed.
+/// Access of clients to the server's own pictures, which `GET /halftone/{name}` draws. None: there are no pictures.
+/// Unsigned: URLs need no signature. Signed: each URL must be signed.
 enum class OfferedPictures { None, Unsigned, Signed };
 
 /// Describes in JSON what this server offers: the formats and options of each endpoint, the methods with their limits

@@ -19,8 +19,8 @@ int to_pixels(double length) {
     return static_cast<int>(std::clamp(std::round(length), 1.0, double{std::numeric_limits<int>::max()}));
 }
 
-/// Returns a canvas of the given size that shows a whole part of a picture. Its scale is the geometric mean of the
-/// horizontal and the vertical scale.
+/// Returns a canvas of the given size that shows the drawn part of a picture completely. Its scale is the geometric
+/// mean of the horizontal and the vertical scale.
 Canvas showing(PictureSize part, int width, int height) {
     return {width, height, std::sqrt(static_cast<double>(width) / part.width * height / part.height)};
 }

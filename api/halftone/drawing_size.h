@@ -18,8 +18,9 @@ PictureSize drawn_part(const HalftoneRequest& request, PictureSize picture);
 /// Returns the canvas of a drawing, or nothing if the size of the drawing depends on the dots. The canvas shows the
 /// whole drawn part. If a side would not be a whole number of pixels, the picture is stretched by up to half a pixel.
 ///
-/// If the request gives no size, a drawing for screens is as large as fits into 1,280 x 800 pixels. Its longer side has
-/// at least 1,000 pixels, unless limits.max_pixels requires fewer.
+/// If the request gives no size, a drawing for screens is as large as fits into 1,280 x 800 pixels. If its longer side
+/// then has less than 1,000 pixels, as for a tall picture, it is enlarged to 1,000 pixels. The drawing never has more
+/// than limits.max_pixels.
 ///
 /// @param part  size of the drawn part of the picture
 std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize part, const Limits& limits);

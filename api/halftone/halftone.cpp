@@ -101,7 +101,7 @@ constexpr std::array<OptionRule<Draft>, 31> kRules = {{
                   Draft& d) { return assign(d.request.format, read_format(i, halftone_formats())); }},
 }};
 
-/// Checks that a request for mixing inks gives no `foreground` and, if the inks add, no `background`.
+/// Checks that a request for inks with the mixing Multiply or Add gives no `foreground` and, with Add, no `background`.
 Result<void> check_colours(const Palette& palette, const std::vector<Input>& inputs) {
     for (const Input& input : inputs) {
         if (input.name == "foreground") return malformed(input, "is an option of color=gray only");
@@ -111,7 +111,7 @@ Result<void> check_colours(const Palette& palette, const std::vector<Input>& inp
     return {};
 }
 
-/// Sets the colours of ink and paper, for a single ink that covers.
+/// Sets the colours of ink and paper, for a single opaque ink.
 void colour_ink(Draft& draft) {
     Palette& palette = draft.request.palette;
     const bool invert = draft.request.dots == Dots::Paper;

@@ -166,7 +166,7 @@ private:
         return raster;
     }
 
-    /// Converts the share of each pixel that dots flip to the share that ink covers.
+    /// Computes the share of each pixel that ink covers. The raster initially holds the share that dots flip.
     /// @param soft  whether edges of the ground are antialiased
     void apply_ground(std::size_t channel, bool soft, Raster& raster) const {
         const CellGrid& cells = plan_.two_sides->cells;

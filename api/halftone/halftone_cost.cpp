@@ -187,7 +187,7 @@ bool is_thin(const HalftoneRequest& request, std::size_t dots) {
 }
 
 /// Returns the maximum number of dots. If the number follows from the radius, the maximum is the number for a picture
-/// of solid ink. The total area of these overlapping dots is twice the area of the picture.
+/// of solid ink. Dots overlap in such a picture; their total area is twice the area of the picture.
 double max_dots(const HalftoneRequest& request, const Limits& limits) {
     if (request.sites) return static_cast<double>(*request.sites);
     const double ink = static_cast<double>(request.image.header.pixels()) * inks_of(request);
@@ -235,8 +235,8 @@ Estimate rasters_cost(const HalftoneRequest& request, double sites, double pixel
     return one + Estimate{pixels * inks, pixels * inks * (antialias ? 0.08 : 0.02) * kMicrosecond};
 }
 
-/// Returns the maximum radius of dots in millimetres: the radius for a picture of solid ink. The total area of these
-/// overlapping dots is twice the area of the picture.
+/// Returns the maximum radius of dots in millimetres: the radius for a picture of solid ink. Dots overlap in such a
+/// picture; their total area is twice the area of the picture.
 double largest_radius(const HalftoneRequest& request, double sites) {
     if (request.dot && request.dot->millimetres) return request.dot->length;
     const double width = request.drawing.width_mm.value_or(1);

@@ -34,7 +34,7 @@ namespace {
 struct SeparatedPicture {
     PictureSize size;     ///< drawn part, in pixels of the file
     CellGrid cells;       ///< cells of the separation, as fine as the dots can show
-    Separation inks;      ///< `light` is empty for a single ink that covers, and for channels of light
+    Separation inks;      ///< `light` is empty for a single opaque ink, and for channels of light
     double fineness = 0;  ///< result of fineness() for the picture
 
     /// Returns the area of a cell, in pixels of the file.
@@ -91,9 +91,10 @@ double rough_radius(const HalftoneRequest& request, PictureSize size, double ink
     return picture_radius(request, size, canvas ? canvas->scale : chosen);
 }
 
-/// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. The dots cannot
-/// show the lost detail if ink covers at least a quarter of the picture, which is not known before decoding. Returns 1,
-/// which means no replacement, if a step before the separation is not linear in the light of the pixels.
+/// Returns the side, in pixels, of the squares of pixels that decoding may replace with their mean. Assumes that ink
+/// covers at least a quarter of the picture, which makes dots too large to show the lost detail. Decoded::does_for()
+/// checks this after decoding. Returns 1, which means no replacement, if a step before the separation is not linear in
+/// the light of the pixels.
 int reducible(const HalftoneRequest& request, const Limits& limits) {
     constexpr double kMinPixels = 4e6;  // fewer pixels take little time
     constexpr double kInk = 0.25;
@@ -215,8 +216,8 @@ std::optional<SeparatedPicture> separate_colours(Decoded<ColourPicture> decoded,
     return separated;
 }
 
-/// Decodes a picture and separates it into inks. For an ink that covers, decodes luminance only, which takes a third of
-/// the memory of colours.
+/// Decodes a picture and separates it into inks. For an opaque ink, decodes luminance only, which takes a third of the
+/// memory of colours.
 /// @param reduce  side of the squares that decoding may replace with their mean
 /// @returns       none if averaging pixels lost detail that the dots need
 Result<std::optional<SeparatedPicture>> separate_picture(const HalftoneRequest& request, const Limits& limits,
@@ -247,7 +248,7 @@ Result<SeparatedPicture> separate_picture(const HalftoneRequest& request, const 
     return separated.map([](std::optional<SeparatedPicture>& picture) { return *std::move(picture); });
 }
 
-/// Returns whether a picture in which dots have nothing to draw has no solid ink either.
+/// Returns whether a picture without dots is bare paper everywhere. With Dots::Both, it may also have solid ink.
 bool is_paper(const HalftoneRequest& request, const std::vector<std::vector<float>>& coverage, Executor& executor) {
     if (request.dots != Dots::Both) return true;
     const bool is_black = request.palette.mixing == Mixing::Add;
@@ -265,9 +266,9 @@ tl::unexpected<Error> nothing_to_draw(const HalftoneRequest& request) {
                    request.image_field);
 }
 
-/// Returns the area of ink from which default_scale() chooses a scale, in pixels of the picture. For Dots::Both, the
-/// area is doubled, because the largest dots have about twice the mean area. A lower bound keeps the scale small if
-/// dots have little to draw.
+/// Returns the area of ink, in pixels of the picture, as an argument of default_scale(). For Dots::Both, the area is
+/// doubled, because the largest dots have about twice the mean area. A lower bound on the area avoids a very large
+/// scale if dots have little to draw.
 double ink_of_scale(const HalftoneRequest& request, double ink, std::size_t pixels) {
     constexpr double kMean = 2, kMinShare = 0.1;
     return request.dots == Dots::Both ? std::max(kMean * ink, kMinShare * static_cast<double>(pixels)) : ink;

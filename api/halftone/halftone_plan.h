@@ -24,8 +24,8 @@ struct HalftonePlan {
     std::vector<double> cover;  ///< [inks] share of the picture that the dots of each ink should cover
     /// Radius of the dots, in pixels of the picture. None: chosen for `cover` when the dots are drawn.
     std::optional<double> radius;
-    /// Area that dots cover, divided by the area that they should cover. None if there are no dots, or if their number
-    /// is proportional to the wanted area regardless of overlaps.
+    /// Area that dots cover, divided by the area that they should cover. None if there are no dots, or if the choice of
+    /// their number ignores overlaps.
     std::optional<double> tone;
     int samples = 0;                 ///< samples along each side of a pixel, as in DotOptions
     std::vector<std::size_t> sites;  ///< [inks] or, if `two_sides` is set, [kinds]: number of dots
@@ -50,8 +50,8 @@ Result<HalftonePlan> plan_halftone(const HalftoneRequest& request, const Limits&
 struct PlacedDots {
     std::vector<Distribution> inks;  ///< [inks] or, for dots on both sides of the tonal scale, [kinds]
     /// [kinds] For Dots::Both: the radii, in pixels of the picture, and the ground under each dot. Empty for other
-    /// dots. SizedDots::white has the bit of a channel if the ground under the dot has no ink of this channel or, if
-    /// inks add, no light of it.
+    /// dots. Bit c of SizedDots::white is set if the ground under the dot has no ink of channel c or, with
+    /// Mixing::Add, no light of channel c.
     std::vector<SizedDots> sized;
 };
 

@@ -53,9 +53,9 @@ struct HalftoneRequest {
     double detail = 0.7;           ///< strength of sharpening, 0 to 1, as in DotRequest; 0: no sharpening
     Levels levels;                 ///< applied to the picture before all other steps
     bool antialias = false;
-    bool may_be_scaled = false;  ///< whether browsers are likely to scale the drawing: it is for a screen, and the
-                                 ///< request gives neither its size nor `antialias`
-    Dots dots = Dots::Ink;       ///< Paper requires a single ink that covers
+    bool may_be_scaled = false;  ///< whether browsers are likely to scale the drawing; true if it is for a
+                                 ///< screen and the request gives neither its size nor `antialias`
+    Dots dots = Dots::Ink;       ///< Paper requires a single opaque ink
     Tone tone = Tone::Linear;
     Palette palette;
     const PointFormat* format = nullptr;  ///< never null in a parsed request

@@ -171,7 +171,8 @@ private:
 /// Picture whose planes are being filled.
 class Draft {
 public:
-    /// @param light  number of planes other than alpha; without alpha the picture is opaque
+    /// @param light      number of planes, without alpha
+    /// @param has_alpha  if false, the picture is opaque
     Draft(Size size, std::size_t light, bool has_alpha, const NewPlane& make_plane)
         : width_(static_cast<int>(size.width)),
           height_(static_cast<int>(size.height)),

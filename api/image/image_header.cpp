@@ -171,7 +171,7 @@ Result<ImageHeader> read_gif(std::string_view bytes) {
     return header;
 }
 
-constexpr std::size_t kBmpInfo = 14;  ///< offset of the picture's header, which begins with its size
+constexpr std::size_t kBmpInfo = 14;  ///< offset of the picture's header, which begins with the header's size
 
 /// Reads the header of a BMP. Its rows are decoded one by one, unless they are run-length encoded.
 Result<ImageHeader> read_bmp(std::string_view bytes) {

@@ -158,9 +158,9 @@ private:
         if (share > 0) add_grounds(ink + 1, ground | std::size_t{1} << ink, weight * static_cast<float>(share) / 255);
     }
 
-    /// Adds the light of the part of a pixel whose ground has exactly the inks `there`: of the area where no ink is
-    /// flipped, the area where only order_[0] is flipped, the area where order_[0] and order_[1] are flipped, and so
-    /// on.
+    /// Adds the light of the part of a pixel whose ground has exactly the inks `there`. Divides this part into areas:
+    /// in the first one no ink is flipped, in the second one order_[0], in the third one order_[0] and order_[1], and
+    /// so on.
     void add_parts(std::size_t there, float weight) {
         unsigned upper = 255;
         for (std::size_t i = 0; i <= inks_; ++i) {

@@ -34,7 +34,7 @@ struct RowSource {
 using WordTransform = std::function<void(const std::uint16_t* from, std::uint16_t* to, std::size_t pixels)>;
 
 /// Returns a source of the same rows with 16-bit red, green and blue, not premultiplied. Alpha is kept.
-/// @param transform  converts to red, green and blue: from red, green and blue, or from inks if the source has inks
+/// @param transform  converts the colours of the source to red, green and blue; they are inks if the source has inks
 RowSource transform_rows(RowSource source, WordTransform transform);
 
 }  // namespace ccdt::api

@@ -21,7 +21,7 @@ enum class DotStyle {
 /// Speed of a plotter, and the commands that move its pen.
 struct Plotter {
     double speed = 100;                 ///< mm/s, the same with the pen down and up
-    double dwell = 0.075;               ///< seconds that the pen takes to go down, and again to go up
+    double dwell = 0.075;               ///< seconds for lowering the pen, and the same for raising it
     std::string pen_down = "M3 S1000";  ///< G-code; `|` separates lines
     std::string pen_up = "M5";
 };

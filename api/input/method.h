@@ -27,8 +27,8 @@ struct MethodOptions {
 struct Method {
     std::string_view name;   ///< name in requests and answers
     std::string_view title;  ///< name shown to users
-    /// Limit of the method: for slow methods, the number of sites that one core places in about a third of the default
-    /// time-out.
+    /// Maximum number of sites. One core places this number in about a third of the default time-out. Fast methods have
+    /// no limit of their own.
     std::size_t max_sites;
     int iterations;         ///< default number of iterations
     MethodOptions options;  ///< options that the method supports

@@ -38,8 +38,8 @@ struct Interval {
 /// Range of positive, finite numbers.
 inline constexpr Interval kPositive = {.min = 0, .above_min = true};
 
-/// Reads a number. The input must be a JSON number, or a text that consists of one number. Fractions are not rounded to
-/// integers. Errors: Malformed; the message states the allowed values.
+/// Reads a number. The input must be a JSON number, or a text that consists of one number. read_integer() rejects
+/// fractions. Errors: Malformed; the message states the allowed values.
 Result<std::uint64_t> read_integer(const Input& input, std::uint64_t min, std::uint64_t max);
 Result<double> read_number(const Input& input, const Interval& allowed);
 
@@ -49,10 +49,11 @@ Result<bool> read_boolean(const Input& input);
 /// Reads text, such as a word, a colour or base64. The result refers to memory of the input.
 Result<std::string_view> read_text(const Input& input);
 
-/// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed.
+/// Reads a list: text with commas between its members, or a JSON array. Errors: Malformed for any other type of value.
 /// @param most  maximum number of members
 /// @param one   noun for a member in messages, such as "colour"; used for members that are given as text
-/// @returns     an input for each member; an empty list if there are no members, or more than `most`
+/// @returns     an input for each member; empty if there are no members or more than `most`. The caller then reports
+///              the allowed number.
 Result<std::vector<Input>> read_list(const Input& input, std::size_t most, std::string_view one);
 
 /// Reads one of the given words.

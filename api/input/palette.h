@@ -13,7 +13,7 @@ namespace ccdt::api {
 
 /// Ways in which overlapping inks combine with each other and with the paper.
 enum class Mixing {
-    Cover,     ///< the ink hides the paper; only for a single ink
+    Cover,     ///< the ink is opaque, so it hides the paper; only for a single ink
     Multiply,  ///< each ink multiplies the light of the layers below it, as in print
     Add,       ///< each ink adds its light, as lamps do
 };
@@ -26,14 +26,14 @@ struct Ink {
 /// Inks, the paper, and the way in which inks mix.
 struct Palette {
     std::vector<Ink> inks = {{}};  ///< 1 to kMaxInks of core/halftone/separation.h
-    Colour paper = kWhite;         ///< if transparent, inks are chosen as for white paper
+    Colour paper = kWhite;         ///< if transparent, the separation assumes white paper
     Mixing mixing = Mixing::Cover;
 };
 
 /// Returns whether inks are cyan, magenta, yellow and black, in this order. Readers of print files assume this order.
 bool is_cmyk(std::span<const Ink> inks);
 
-/// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single black ink that covers.
+/// Reads one of the words `gray`, `cmyk` and `rgb`; `gray` is a single opaque black ink.
 Result<Palette> read_color(const Input& input);
 
 /// Reads 1 to kMaxInks different colours: text with commas between them, or a JSON array of strings. Each ink is named

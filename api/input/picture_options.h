@@ -9,7 +9,7 @@ namespace ccdt::api {
 
 /// Ways to fit a picture into a drawing whose width and height are both given.
 enum class Fit {
-    Contain,  ///< the whole picture is drawn, as large as fits into both sides
+    Contain,  ///< the whole picture is drawn, as large as the width and the height allow
     Cover,    ///< the middle of the picture is drawn and fills the drawing
 };
 

@@ -75,7 +75,7 @@ private:
 };
 
 /// Returns the number of list elements that a writer should write between two calls of flush().
-/// @param extra  bytes that an element has in addition to a few numbers
+/// @param extra  bytes of an element besides its numbers, such as the names in a line
 inline std::size_t flush_stride(std::size_t extra) {
     constexpr std::size_t kMaxStride = 4'096;
     return std::clamp(Body::kPiece / (extra + 1), std::size_t{1}, kMaxStride);

@@ -37,8 +37,8 @@ inline ChannelDots dots_of_channel(const PointSet& kinds, std::size_t channel) {
     return all;
 }
 
-/// Returns the colour of the paper dots of a channel. Channels with names are mixed with each other, so the colour is
-/// then the one that does not change other channels.
+/// Returns the colour of the paper dots of a channel. Channels with names are mixed with each other; their paper dots
+/// have the colour that leaves the other channels unchanged.
 inline Colour paper_dot_colour(const PointSet& kinds, const Palette& palette) {
     if (!kinds.are_named()) return palette.paper;
     return palette.mixing == Mixing::Add ? kBlack : kWhite;

@@ -203,7 +203,7 @@ void write_rings(Body& body, std::span<const std::vector<Point>> rings, const st
     write_list(body, rings, append_ring, stop);
 }
 
-/// Writes the radius and side of each dot, and the outlines of the black ground.
+/// Writes the radius of each dot, its side (ink or paper), and the outlines of the black ground.
 void write_two_sides(Body& body, const TwoSidedDots& two_sides, const std::stop_token& stop) {
     write_radii(body, two_sides.dots, stop);
     body.text() += ",\"side\":";

@@ -78,7 +78,7 @@ double length(std::span<const Point> stroke) {
     return sum;
 }
 
-/// Estimates the seconds in which a plotter draws a number of dots, by the model of dots_in().
+/// Estimates the time that a plotter takes to draw a number of dots, in seconds, by the model of dots_in().
 double seconds_for(double dots, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing) {
     constexpr double kOverlaps = 1.2;  // typical total area of dots, divided by the area that they cover together
     const double fitting = std::sqrt(kOverlaps * ink.area / dots / std::numbers::pi);

@@ -55,8 +55,8 @@ struct PlotInk {
 
 /// Estimates the number of dots that a plotter draws in a given time, by the model of Plot::seconds(). If the density
 /// of n dots is proportional to the coverage c, the length of a short path through the dots is about sqrt(n) *
-/// (integral of sqrt(c)) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the factor is about 1
-/// for short_path() on blue noise.
+/// (integral of sqrt(c)) / sqrt(integral of c). Source: Beardwood, Halton and Hammersley 1959; the constant factor
+/// of this length is about 1 for short_path() on blue noise.
 /// @param radius  radius of the dots in millimetres; none: chosen such that all dots together cover `ink.area`
 /// @returns       an integer >= 0
 double dots_in(double seconds, const PlotInk& ink, std::optional<double> radius, const DrawingOptions& drawing);

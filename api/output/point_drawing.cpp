@@ -181,8 +181,8 @@ public:
     void finish() { write("</svg>\n"); }
 
 private:
-    /// Writes strokes as paths that are short enough for programs that read SVG. Programs for plotters omit strokes of
-    /// no length, so a touch of the pen is a very short stroke.
+    /// Writes strokes as paths that are short enough for libxml2, by which many programs read SVG. Programs for
+    /// plotters omit strokes of no length, so a touch of the pen is a very short stroke.
     class Strokes {
     public:
         Strokes(DotDocument& document, double touch, const std::stop_token& stop)
@@ -425,8 +425,8 @@ public:
     }
 
 private:
-    /// Indices of dots, grouped by the inks of their ground and by the channels to whose ground they are clipped, both
-    /// as bits.
+    /// Indices of dots, grouped by two sets of bits: the inks of the ground on which the dots are drawn, and
+    /// the channels to whose ground the dots are clipped.
     using Groups = std::map<std::pair<unsigned, unsigned>, std::vector<std::uint32_t>>;
 
     static std::string clip_of(std::size_t channel, bool is_black) {

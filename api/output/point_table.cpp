@@ -66,8 +66,8 @@ std::string names_of(unsigned bits, const Grounds& grounds) {
     return names.empty() ? "paper" : names;
 }
 
-/// Writes a line for each dot, with its radius and its side. With several channels, the flipped channels and the inks
-/// of the ground replace the side.
+/// Writes a line for each dot, with its radius and its side (ink or paper). With several channels, the flipped channels
+/// and the inks of the ground replace the side.
 void write_two_sides(const PointSet& kinds, Body& body, const std::stop_token& stop) {
     const bool named = kinds.are_named();
     std::string& out = body.text();

@@ -29,7 +29,7 @@ Estimate decoding_cost(const ImageFile& file, double planes = kGreyPlanes);
 Estimate density_cost(double cells);
 
 /// Estimates the cost of drawing dots as pixels.
-/// @param radius  radius of the dots in pixels, may exceed the picture; none: chosen for a mean coverage
+/// @param radius  radius of the dots in pixels, may exceed the picture; none: follows from the wanted coverage
 Estimate raster_cost(double sites, double pixels, std::optional<double> radius, bool antialias);
 
 /// Estimates the cost of writing the circles or spirals that fill dots.

@@ -17,8 +17,8 @@ Result<void> check_stop(const std::stop_token& stop);
 /// Checks that a distribution is complete, or that partial results are accepted. Errors: Stopped.
 Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
 
-/// Returns the token that stops the writing of an answer. If partial results are accepted, the token never stops,
-/// because a partial result is written in full.
+/// Returns the token that stops the writing of an answer. If partial results are accepted, no stop is ever requested
+/// for it, because the partial result must still be written.
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop);
 
 }  // namespace ccdt::api
