@@ -265,8 +265,8 @@ std::string_view Connection::use(std::size_t size) {
 /// @param begin  start of the line
 /// @param limit  last permitted position of the CRLF
 /// @returns      position of the CRLF; npos: beyond the limit
-/// Problems, in addition to those of receiving: 400 if the line contains a NUL, or a CR or LF outside a CRLF. Other
-/// programs might take these for the end of a line.
+/// Problems, in addition to the problems of `fill_up`: 400 if the line contains a NUL, or a CR or LF outside a CRLF.
+/// Other programs might take these for the end of a line.
 HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();

@@ -29,7 +29,7 @@ constexpr std::array<std::string_view, 4> kAdded{"REMOTE_ADDR", "REMOTE_PORT", "
 constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
 
 /// Whether a header is hidden from the library. The library would parse Range with a regular expression, and refuse
-/// long names. The server uses no such header.
+/// long names. The server uses none of these headers.
 bool is_hidden(std::string_view name) {
     return name.size() > kLongestName || equals_ignoring_case(name, "Range");
 }
