@@ -40,8 +40,8 @@ public:
         bool empty() const { return file.empty() && key.empty(); }
     };
 
-    /// Minimum length of a signing key, in characters. Longer than for API keys, because the owner of a signed URL can
-    /// test guessed keys offline.
+    /// Minimum length of a signing key, in characters. Signing keys must be longer than API keys, because the owner of
+    /// a signed URL can test guessed keys offline.
     static constexpr std::size_t kMinSigningKeyLength = 32;
 
     struct Verdict {
@@ -90,7 +90,7 @@ private:
 };
 
 /// Reads the signing keys from the file or, if no file is named, from `key`. Returns null if both are empty.
-/// Errors: those of KeyRing; the message names the file or the variable.
+/// Errors: those of KeyRing; the message names the file or the environment variable.
 Result<std::shared_ptr<const KeyRing>> read_signing_keys(const AccessControl::SigningKeys& signing);
 
 }  // namespace ccdt::server

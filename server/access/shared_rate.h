@@ -17,7 +17,7 @@ public:
     /// `client` must outlive this object.
     SharedRate(RedisClient& client, const RateLimiter::Rate& rate) : client_(client), rate_(rate) {}
 
-    /// Takes a token. Reports a damaged bucket, and replaces it by a full one.
+    /// Takes a token. Reports a damaged bucket, and replaces it with a full bucket.
     /// @returns  0 if a token was available, otherwise the number of seconds until one is; none if Redis does not reply
     std::optional<std::chrono::seconds> take(const std::string& client);
 

@@ -20,7 +20,7 @@ namespace ccdt::server {
 struct SignedUrl {
     std::string_view text;                      ///< the signed text
     std::optional<std::string_view> signature;  ///< none: the last parameter is not `signature`
-    std::optional<std::uint64_t> expires;       ///< seconds since 1970 at which the URL becomes invalid
+    std::optional<std::uint64_t> expires;       ///< Unix time at which the URL becomes invalid [s]
     std::string options;                        ///< the query without `signature` and `expires`
 
     /// Parses a path and query as sent.

@@ -12,20 +12,21 @@
 namespace ccdt::server {
 
 /// A cache of answers in a Redis that several servers share. Every answer expires after a day. When its memory is full,
-/// Redis chooses the answers to evict. All failures of find() count as absence. Each entry has a digest, so that an
+/// Redis chooses the answers to evict. Any failure of find() counts as a miss. Each entry has a digest, so that an
 /// entry that another program has overwritten is detected and removed. Thread-safe.
 class RedisCache {
 public:
     /// `client` must outlive this object.
     explicit RedisCache(RedisClient& client) : client_(client) {}
 
-    /// Describes the settings that will prevent a Redis from storing answers, if Redis permits reading them.
+    /// Describes settings of a Redis that will prevent it from storing answers. Skips settings that Redis does not
+    /// permit to be read.
     /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 
     std::optional<api::Answer> find(const std::string& name);
 
-    /// Stores an answer, unless its body exceeds `kLargest` bytes, which would delay other calls.
+    /// Stores an answer. Ignores bodies of more than `kLargest` bytes, because these would delay other calls.
     void store(const std::string& name, const api::Answer& answer);
 
     static constexpr std::size_t kLargest = std::size_t{4} << 20;

@@ -10,17 +10,19 @@
 namespace ccdt::server {
 namespace {
 
-/// Minimum idle time before a connection is closed for a new one, which waits meanwhile. It lets a client that has just
-/// connected send its first request.
+/// Minimum idle time before a connection is closed in favour of a new one. During this time, a client that has just
+/// connected can send its first request.
 constexpr std::chrono::milliseconds kLeastIdle{50};
 
-/// Minimum time for a request head to arrive before its connection is closed for a new one. It suffices for several
-/// packets, one of which is lost.
+/// Minimum time that a request head may take before its connection is closed in favour of a new one. Suffices for
+/// several packets and the retransmission of one of them.
 constexpr std::chrono::milliseconds kLeastForHead{300};
 
-/// Maximum time that a new connection waits for a slot, and the interval at which further idle connections are closed
-/// for it. Closed connections release their slots sooner, unless the machine is busy.
+/// Maximum time that a new connection waits for a slot. Longer than a closed connection needs to release its slot,
+/// unless the machine is busy.
 constexpr std::chrono::milliseconds kTimeToLeave{1'000};
+
+/// Interval at which idle connections are closed while a new connection waits for a slot.
 constexpr std::chrono::milliseconds kTimeForAnother{100};
 
 bool has_unread_bytes(int socket) {
@@ -58,7 +60,8 @@ bool Capacity::close_first_idle() {
     return true;
 }
 
-/// Finds the first idle connection of a class without unread bytes; of any class if `connection_class` is none.
+/// Finds the first idle connection without unread bytes.
+/// @param connection_class  none: any class
 Capacity::IdleConnections::iterator Capacity::first_idle_locked(std::optional<ConnectionClass> connection_class) {
     return std::ranges::find_if(idle_, [connection_class](const auto& entry) {
         const Idle& idle = entry.second;
@@ -102,7 +105,7 @@ std::optional<ConnectionClass> Capacity::find_class(std::unique_lock<std::mutex>
     return std::nullopt;
 }
 
-/// Counts one more connection of an address.
+/// Counts one more connection from an address.
 /// @returns  false if the address is at its limit
 bool Capacity::enter_locked(const std::string& address) {
     if (limits_.per_address == 0 || address.empty()) return true;

@@ -23,8 +23,8 @@ enum class ConnectionClass {
     Streams,  ///< event streams, which last long
 };
 
-/// Counts the connections of clients, and the memory for data in transfer to or from them. Rejects connections at the
-/// hard limit. At that limit, a connection that waits for a request head is closed in favour of a new one. Reports the
+/// Counts the connections of clients, and the memory for data in transfer to or from them. If all slots are taken,
+/// closes an idle connection in favour of a new one. Rejects the new connection if no slot becomes free. Reports the
 /// load above which time-outs should be shorter. Thread-safe.
 class Capacity {
 public:
@@ -65,7 +65,7 @@ public:
 
     Counts counts() const;
 
-    /// Closes the idle connection, of any class, whose minimum idle time ends first. Does not wait for that end.
+    /// Closes the idle connection, of any class, whose minimum idle time ends first, even before that time ends.
     /// @returns  false if no connection is idle
     bool close_first_idle();
 
@@ -80,7 +80,8 @@ private:
         int socket = -1;
         bool has_begun = false;  ///< part of a request head has arrived; the socket is shut down for receiving only
     };
-    /// Idle connections, sorted by the end of their minimum idle time. Later, a new connection may take their slots.
+    /// Idle connections, sorted by the end of their minimum idle time. After that time, a connection may be closed in
+    /// favour of a new one.
     using IdleConnections = std::multimap<Clock::time_point, Idle>;
 
     IdleConnections::iterator first_idle_locked(std::optional<ConnectionClass> connection_class);
@@ -125,7 +126,7 @@ public:
     /// Whether the connection was admitted. Only an admitted connection has a slot.
     Entry entry() const { return entry_; }
 
-    /// The current class. Only the thread that calls move_to() may call this function.
+    /// Returns the current class. Not thread-safe: call it only on the thread that calls move_to().
     ConnectionClass connection_class() const { return class_; }
 
     /// Moves the slot to the class that the current request needs. Does nothing for Reserve, because a connection of
@@ -134,7 +135,7 @@ public:
     bool move_to(ConnectionClass connection_class);
 
     /// Marks the connection as idle, unless it is idle already. The socket must stay open until `end_idle`. Until then,
-    /// the Capacity may shut the socket down in favour of another connection, unless it has unread bytes.
+    /// the Capacity may shut down the socket in favour of another connection, unless the socket has unread bytes.
     /// @param head_begun  time at which an incomplete request head began; none: no request has begun. An incomplete
     ///                    head increases the minimum idle time, and its socket is shut down for receiving only
     void begin_idle(int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {});
@@ -143,7 +144,8 @@ public:
     /// Whether the Capacity has shut down the socket in favour of another connection.
     bool is_closed() const;
 
-    /// Counts the connection towards the limit of another address from now on; towards none if `address` is empty.
+    /// Counts the connection towards the limit of `address` instead of the previous address.
+    /// @param address  empty: the connection counts towards no limit
     /// @returns  false if that address is at its limit; nothing is changed then
     bool count_by(const std::string& address);
 
@@ -162,7 +164,7 @@ private:
 class IdleTime {
 public:
     /// @param slot        null: does nothing
-    /// @param head_begun  as for ConnectionSlot::begin_idle
+    /// @param head_begun  see ConnectionSlot::begin_idle
     IdleTime(ConnectionSlot* slot, int socket, std::optional<std::chrono::steady_clock::time_point> head_begun = {})
         : slot_(slot) {
         if (slot_ != nullptr) slot_->begin_idle(socket, head_begun);

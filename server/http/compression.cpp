@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kSmallest = 1'024;
 constexpr std::size_t kPiece = 262'144;
 constexpr int kLevel = 1;
-constexpr int kGzip = 16;  ///< added to the window bits to get a gzip header instead of zlib's
+constexpr int kGzip = 16;  ///< added to the window bits to get a gzip header instead of a zlib header
 constexpr int kMemoryLevel = 8;
 
 std::string_view take_item(std::string_view& list, std::string_view separator) {

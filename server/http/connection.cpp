@@ -21,10 +21,10 @@ using std::chrono::milliseconds;
 constexpr std::size_t kLargestHead = 32'768;
 constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk size or a trailer
-constexpr std::size_t kMaxFraming = 8;       ///< framing bytes allowed per body byte, beyond kLargestHead bytes
+constexpr std::size_t kMaxFraming = 8;       ///< permitted framing bytes per body byte, in addition to kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
 constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
-constexpr std::size_t kTrustedBytes = 1 << 20;  ///< received bytes above which Content-Length is trusted
+constexpr std::size_t kTrustedBytes = 1 << 20;  ///< received bytes above which memory for Content-Length is reserved
 constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes per second
 constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
@@ -185,7 +185,7 @@ void Connection::Transfer::move_to(std::uint64_t total) {
     bytes = total;
 }
 
-/// Waits until a byte arrives or the client closes the connection, which is marked as idle meanwhile.
+/// Waits until a byte arrives or the client closes the connection. Marks the connection as idle during the wait.
 /// @returns  false if `should_stop` returned true
 bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& should_stop) const {
     const IdleTime idle(slot_, socket_);
@@ -196,8 +196,8 @@ bool Connection::wait_for_bytes(const std::function<bool(Milliseconds waited)>& 
     return true;
 }
 
-/// Computes the deadline of a transfer, the earlier of two times: the maximum pause after the latest progress; the
-/// maximum pause after the time at which the minimum rate would have transferred the same bytes.
+/// Computes the deadline of a transfer. The deadline is one maximum pause after the earlier of two times: the latest
+/// progress, and the time at which the minimum rate would have transferred the same bytes.
 Connection::Clock::time_point Connection::deadline(const Transfer& transfer) const {
     const bool pressed = is_pressed();
     const auto pause = pressed ? std::min(patience_.body, kPauseUnderPressure) : patience_.body;
@@ -206,7 +206,7 @@ Connection::Clock::time_point Connection::deadline(const Transfer& transfer) con
 }
 
 /// Waits for an event on the socket. The deadline may move during the wait. Returns false after the deadline, even if
-/// an event has occurred. Otherwise, a client that sends one byte at a time would never be late.
+/// an event has occurred, so that a client that sends one byte at a time cannot exceed the deadline.
 bool Connection::wait(short events, const Deadline& deadline) const {
     while (true) {
         const auto now = Clock::now();
@@ -265,8 +265,8 @@ std::string_view Connection::use(std::size_t size) {
 /// @param begin  start of the line
 /// @param limit  last permitted position of the CRLF
 /// @returns      position of the CRLF; npos: beyond the limit
-/// Problems, in addition to those of receiving: 400 if the line contains a NUL, or a CR or LF outside a CRLF. Other
-/// programs might take these for the end of a line.
+/// Problems, in addition to the problems of `fill_up`: 400 if the line contains a NUL, or a CR or LF outside a CRLF.
+/// Other programs might take these for the end of a line.
 HttpResult<std::size_t> Connection::find_line_end(std::size_t begin, std::size_t limit, const Fill& fill_up) {
     for (std::size_t at = begin;;) {
         const auto received = unread_.view();
@@ -287,8 +287,8 @@ HttpResult<std::string_view> Connection::read_line() {
     return use(*end + kLineEnd.size()).substr(0, *end);
 }
 
-/// Copies the next bytes of the body, framing or content, to `target`. Waits, counts memory and checks the clock only
-/// if no byte has arrived, because a body may consist of many small chunks.
+/// Copies the next bytes of the body, framing or content, to `target`. If received bytes are left, does not wait, count
+/// memory or check the clock, which would be slow for many small chunks.
 HttpResult<std::size_t> Connection::pass_on(char* target, std::size_t size) {
     Body& body = *body_;
     if (body.is_complete()) return 0;

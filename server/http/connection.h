@@ -21,9 +21,9 @@ namespace ccdt::server {
 /// Time-outs of a client. They are shorter while Capacity::is_pressed() or the server shuts down.
 struct Patience {
     std::chrono::milliseconds header{10'000};  ///< limit for the whole head of a request
-    /// Maximum pause within a transfer, and maximum delay compared with a transfer at the minimum rate, 32 KiB/s.
+    /// Maximum pause within a transfer. Also the maximum lag behind a transfer at the minimum rate of 32 KiB/s.
     std::chrono::milliseconds body{30'000};
-    std::chrono::milliseconds idle{60'000};  ///< between requests; also for idle threads
+    std::chrono::milliseconds idle{60'000};  ///< limit between two requests; also the time-out of idle threads
 };
 
 /// A client's socket and the received bytes that are not processed yet.
@@ -61,11 +61,11 @@ public:
     /// Sets the function that decodes the body of the current request; null: the body cannot be read.
     void decode_with(Decode decode) { decode_ = std::move(decode); }
 
-    /// Reads the body of `request`, whose head was the last one read; at most once for each head.
+    /// Reads the body of `request`, which must be the result of the last read_head(). May be called once for each head.
     ///
     /// Sends 100 Continue to a client that waits for it. Requires decode_with().
-    /// Problems: 400 malformed, 408 too slow, 411 no length, 413 larger than the limit (at once if the head says so),
-    /// 503 the bodies of all connections take too much memory.
+    /// Problems: 400 malformed, 408 too slow, 411 no length, 413 larger than `limit` (checked before reading if the
+    /// head gives the length), 503 the bodies of all connections take too much memory.
     HttpResult<std::string> read_body(const Request& request, std::size_t limit);
 
     /// Copies the next bytes of the body that read_body() is reading, for the decoder. Chunked bodies stay chunked, but
@@ -191,7 +191,7 @@ private:
     Unread unread_;
     Decode decode_;
     std::optional<Body> body_;  ///< the body that read_body() is reading
-    std::uint64_t heads_ = 0;   ///< number of heads that were read or attempted
+    std::uint64_t heads_ = 0;   ///< number of heads read, including malformed ones
     bool between_requests_ = true;
     bool too_slow_ = false;  ///< the client received an answer too slowly
     bool resets_ = false;

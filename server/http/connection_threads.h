@@ -11,9 +11,9 @@
 
 namespace ccdt::server {
 
-/// Runs each task in a separate thread, so that no task waits for another. A thread is created if none is idle. The
-/// idle thread that was busy last takes the next task; after a peak, the other threads reach their time-out and end.
-/// The destructor returns once all tasks are done.
+/// Runs each task in a separate thread, so that no task waits for another. Creates a thread if none is idle. Otherwise,
+/// the task goes to the thread that became idle last. After a peak, the threads that get no more tasks therefore reach
+/// their time-out and end. The destructor returns once all tasks are done.
 class ConnectionThreads {
 public:
     /// @param idle_timeout  time-out of an idle thread

@@ -39,7 +39,7 @@ std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::s
         "X-Repaired, X-Request-ID, X-Warnings, "
         "X-Tone"};
     if (std::ranges::find(allowed, kAny) != allowed.end()) return {{"Access-Control-Allow-Origin", "*"}, exposed};
-    // Prevents that caches give the answer for one origin to another. Refusals need the header, too.
+    // Prevents caches from giving the answer for one origin to another. Refusals need the header, too.
     std::vector<Header> headers{{"Vary", "Origin"}};
     if (!allows_origin(allowed, origin)) return headers;
     headers.push_back({"Access-Control-Allow-Origin", std::string(origin)});

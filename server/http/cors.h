@@ -14,15 +14,17 @@ namespace ccdt::server {
 bool allows_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Makes the headers that let pages of other origins read an answer.
-/// @param allowed  as for allows_origin(); empty: no other origin
-/// @param origin   value of the Origin header; empty: not a browser, or a page of this server
+/// @param allowed  see allows_origin(); empty: no other origin
+/// @param origin   value of the Origin header; empty if a page of this server or a program other than a browser sent
+///                 the request
 std::vector<Header> cors_headers(const std::vector<std::string>& allowed, std::string_view origin);
 
 /// Makes the headers of the answer to a CORS preflight (OPTIONS). They permit the request that will follow.
 /// @param methods  permitted methods, separated by commas
 std::vector<Header> preflight_headers(std::string_view methods);
 
-/// Whether a browser sent this request for a page of another origin, as a preflight or as a simple request.
+/// Whether a browser sent this request for a page of another origin. Such a request is a CORS preflight or the actual
+/// CORS request.
 bool asks_for_other_origin(const Request& request);
 
 }  // namespace ccdt::server

@@ -11,7 +11,7 @@ namespace ccdt::server {
 /// Entry of a list of hosts or origins that stands for all loopback names and addresses.
 inline constexpr std::string_view kLoopback = "loopback";
 
-/// Entry of a list of hosts or origins that stands for all of them.
+/// Entry of a list of hosts or origins that permits every host or origin.
 inline constexpr std::string_view kAny = "*";
 
 /// Whether a host always means this machine: `localhost`, 127.0.0.1, ::1 and similar.
@@ -22,7 +22,8 @@ bool is_loopback(std::string_view host);
 /// @returns  none if the authority is malformed
 std::optional<std::string_view> host_of_authority(std::string_view authority);
 
-/// Whether requests with an authority (`host` or `host:port`) are answered. An empty authority is always allowed.
+/// Whether the server answers requests that are addressed to an authority (`host` or `host:port`). An empty authority
+/// is always allowed.
 ///
 /// Prevents DNS rebinding: a foreign page can reach a server on loopback by a name of the page's own domain that
 /// resolves to 127.0.0.1. The browser treats the request as same-origin, but Host contains the foreign name.

@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kLongestName = 1'024;
 constexpr std::size_t kLongestPiece = 2'048;
 
-/// Marks the ends of the pieces into which a long value is cut. Checked values contain no control characters but tabs.
+/// Marks the ends of the pieces into which a long value is cut. The mark is unambiguous, because the only control
+/// characters in checked values are tabs.
 constexpr char kCut = '\x01';
 
 /// Headers that the library adds to a request.
@@ -28,7 +29,7 @@ constexpr std::array<std::string_view, 4> kAdded{"REMOTE_ADDR", "REMOTE_PORT", "
 constexpr std::array<std::string_view, 7> kMethods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
 
 /// Whether a header is hidden from the library. The library would parse Range with a regular expression, and refuse
-/// long names. The server uses no such header.
+/// long names. The server uses none of these headers.
 bool is_hidden(std::string_view name) {
     return name.size() > kLongestName || equals_ignoring_case(name, "Range");
 }
@@ -50,7 +51,8 @@ void append_header(std::string& head, const Header& header) {
     } while (!rest.empty());
 }
 
-/// Returns a head, without the query, that the library parses as parse_head() does; an empty line without a method.
+/// Returns a head, without the query, that the library parses as parse_head() does. Returns an empty line if the
+/// request has no method.
 std::string head_for_library(const Request& request) {
     if (request.method.empty()) return "\r\n";
     std::string head = request.method + ' ';
@@ -215,8 +217,8 @@ private:
         }
     }
 
-    /// Sends a body while it is produced. A body without a known length is sent in chunks. For HTTP/1.0 clients, the
-    /// end of the connection ends it.
+    /// Sends a body while it is produced. A body without a known length is sent in chunks. HTTP/1.0 clients do not know
+    /// chunks, so closing the connection ends such a body.
     /// @param left  bytes that may be sent
     /// @returns     false if the client did not receive the whole body
     bool send_stream(httplib::DataSink& sink, std::size_t left) {

@@ -13,7 +13,7 @@ namespace ccdt::server {
 constexpr std::size_t kRequestsPerConnection = 10'000;
 
 /// Handles a request: sets the `response` and `last` that process_request() was given.
-/// @param dispatched  a problem if cpp-httplib refused a request that is valid
+/// @param dispatched  a problem if cpp-httplib refused a checked request with a known method
 using Handle = std::function<void(const HttpResult<void>& dispatched)>;
 
 /// Processes a request with cpp-httplib 0.11.4: calls `handle` once, then writes the response. Only this function's

@@ -26,8 +26,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Time-out of connections without a request if Capacity::is_pressed(), if the server drains and serves no request, or
-/// if the connection has a reserve or stream slot.
+/// Time-out of idle connections in three cases: Capacity::is_pressed(); the connection has a reserve or stream slot;
+/// the server drains and processes no request.
 constexpr milliseconds kIdleUnderPressure{500};
 
 /// Time for which the connection of a refused client stays open, so that the client can read the answer.
@@ -36,12 +36,15 @@ constexpr milliseconds kTimeToRead{500};
 /// Pause after accept() failed for lack of descriptors or memory.
 constexpr milliseconds kRecovery{10};
 
-/// Maximum time that a new connection waits for a thread while idle connections are closed to free theirs.
+/// Maximum time that a new connection waits for a thread. Meanwhile, idle connections are closed, which frees their
+/// threads.
 constexpr milliseconds kTimeToFreeThread{500};
 
-/// Time for TCP handshakes in progress to complete after the socket begins to refuse new ones, and interval of the
-/// checks. Short, because load balancers are nearby.
+/// Time to complete the TCP handshakes that are in progress when the socket begins to refuse new connections. Short,
+/// because load balancers are nearby.
 constexpr milliseconds kHandshake{2};
+
+/// Interval at which the server looks for completed handshakes during that time.
 constexpr milliseconds kHandshakeStep{1};
 
 using Clock = std::chrono::steady_clock;
@@ -160,7 +163,7 @@ void HttpServer::recover(int accept_error) {
           "; idle connections are closed to make room. Further failures of this kind are not logged");
 }
 
-/// Accepts the connections that existed, or whose handshake had begun, when the socket began to refuse new ones.
+/// Accepts the connections that existed, or whose handshake had begun, when the socket began to refuse new connections.
 void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused) {
     const auto end = Clock::now() + kHandshake;
     for (int left = ListeningSocket::kBacklog; left > 0; --left) {
@@ -171,7 +174,7 @@ void HttpServer::accept_last(ConnectionThreads& threads, RefusedClients& refused
 }
 
 /// Starts a thread for a connection; the thread then owns the socket. If the system has no more threads, closes idle
-/// connections to free theirs.
+/// connections, which frees their threads.
 bool HttpServer::start(ConnectionThreads& threads, int socket, const std::shared_ptr<ConnectionSlot>& slot) {
     const auto end = Clock::now() + kTimeToFreeThread;
     while (true) {
@@ -251,8 +254,8 @@ HttpResult<void> HttpServer::count(const Peer& client, ConnectionSlot& slot) con
     return {};
 }
 
-/// Returns the address whose limit a connection counts towards; empty for trusted proxies, which have no limit. A load
-/// balancer's health checks must not fail because of its clients.
+/// Returns the address whose limit a connection counts towards; empty for trusted proxies. These have no limit, so that
+/// many clients of a load balancer cannot make its health checks fail.
 std::string HttpServer::counted_address(const Peer& client) const {
     return proxies_.include(client) ? "" : client.address;
 }

@@ -32,22 +32,23 @@ struct Exchange {
 
 /// The connection layer: accepts clients, reads their requests and writes the answers.
 ///
-/// Every connection has its own thread, so slow or silent clients delay nobody. Such a client only takes a slot (about
-/// 40 kB). The number of slots per address is limited, and time-outs shrink as slots become scarce. Idle threads are
-/// kept as long as idle connections. The accepting thread refuses connections beyond the limits.
+/// Every connection has its own thread, so slow or silent clients delay nobody. Such a client only occupies a slot,
+/// which takes about 40 kB of memory. The number of slots per address is limited, and time-outs shrink as slots become
+/// scarce. Idle threads have the same time-out as idle connections. The accepting thread refuses connections beyond the
+/// limits.
 ///
 /// An event loop could hold more connections, but would need a state machine for every body and answer. Handlers could
 /// then not read and write with blocking calls.
 class HttpServer {
 public:
-    /// Answers a request. If the request is incomplete or malformed, `received` has the problem, and the request the
-    /// parsed parts. Called on many threads at once. If the handler throws, the client gets a 500 without a body.
+    /// Answers a request. If the request is refused, `received` contains the problem. The request is empty if its head
+    /// could not be read. Called on many threads at once. If the handler throws, the client gets a 500 without a body.
     using Handler = std::function<Response(const Request&, const HttpResult<void>& received, Connection&)>;
     using Logger = std::function<void(const Exchange&)>;
     using Warn = std::function<void(const std::string&)>;
 
     /// @param listener  socket on which clients wait until `serve` is called
-    /// @param proxies   trusted proxies; their connections count for the addresses of their clients
+    /// @param proxies   trusted proxies; their connections count towards the limits of the clients that they name
     /// @param warn      reports to the operator, once, that connections cannot be accepted
     HttpServer(
         ListeningSocket listener, const Patience& patience, const Capacity::Limits& limits, TrustedProxies proxies,

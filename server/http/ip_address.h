@@ -49,7 +49,7 @@ private:
     IpNetwork(const IpAddress& base, int bits) : base_(base), bits_(bits) {}
 
     IpAddress base_;
-    int bits_;  ///< length of the prefix, of 128 bits
+    int bits_;  ///< number of leading bits, out of 128, that all addresses share
 };
 
 }  // namespace ccdt::server

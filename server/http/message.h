@@ -67,11 +67,11 @@ struct Record {
 };
 
 /// Sends a piece of a body immediately.
-/// @returns  false if the client no longer receives
+/// @returns  false if nothing more can be sent to the client
 using Send = std::function<bool(std::string_view piece)>;
 
 /// Produces a body and sends it piece by piece. Adds the outcome to the record.
-/// @returns  false if the body is incomplete; closing the connection then tells the client
+/// @returns  false if the body is incomplete; the connection is then closed, so that the client notices
 using Stream = std::function<bool(const Send& send, Record& record)>;
 
 /// Status for the log if the client has closed the connection. It is never sent.
@@ -86,7 +86,7 @@ struct Response {
     Stream stream;                      ///< null: `body` has the whole body; not called for HEAD requests
     std::optional<std::size_t> length;  ///< length of a streamed body, if it is known
     std::string coding;                 ///< content coding of the body; empty: none
-    std::string tag;                    ///< entity tag; if strong, of the body before compression; empty: none
+    std::string tag;                    ///< entity tag; a strong tag refers to the uncompressed body; empty: none
     std::shared_ptr<const void> lease;  ///< memory reservation, released when the answer has been sent
     Record record;
 };

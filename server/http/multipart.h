@@ -23,7 +23,7 @@ struct FormPart {
 ///
 /// Problems (400): no boundary in the content type, or one that RFC 2046 does not allow; a part without a name or with
 /// several names; a part whose headers exceed 16 KiB; more than 1,000 parts; a body that ends before its last boundary;
-/// a boundary that no line end follows. O(n) for any body and boundary.
+/// a boundary without a line end after it. O(n) for any body and boundary.
 HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::string_view content_type);
 
 }  // namespace ccdt::server

@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Retry-After for unavailable resources.
+/// Value of Retry-After if a resource is temporarily unavailable.
 constexpr std::chrono::seconds kSoon{2};
 
 }  // namespace

@@ -21,7 +21,7 @@ struct Problem {
     std::string cause = {};            ///< cause of an internal failure, for the log
 };
 
-/// The result of a function, or the problem that the client is told.
+/// The result of a function, or the problem to report to the client.
 template <class T>
 using HttpResult = tl::expected<T, Problem>;
 

@@ -93,7 +93,7 @@ Hops forwarded(std::string_view field) {
 }
 
 /// Finds the client by following the addresses in all fields of a header, from the last to the first.
-/// @returns  none if there is no such header
+/// @returns  none if the request does not contain the header
 std::optional<Peer> follow(const Request& request, std::string_view header, Hops (*read)(std::string_view),
                            const Peer& peer, const TrustedProxies& proxies) {
     std::optional<Peer> client;

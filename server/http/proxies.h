@@ -22,8 +22,8 @@ struct TrustedProxies {
 /// Each proxy appends the address of its client to the header. The search starts with the peer and follows the header
 /// from its end. It stops at the first address that is not a trusted proxy, so that addresses written by an untrusted
 /// client are never used. It also stops at a malformed, `unknown` or hidden address; the proxy that wrote it then
-/// counts as the client. If both headers are present and name different clients, the peer is returned, because a proxy
-/// that sets one header forwards the other unchanged.
+/// counts as the client. A proxy that sets one of the headers forwards the other unchanged, so an untrusted client may
+/// have written it. If the headers name different clients, the peer is therefore returned.
 Peer client_of(const Request& request, const Peer& peer, const TrustedProxies& proxies);
 
 }  // namespace ccdt::server

@@ -51,10 +51,10 @@ public:
     /// @param longest  none: no time limit
     void wait(std::optional<std::chrono::milliseconds> longest) const;
 
-    /// Refuses new connections; connections made before can still be accepted. May be called from any thread.
+    /// Refuses new connections. Connections in the backlog can still be accepted. May be called from any thread.
     ///
     /// The socket is not shut down, because that would reset the connections in the backlog. Their requests may have
-    /// arrived, and a load balancer could not know that no server has read them. New TCP clients try again after a
+    /// arrived, and a load balancer could not know that the server has not read them. New TCP clients try again after a
     /// second, and are refused after `shut_down`. New Unix clients wait until `shut_down`.
     void refuse_newcomers() const;
 
@@ -73,7 +73,7 @@ private:
     UniqueFd refusing_;  ///< eventfd that `refuse_newcomers` sets
     int port_ = 0;
     std::string path_;
-    dev_t device_ = 0;  ///< identifies our own socket file, with the inode
+    dev_t device_ = 0;  ///< identifies our own socket file, together with `inode_`
     ino_t inode_ = 0;
 };
 

@@ -6,7 +6,7 @@
 
 namespace ccdt::server {
 
-/// The distributed trace of a request: the trace id (32 hexadecimal digits) and the id of the calling operation (16).
+/// The distributed trace of a request. The trace id has 32 hexadecimal digits, the id of the calling operation has 16.
 struct Trace {
     std::string_view id;
     std::string_view parent;

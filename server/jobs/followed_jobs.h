@@ -49,7 +49,7 @@ public:
     JobWatch(std::shared_ptr<FollowedJob> job, LookUp look_up) : job_(std::move(job)), look_up_(std::move(look_up)) {}
 
     /// Waits for the next state. The first call returns the current state. Later calls return the state after each
-    /// iteration, and finally the state at the end. If another server runs the job, iterations may be skipped.
+    /// iteration, and finally the state of the finished job. If another server runs the job, iterations may be skipped.
     /// @returns  none if there is no new state by `until`
     std::optional<Job> next(std::chrono::steady_clock::time_point until);
 
@@ -62,7 +62,7 @@ public:
 private:
     std::shared_ptr<FollowedJob> job_;
     LookUp look_up_;
-    std::optional<std::size_t> seen_;  ///< number of iterations returned so far
+    std::optional<std::size_t> seen_;  ///< number of iterations processed so far; none before the first call of next()
     bool over_ = false;
 };
 

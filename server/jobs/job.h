@@ -17,7 +17,7 @@ namespace ccdt::server {
 
 enum class JobStatus { Queued, Running, Succeeded, Failed, Cancelled };
 
-/// Returns the word for a status that answers, logs, metrics and stores use.
+/// Returns the word for a status, as used in answers, logs, metrics and stores.
 std::string_view name_of(JobStatus status);
 
 /// Inverse of name_of(); none if the word is unknown.
@@ -40,7 +40,8 @@ struct JobProgress {
     std::optional<double> variation;
 };
 
-/// The state of a request that is computed while its client does not wait. The request is stored separately.
+/// The state of a request that is computed in the background, without a waiting client. The request is stored
+/// separately.
 struct Job {
     std::string id;
     std::string owner;        ///< name of the API key of the request; empty: none
@@ -48,7 +49,7 @@ struct Job {
     std::string traceparent;  ///< header of the request, if well-formed; empty: none
     api::Cost cost;
     JobStatus status = JobStatus::Queued;
-    int starts = 0;           ///< number of runs, including those interrupted by the end of a server
+    int starts = 0;           ///< number of runs, including runs that a server crash interrupted
     std::uint64_t claim = 0;  ///< number of the latest claim, see JobStore
     Time created;
     std::optional<Time> started;
@@ -60,7 +61,7 @@ struct Job {
     std::string media_type;
     std::size_t result_bytes = 0;
     bool partial = false;         ///< whether the result is incomplete because of the deadline
-    std::vector<Header> headers;  ///< headers made by answer_headers()
+    std::vector<Header> headers;  ///< see answer_headers()
     bool dropped = false;         ///< the result was deleted to free space
 };
 

@@ -38,7 +38,7 @@ public:
     void push(const Job& job) { queue_.push(job.client, job.cost.seconds, {job.id, job.cost.memory}); }
 
     /// Requeues the jobs whose leases have expired, then takes the next job that needs at most `memory` bytes. The
-    /// caller must claim() the job or put_back() it, unless the job's data is damaged.
+    /// caller must then call claim() or put_back(), unless the job's data is damaged.
     std::optional<Entry> take_next(std::size_t memory);
     void put_back(Entry entry) { queue_.put_back(std::move(entry)); }
 
@@ -52,7 +52,7 @@ public:
     bool owns(const Job& job) const;
 
     /// Renews the lease of a claimed job, and stores its status and progress.
-    /// @param now  stored as the time of the start at the first call with a running job
+    /// @param now  becomes `Job::started` at the first call with the status Running
     /// @returns    false if the claim is no longer valid
     bool renew(const Job& job, Time now);
 

@@ -16,11 +16,12 @@ namespace {
 using Clock = JobRuns::Clock;
 using Milliseconds = std::chrono::duration<double, std::milli>;
 
-/// Maximum number of starts of a job whose servers end during its runs. Computations run in other processes and cannot
-/// crash the server, so this limit only guards against unforeseen faults.
+/// Maximum number of runs of a job that a server crash may interrupt; after these, the job fails. Computations run in
+/// other processes and cannot crash the server, so this limit only guards against unforeseen faults.
 constexpr int kMaxStarts = 3;
 
-/// Bounds of the interval between deletions of expired jobs, which clients cannot find in the meantime.
+/// Bounds of the interval at which expired jobs are deleted. Clients cannot find expired jobs even before their
+/// deletion.
 constexpr std::chrono::milliseconds kMinRemovalInterval{100};
 constexpr std::chrono::milliseconds kMaxRemovalInterval{60'000};
 
@@ -31,7 +32,7 @@ Problem too_late(std::chrono::milliseconds timeout) {
              {}}};
 }
 
-/// Returns the request that a store has found. Error: Internal if the store failed or has no such request.
+/// Returns the request of a job as read from the store. Error: Internal if the store failed or has lost the request.
 Result<ComputeRequest> whole_request(Result<std::optional<ComputeRequest>> stored) {
     if (!stored) return failure(ErrorCode::Internal, stored.error().message);
     if (!*stored) return failure(ErrorCode::Internal, "the request is lost");
@@ -42,7 +43,7 @@ Problem shut_down() {
     return {503, {ErrorCode::Stopped, "the server shut down", {}}};
 }
 
-/// Makes the end of a job that failed without a result.
+/// Returns the end of a job that failed without a result.
 JobEnd failed(Job job, Problem failure) {
     JobEnd end{std::move(job), {}, {}, failure.cause};
     end.job.status = JobStatus::Failed;
@@ -50,7 +51,7 @@ JobEnd failed(Job job, Problem failure) {
     return end;
 }
 
-/// Makes the end of a job that failed because its result could not be stored.
+/// Returns the end of a job that failed because its result could not be stored.
 JobEnd not_stored(Job job, const Error& error) {
     JobEnd end{std::move(job), {}, {}, error.message};
     end.job.status = JobStatus::Failed;
@@ -62,7 +63,8 @@ JobEnd not_stored(Job job, const Error& error) {
 
 }  // namespace
 
-/// Stores all but the last piece of a result while it is computed. The computation waits for a store in an outage.
+/// Stores all but the last piece of a result while it is computed. During an outage of the store, the computation
+/// waits.
 class JobRunner::ResultWriter : public api::BodySink {
 public:
     ResultWriter(JobStore& store, const Job& job, std::stop_token stop)
@@ -81,7 +83,8 @@ public:
         return {};
     }
 
-    /// Returns the part of the result that is stored; the next two functions return the rest, and the error of storing.
+    /// Returns the part of the result that is stored. take_last() returns the rest, error() the error if storing
+    /// failed.
     const JobStore::StoredPart& stored() const { return stored_; }
     std::string take_last() { return std::move(last_); }
     const std::optional<Error>& error() const { return error_; }
@@ -205,7 +208,7 @@ bool JobRunner::begin_run(const Run& run) {
 }
 
 /// Computes the result of a job.
-/// @returns  the end to be stored; none if this run does not end the job
+/// @returns  the end to be stored; none if the job was requeued, or is left to another thread or server
 std::optional<JobRun::End> JobRunner::compute(const Run& run, const std::stop_token& stop) {
     Stages stages;
     const Job job = run->job();
@@ -291,7 +294,8 @@ void JobRunner::requeue(const Run& run) {
     runs_.erase(run);
 }
 
-/// Stores the end of a job, informs followers, and writes the log. Call JobRun::start_settling() before.
+/// Stores the end of a job, informs followers, and writes the log. No other thread may do the same, see
+/// JobRun::start_settling().
 void JobRunner::settle(const Run& run, JobRun::End end) {
     const auto stored = store_end(end);
     if (!stored && stored.error().code == ErrorCode::Stopped) return run->keep_end(std::move(end));
@@ -382,7 +386,7 @@ void JobRunner::renew_leases() {
     }
 }
 
-/// Tries again to store the ends of jobs that could not be stored before.
+/// Stores the ends of jobs that could not be stored during an outage of the store.
 void JobRunner::store_remaining_ends() {
     for (const auto& run : runs_.all()) {
         auto end = run->take_end();

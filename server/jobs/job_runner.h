@@ -93,7 +93,7 @@ private:
     const std::chrono::milliseconds renewal_interval_;
     JobRuns runs_;
 
-    std::jthread claimer_;     ///< claims jobs; both threads come last: they use all members
+    std::jthread claimer_;     ///< claims jobs; both threads are declared last, because they use all other members
     std::jthread timekeeper_;  ///< stops runs at their deadlines, renews leases, deletes expired jobs
 };
 

@@ -6,7 +6,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Minimum time between two stores of a run's progress.
+/// Minimum time between two updates of a run's progress in the store.
 constexpr std::chrono::milliseconds kProgressInterval{100};
 
 }  // namespace

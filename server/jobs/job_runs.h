@@ -39,13 +39,13 @@ public:
     struct End {
         std::string result;
         JobEnd summary;
-        JobStore::StoredPart before = {};  ///< stored part of the result, which `result` follows
+        JobStore::StoredPart before = {};  ///< part of the result that is already stored; `result` is the rest
     };
 
     /// The reason why a run is stopped. Gone: the job was cancelled, or another server has claimed it.
     enum class Stop { None, Deadline, Shutdown, Gone };
 
-    /// The next step of the caller: begin the run or store its end (Proceed), requeue the job, or do nothing.
+    /// The next step of the caller. Proceed: compute the result after begin(), or store the end after finish().
     enum class Next { Proceed, Requeue, Nothing };
 
     explicit JobRun(Job job) : job_(std::move(job)) {}
@@ -53,7 +53,7 @@ public:
     Job job() const;
     bool is_gone() const;
 
-    /// A token that is stopped when the result is no longer needed.
+    /// Returns a token that requests a stop when the result is no longer needed.
     std::stop_token unneeded() const { return unneeded_.get_token(); }
 
     /// Id of the job in the pool; none: not in the pool.
@@ -68,11 +68,11 @@ public:
     Next begin(const Result<JobStore::Renewal>& renewal, Clock::duration timeout);
 
     /// Records progress.
-    /// @returns  whether the store had the latest progress before this call
+    /// @returns  whether the store contains the previously recorded progress
     bool note(const Progress& progress);
 
     /// Records that the computation has ended.
-    /// @param whole  whether the computation was not stopped early
+    /// @param whole  false if the computation was stopped early
     Next finish(bool whole);
 
     /// Records that the run has to stop.
@@ -80,14 +80,14 @@ public:
     bool stop(Stop why);
 
     /// Stops the run, because this server does not own the job any more.
-    /// @returns  false in the cases in which stop() returns false
+    /// @returns  false if stop() would return false
     bool give_up(JobStore::Owned owned);
 
     /// Reserves the right to store the end of the job for the calling thread.
     /// @returns  false if another thread has the right
     bool start_settling();
 
-    /// Keeps the end of the job, which could not be stored, for a later attempt.
+    /// Keeps the end of the job for a later attempt to store it.
     void keep_end(End end);
     bool has_end() const;
     std::optional<End> take_end();
@@ -98,7 +98,8 @@ public:
     /// @param interval  pause between renewals of the lease
     Clock::time_point next_due(Clock::duration interval) const;
 
-    /// Returns the job for JobStore::renew() if the lease must be renewed or new progress stored; otherwise none.
+    /// Returns the job for JobStore::renew() if the lease must be renewed or new progress must be stored; otherwise
+    /// none.
     /// @param interval  pause between renewals of the lease
     std::optional<Job> take_due(Clock::duration interval);
 
@@ -146,7 +147,7 @@ public:
     void start();
 
     /// Stops passing jobs to the pool.
-    /// @returns  all runs at the first call; an empty list later
+    /// @returns  all runs at the first call; an empty list at later calls
     std::vector<Run> drain();
     bool is_draining() const;
 
@@ -155,7 +156,8 @@ public:
 
     /// Adds a run.
     /// @param for_pool  whether the job should be passed to the pool
-    /// @returns         whether the caller must pass the job to the pool; leave_pool() must be called after its run
+    /// @returns         whether the caller must pass the job to the pool; if so, leave_pool() must be called after the
+    ///                  job's run
     bool add(const Run& run, bool for_pool);
     void leave_pool();
     void wait_until_pool_is_left();

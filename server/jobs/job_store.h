@@ -13,7 +13,7 @@
 
 namespace ccdt::server {
 
-/// Receives notifications about all changes in a store, including those by other servers. The functions are called by
+/// Receives notifications about all changes in a store, including changes by other servers. The functions are called by
 /// any thread, one at a time, and must not use the store.
 class JobListener {
 public:
@@ -81,14 +81,14 @@ public:
 
     /// Claims the next job in the queue, or a job whose lease has expired, and increments `Job::starts`.
     /// @param memory  limit in bytes; jobs that need more memory are left to other servers
-    /// @returns       the claimed job; none if there is no such job
+    /// @returns       the claimed job; none if no job can be claimed
     virtual Result<std::optional<Job>> claim(std::size_t memory) = 0;
 
     /// Reads the request of a job; none if the job does not exist or has ended.
     virtual Result<std::optional<ComputeRequest>> request(const std::string& id) = 0;
 
     /// Renews the lease of a claimed job, and stores its status and progress. The first call with the status Running
-    /// sets the time of the start.
+    /// sets the stored `Job::started`.
     virtual Result<Renewal> renew(const Job& job) = 0;
 
     /// Returns a claimed job to the front of the queue, and decrements `Job::starts`.
@@ -102,8 +102,8 @@ public:
     virtual Result<bool> append_piece(const Job& job, const StoredPart& before, std::string_view piece) = 0;
 
     /// Stores the end of a claimed job: deletes its request, and stores its result. Frees space for the result as add()
-    /// does. Error: LimitExceeded if there is not enough space. Needs no space without a result. May be repeated after
-    /// an error.
+    /// does. Error: LimitExceeded if there is not enough space. A job without a result needs no space. May be repeated
+    /// after an error.
     /// @param result  the whole result, or the part after the stored pieces, which may be empty
     /// @returns       time of the end; none if the job was lost or cancelled
     virtual Result<std::optional<Time>> finish(const Job& job, std::string_view result, const StoredPart& before) = 0;
@@ -129,7 +129,7 @@ public:
     Result<std::optional<std::string>> result(const std::string& id);
 
     /// Removes some of the expired jobs.
-    /// @returns  whether there may be more
+    /// @returns  whether more expired jobs may be left
     virtual Result<bool> remove_expired() = 0;
 
     virtual Result<Load> load() = 0;

@@ -39,22 +39,22 @@ public:
     Jobs(const Jobs&) = delete;
     Jobs& operator=(const Jobs&) = delete;
 
-    /// Starts to run jobs, including those already in the store.
+    /// Starts to run jobs, including jobs that are already in the store.
     void start() { runner_.start(); }
 
     /// Whether accept() would now refuse a job of this client, because the queue is full.
     bool is_full(std::string_view client) const;
 
-    /// Stores a job to be run. After success, the job is not lost if the server ends, as far as the store is durable.
+    /// Stores a job to be run. After success, a durable store keeps the job even if the server ends.
     ///
-    /// @param job  job with its owner, client and cost; its memory must not exceed the limit of the pool
+    /// @param job  job whose owner, client and cost are set; `cost.memory` must not exceed the limit of the pool
     /// Problems: 413 the request or the result is larger than the store; 429 the queue is full, or waiting jobs fill
     /// the store; 503 during a shutdown or an outage of the store; 507 the disk or Redis is full; 500 the store fails.
     HttpResult<Job> accept(Job job, const ComputeRequest& request);
 
     /// Finds a job.
-    /// Problems, also of the functions below: 404 the job does not exist or has another owner; 503 the store cannot be
-    /// reached; 500 the store fails.
+    /// Problems of this function and the functions below: 404 the job does not exist or has another owner; 503 the
+    /// store cannot be reached; 500 the store fails.
     HttpResult<Job> find(const std::string& id, const std::string& owner) const;
 
     /// Reads the result of a job that has succeeded.
@@ -73,8 +73,8 @@ public:
     /// Follows a job's progress.
     HttpResult<Watch> watch(const std::string& id, const std::string& owner);
 
-    /// Requests all runs to stop, and returns at once. If the store survives, unfinished jobs stay for the next process
-    /// or other servers. Otherwise, they fail, and no more jobs are accepted.
+    /// Requests all runs to stop, and returns at once. If the store survives, unfinished jobs stay in it for the next
+    /// process or other servers. Otherwise, unfinished jobs fail, and no more jobs are accepted.
     void drain() { runner_.drain(); }
     bool is_draining() const { return runner_.is_draining(); }
 

@@ -18,9 +18,9 @@ namespace {
 /// Prefix of all keys. The number is the version of their layout.
 constexpr std::string_view kPrefix = "ccdt:1:";
 
-/// Maximum size of a body, in bytes, that is an argument of the script that stores it. This saves one round trip and
-/// one wait for the disk. Larger bodies are sent by separate calls before, because scripts copy their arguments several
-/// times, and Redis serves no other client meanwhile.
+/// Maximum size of a body, in bytes, that is sent as an argument of the script that stores it. This saves one round
+/// trip and one wait for the disk. Larger bodies are sent by separate calls before the script runs: scripts copy their
+/// arguments several times, and Redis serves no other client meanwhile.
 constexpr std::size_t kSmall = std::size_t{64} << 10;
 
 /// Time in seconds after which temporary keys with pieces expire.
@@ -36,7 +36,8 @@ constexpr int kLeastVersion = 7;
 constexpr std::string_view kAnyway = "allow-oom";
 constexpr std::string_view kReads = "no-writes,allow-oom";
 
-/// Minimum time until the next repair after a repair without success, because repairs read all jobs.
+/// Minimum time until the next repair if a call still fails after a repair. Limits the load, because a repair reads all
+/// jobs.
 constexpr std::chrono::seconds kRepairPause{1};
 
 RedisScript script(std::string_view flags, std::string_view text) {

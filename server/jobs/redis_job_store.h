@@ -27,10 +27,10 @@ namespace ccdt::server {
 /// calls are not delayed. When the body is complete, its key gets its final name.
 ///
 /// After an outage of Redis, all servers get time to renew their leases: a server claims jobs with expired leases only
-/// when its subscription to notifications has lasted for the duration of a lease.
+/// after its subscription to notifications has lasted for the duration of a lease.
 ///
 /// Other programs may overwrite keys. The call that finds a damaged key reports and repairs it (see repair.lua). Bodies
-/// have digests. A damaged request makes its job fail; reading a damaged result is an error (Unusable).
+/// have digests. A damaged request makes its job fail; reading a damaged result returns an error (Unusable).
 class RedisJobStore : public JobStore {
 public:
     /// Functions that write log messages.
@@ -40,12 +40,12 @@ public:
         std::function<void(const std::string&)> error;
     };
 
-    /// Does not wait for the connection to Redis. When it is established, logs warnings about settings of Redis that
-    /// may cause a loss of jobs.
-    /// `client` must outlive this object.
+    /// Does not wait for the connection to Redis. Once the connection is established, logs warnings about settings of
+    /// Redis that may cause a loss of jobs. `client` must outlive this object.
     RedisJobStore(RedisClient& client, const JobLimits& limits, Notes notes);
 
-    /// Describes faults of the version and the readable settings of a Redis that may cause a loss of jobs.
+    /// Describes faults of a Redis that may cause a loss of jobs. Checks the version, and the settings that Redis
+    /// permits reading.
     /// Errors: Redis cannot be reached.
     static Result<std::vector<std::string>> find_faults(RedisClient& client);
 

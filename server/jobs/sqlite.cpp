@@ -25,7 +25,8 @@ void Database::check(int code) const {
     throw SqliteError(reported, handle_ ? sqlite3_errmsg(handle_.get()) : sqlite3_errstr(code));
 }
 
-/// Allocates disk space for the beginning of the file that `which` selects, in chunks of 1 MiB to save system calls.
+/// Allocates disk space for the first `bytes` of a file, in chunks of 1 MiB to save system calls.
+/// @param which  SQLite's opcode that selects the file
 void Database::allocate(int which, std::size_t bytes) {
     sqlite3_file* file = nullptr;
     check(sqlite3_file_control(handle_.get(), "main", which, static_cast<void*>(&file)));

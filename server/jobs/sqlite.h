@@ -37,7 +37,8 @@ public:
     /// Does nothing for a database in memory. Throws SQLITE_FULL if there is no space.
     void allocate(std::size_t bytes);
 
-    /// Reserves disk space for the write-ahead log. The log must exist, so the database must have been read before.
+    /// Reserves disk space for the write-ahead log. The log must exist; SQLite creates it when the database is first
+    /// read.
     void allocate_log(std::size_t bytes);
 
     std::int64_t last_row() const { return sqlite3_last_insert_rowid(handle_.get()); }

@@ -84,7 +84,7 @@ auto SqliteJobStore::attempt(Do act) -> Result<decltype(act())> {
     }
 }
 
-/// Calls a function that frees space, even if the disk is full. Then returns free pages to the disk.
+/// Calls `act`, which frees space, and repeats the call once if the disk is full. Then returns free pages to the disk.
 template <class Do>
 auto SqliteJobStore::run_freeing(Do act) -> Result<decltype(act())> {
     auto done = attempt(act);
@@ -186,7 +186,8 @@ Result<void> SqliteJobStore::requeue(const Job& job) {
     return requeued;
 }
 
-/// Finds a job with its current state. The state of running jobs is in the queue, not in the database.
+/// Finds a job with its current state. The state of a claimed job comes from the queue, because the database does not
+/// contain its progress.
 std::optional<SqliteJobTables::StoredJob> SqliteJobStore::find_stored(const std::string& id) {
     auto stored = tables_.find(id);
     if (!stored) return std::nullopt;

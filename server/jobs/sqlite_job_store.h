@@ -21,16 +21,16 @@ namespace ccdt::server {
 /// Jobs in a SQLite database, in a file or in memory.
 ///
 /// A file has a write-ahead log and is synchronized at every commit, so that jobs survive a crash of the process or the
-/// machine. Only one server at a time uses the file, and keeps the claims in memory. When a file is opened, unfinished
-/// jobs are queued in their original sequence. Damaged data is reported as an error (see SqliteJobTables). Jobs can be
-/// removed even when the disk is full. One thread at a time uses the database; others wait while a request or a piece
-/// of a result is written.
+/// machine. Only one server at a time can use the file, so it keeps the claims in memory. When a file is opened,
+/// unfinished jobs are queued in their original sequence. Damaged data is reported as an error (see SqliteJobTables).
+/// Jobs can be removed even when the disk is full. One thread at a time uses the database; others wait while a request
+/// or a piece of a result is written.
 class SqliteJobStore : public JobStore {
 public:
     /// @param folder  folder of the database files, created if missing; empty: in memory
     /// Errors (Unusable): the folder cannot be used; another server uses it; the file belongs to another program or has
-    /// another version of the tables; the file is damaged so much that not even single jobs can be read. Damage to
-    /// single jobs makes them fail. The message names the folder or file.
+    /// another version of the tables; the file as a whole is damaged. Damage to single jobs only makes these jobs fail.
+    /// The message names the folder or file.
     static Result<std::unique_ptr<SqliteJobStore>> open(const std::string& folder, const JobLimits& limits = {});
 
     Result<bool> is_full(std::string_view client) override;

@@ -14,11 +14,12 @@ constexpr std::int64_t kApplication = 0x63636474;
 /// Version of the tables.
 constexpr std::int64_t kVersion = 1;
 
-/// Bytes on disk reserved for the log, so that jobs can be deleted when the disk is full. The deletion of a result of
-/// 36 MiB needs 0.1 MB in the log, the return of `kFreePages` pages 4.2 MB.
+/// Bytes on disk reserved for the log, so that jobs can be deleted when the disk is full. Deleting a result of 36 MiB
+/// needs 0.1 MB in the log; returning `kFreePages` pages needs 4.2 MB.
 constexpr std::size_t kReserve = std::size_t{16} << 20;
 
-/// Number of free pages that the database keeps. Further free pages are returned to the disk, this many at a time.
+/// Number of free pages above which free pages are returned to the disk, and maximum number of pages returned at a
+/// time.
 constexpr std::int64_t kFreePages = 1024;
 
 constexpr const char* kDamagedJob = "the stored data of this job is damaged";
@@ -101,8 +102,8 @@ constexpr int kBytes = 21;
 constexpr int kTraceparent = 22;
 constexpr int kDigest = 23;
 
-/// Returns a query for the columns that job_at() reads, followed by those with the numbers kRow to kDigest. The last
-/// column is the digest of all other columns.
+/// Returns a query for the columns that job_at() reads and, at the end, the columns kRow to kDigest. The last column is
+/// the digest of all other columns.
 std::string select_jobs(const std::string& which) {
     return "SELECT id, owner, client, memory, seconds, status, starts, created, started, finished, fraction, "
            "iteration, variation, failure, message, field, media_type, result_bytes, partial, dropped, row, bytes, "
@@ -145,7 +146,8 @@ Job job_at(const Statement& row) {
     return job;
 }
 
-/// Returns the digest of a request and the id of its job, so that the request of another job is detected.
+/// Returns the digest of a request together with the id of its job. The id reveals a row that contains the request of
+/// another job.
 std::string digest_of(std::string_view id, const ComputeRequest& request) {
     Digest digest;
     for (const std::string_view text :
@@ -188,7 +190,7 @@ void seal(Database& database, std::int64_t row) {
 }
 
 /// Writes the state of a job to its row.
-/// @param bytes  bytes that the job takes from now on
+/// @param bytes  new number of bytes that the job takes
 void write_job(Database& database, const Job& job, std::int64_t row, std::size_t bytes) {
     std::optional<std::int64_t> failure;
     std::string message;
@@ -310,7 +312,7 @@ std::vector<Job> SqliteJobTables::unfinished() {
     return jobs;
 }
 
-/// Compares the id, because a damaged index may lead to the row of another job.
+/// Also compares the id, because a damaged index may lead to the row of another job.
 std::optional<SqliteJobTables::StoredJob> SqliteJobTables::find(const std::string& id) {
     Statement query(database_, select_jobs("WHERE id = ?").c_str(), id);
     if (!query.step()) return std::nullopt;
@@ -479,7 +481,7 @@ void SqliteJobTables::allocate_space(std::size_t bytes) {
     database_.allocate(static_cast<std::size_t>(pages * page));
 }
 
-/// Subtracts freed bytes. A damaged row may name more bytes than are counted, hence the minimum.
+/// Subtracts freed bytes, but never more than are counted, because the number in a damaged row may be too large.
 void SqliteJobTables::release(std::size_t bytes) {
     bytes_ -= std::min(bytes_.load(), bytes);
 }

@@ -69,7 +69,8 @@ public:
     /// Removes a job; returns false if it does not exist.
     bool remove(const std::string& id);
 
-    /// Removes up to `max_jobs` of the jobs that finished until the time `by`, oldest first.
+    /// Removes up to `max_jobs` jobs that finished at the time `by` or earlier, starting with the job that finished
+    /// first.
     /// @returns  number of removed jobs
     std::size_t remove_finished(Time by, std::size_t max_jobs);
 

@@ -12,7 +12,7 @@ namespace {
 constexpr std::string_view kExpected = "redis://[[user]:password@]host[:port][/database], or rediss:// for TLS";
 
 /// Decodes percent-encoding.
-/// @returns  none if two hexadecimal digits do not follow a %
+/// @returns  none if a % is not followed by two hexadecimal digits
 std::optional<std::string> decode(std::string_view text) {
     std::string decoded;
     while (!text.empty()) {

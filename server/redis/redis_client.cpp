@@ -120,7 +120,7 @@ Result<std::vector<RedisReply>> RedisClient::attempt(std::span<const RedisComman
     return replies;
 }
 
-/// Returns the error of a call that could not reach Redis. Makes calls during the next pause fail at once.
+/// Returns the error of a call that could not reach Redis. Starts a pause during which no call connects to Redis.
 tl::unexpected<Error> RedisClient::late(const Error& error) {
     const std::lock_guard lock(mutex_);
     pause_locked(error);
@@ -146,7 +146,7 @@ Result<RedisClient::Connection> RedisClient::connect(Clock::time_point deadline)
     {
         const std::lock_guard lock(mutex_);
         if (Clock::now() < retry_) return tl::unexpected(away_);
-        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // other calls do not try meanwhile
+        if (pause_.count() > 0) retry_ = Clock::now() + deadline_;  // other calls do not connect meanwhile
     }
     auto connection = RedisConnection::open(address_, deadline);
     const std::lock_guard lock(mutex_);

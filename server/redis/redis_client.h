@@ -22,10 +22,10 @@ namespace ccdt::server {
 
 /// Runs commands on a Redis server. Thread-safe. Simultaneous calls use different connections.
 ///
-/// A lost connection is replaced. If the connection had been idle, the commands of the call are sent again, so they
-/// should be idempotent. After a failure to reach Redis, calls fail at once during a pause of up to a second; then one
-/// call tries again. If Redis reports that it is a replica, all connections are replaced, because the address may now
-/// lead to another server.
+/// If an idle connection turns out to be lost, the call opens a new connection and sends its commands again. Commands
+/// should therefore be idempotent. After a failure to reach Redis, calls fail at once during a pause of up to a second;
+/// then one call tries again. If Redis reports that it is a replica, all connections are replaced, because the address
+/// may now lead to another server.
 /// Errors of all calls: Stopped if Redis cannot be reached within the deadline; LimitExceeded if its memory is full;
 /// Unusable if a key has a value of another type; Internal for all other errors.
 class RedisClient {

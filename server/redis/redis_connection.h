@@ -42,7 +42,7 @@ public:
     using Clock = std::chrono::steady_clock;
 
     /// Connects and authenticates. The deadline does not limit the name lookup.
-    /// Errors: also if the password is wrong.
+    /// Errors (Stopped): Redis cannot be reached, or rejects the credentials or the number of the database.
     static Result<std::unique_ptr<RedisConnection>> open(const RedisAddress& address, Clock::time_point deadline);
     ~RedisConnection();
 

@@ -24,7 +24,7 @@ public:
     /// Functions that the thread of the subscription calls.
     struct Callbacks {
         std::function<void(std::string_view)> message;
-        std::function<void()> begun;              ///< the subscription exists: later messages will be delivered
+        std::function<void()> begun;              ///< the subscription exists; messages from now on are delivered
         std::function<void(const Error&)> ended;  ///< messages may be lost; called once per outage
     };
 
@@ -41,7 +41,7 @@ private:
     const RedisAddress address_;
     const std::string channel_;
     const Callbacks callbacks_;
-    bool begun_ = false;   ///< only the thread uses it
+    bool begun_ = false;   ///< used only by `thread_`
     std::jthread thread_;  ///< last, because it uses all other members
 };
 
