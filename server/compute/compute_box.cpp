@@ -27,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Maximum wait for a fork server that is being restarted, and for its report that a process has ended.
+/// Maximum wait for a fork server that is being restarted. Also the maximum wait for a report that a process has ended.
 constexpr std::chrono::seconds kPatience{2};
 
 /// The reason why a computation process did not reply.
@@ -114,7 +114,7 @@ struct ComputeBox::Process {
     }
 };
 
-/// Sends one request to a computation process, and receives the replies until the answer.
+/// Sends one request to a computation process, and receives the replies until the computation has ended.
 class ComputeBox::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
@@ -131,7 +131,7 @@ public:
     /// Whether the head of a large answer has arrived.
     bool has_begun() const { return head_.has_value(); }
 
-    /// Whether the process may still be computing, because the receiver of the answer has failed.
+    /// Whether the receiver of the answer has failed. The process may then still be computing.
     bool is_abandoned() const { return abandoned_; }
 
     Outcome run(Call call, const ComputeRequest& request) {
@@ -237,7 +237,7 @@ private:
         return answer;
     }
 
-    /// Tells the process to stop, and sets the deadline at which the process is ended.
+    /// Tells the process to stop, and sets the time at which a process that has not stopped is ended.
     void pass_on_stop(const Call& call) {
         eventfd_t discarded = 0;
         eventfd_read(stopped_.get(), &discarded);
@@ -283,7 +283,7 @@ private:
     api::Timings& timings_;
     const UniqueFd stopped_;  ///< readable once a stop was requested
     ReplyReader reader_;
-    std::optional<api::Answer> head_;  ///< head of an answer sent in pieces; without a sink, collects the body
+    std::optional<api::Answer> head_;  ///< head of an answer sent in pieces; also its body if there is no sink
     bool abandoned_ = false;
     std::optional<Clock::time_point> end_at_;
     std::optional<ChildEnd> death_;

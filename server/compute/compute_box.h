@@ -38,10 +38,10 @@ public:
 
     struct Options {
         api::Limits limits;
-        std::chrono::seconds to_stop{5};  ///< maximum time from a stop request to the end of the process
+        std::chrono::seconds to_stop{5};  ///< time in which a computation must stop; afterwards its process is ended
 
-        /// Maximum time from a stop request to the end of the process if nobody waits for the answer. Short, because a
-        /// new process starts in about a millisecond, and the system frees 3 GB in 0.25 s.
+        /// The same limit if nobody waits for the answer. It is short, because ending a process costs little: a new one
+        /// starts in about a millisecond, and the system frees 3 GB in 0.25 s.
         std::chrono::milliseconds to_leave{50};
     };
 
@@ -58,7 +58,7 @@ public:
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
 
     /// Computes an answer, as specified for Compute. The process gets the nice value of the calling thread. A process
-    /// that does not stop in time is ended. It is counted as overdue if a client still waits for the answer.
+    /// that does not stop in time is ended. If a client still waits for the answer, the process is counted as overdue.
     Result<api::Answer> compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
                                 api::Timings& timings);
 
@@ -77,10 +77,10 @@ public:
 
     struct Counts {
         std::uint64_t crashes = 0;         ///< processes that crashed while they computed
-        std::uint64_t overdue = 0;         ///< processes ended because they did not stop at a deadline
+        std::uint64_t overdue = 0;         ///< processes ended because they did not stop in time
         std::uint64_t restarts = 0;        ///< restarts of the fork server
         std::uint64_t silences = 0;        ///< number of times that the fork server stopped replying
-        std::uint64_t decoder_deaths = 0;  ///< decoders that crashed, exceeded a limit or replied wrongly
+        std::uint64_t decoder_deaths = 0;  ///< decoders that crashed, exceeded a limit or sent an invalid reply
     };
     Counts counts() const;
 

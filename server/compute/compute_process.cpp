@@ -29,8 +29,8 @@
 namespace ccdt::server {
 namespace {
 
-/// Returns free memory to the system if there is more than a megabyte of it. This takes less than a millisecond. Short
-/// computations keep their memory for the next one.
+/// Returns free memory to the system if it exceeds a megabyte. Less memory is kept for the next computation. Takes less
+/// than a millisecond.
 void give_back_memory() {
     constexpr std::size_t kMuch = std::size_t{1} << 20;
     if (mallinfo2().fordblks > kMuch) malloc_trim(0);

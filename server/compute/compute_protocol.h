@@ -52,8 +52,8 @@ struct Call {
 };
 
 /// Message from a computation process, followed by texts. For each request, the process sends any number of Steps
-/// (progress), then an Answer or a Failure. A large body precedes its Answer: a Head, which is the answer without body,
-/// and any number of Pieces of the body.
+/// (progress), then an Answer or a Failure. If the body is large, the process sends it before the Answer: first a Head,
+/// which is the answer without its body, then the Pieces of the body.
 struct Reply {
     enum class Kind : std::uint32_t { Step, Head, Piece, Answer, Failure };
     /// Media type, coding, body or piece of a body, list of repairs, warnings. For a failure: message, field.

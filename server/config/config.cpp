@@ -19,11 +19,11 @@ namespace {
 
 constexpr std::size_t kQueuePerWorker = 16;
 
-/// Default number of common connections in addition to those whose requests are computed or queued. They serve idle and
-/// slow clients and requests that need no worker.
+/// Default number of connections in addition to those whose requests are computed or queued. They serve idle and slow
+/// clients and requests that need no worker.
 constexpr std::size_t kSpareConnections = 512;
 
-/// Number of connections reserved for health checks and metrics: one for every kConnectionsPerReserved common
+/// Number of connections reserved for health checks and metrics: one for every kConnectionsPerReserved other
 /// connections, and at least kMinReserve.
 constexpr std::size_t kMinReserve = 16;
 constexpr std::size_t kConnectionsPerReserved = 4;
@@ -42,7 +42,7 @@ struct Draft {
     std::optional<std::size_t> cache;
     std::optional<std::vector<std::string>> cors_origins;
     std::optional<std::vector<std::string>> allowed_hosts;
-    std::map<std::string_view, ChosenValue> given;  ///< values that were given, by flag
+    std::map<std::string_view, ChosenValue> given;  ///< given values by the name of their flag
 };
 
 /// Applies the value of a setting to a draft.
@@ -115,7 +115,7 @@ std::string set_cors_origins(Draft& draft, std::string_view text) {
     }
 }
 
-/// Returns a host in the form for `allows_host`; none if the text has a port, or is neither a name nor an address.
+/// Returns a host in the form that `allows_host` needs; none if the text has a port or is neither name nor address.
 std::optional<std::string> parse_host(std::string_view text) {
     const bool has_brackets = text.starts_with('[') && text.ends_with(']');
     if (has_brackets) text = text.substr(1, text.size() - 2);
@@ -179,13 +179,14 @@ std::string set_bind(Draft& draft, std::string_view text) {
     return {};
 }
 
-/// Returns the default origins: loopback pages if the server listens on loopback, otherwise none.
+/// Returns the default origins: loopback if the server listens on loopback, otherwise none.
 std::vector<std::string> default_cors_origins(std::string_view bind) {
     if (!is_loopback(bind)) return {};
     return {std::string(kLoopback)};
 }
 
-/// Returns the allowed hosts. They always include loopback names, which foreign pages cannot have (see allows_host).
+/// Returns the allowed hosts. If none are given and the server does not listen on loopback, any host is allowed.
+/// Otherwise, the list includes loopback, because foreign pages cannot have loopback names (see allows_host).
 std::vector<std::string> all_allowed_hosts(const Draft& draft) {
     if (!draft.allowed_hosts && !is_loopback(draft.config.bind)) return {std::string(kAny)};
     auto hosts = draft.allowed_hosts.value_or(std::vector<std::string>());

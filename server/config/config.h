@@ -29,13 +29,13 @@ struct Config {
     std::string bind = "127.0.0.1";
     int port = 8080;                               ///< 0: any free port
     std::size_t workers = 1;                       ///< number of computations at the same time
-    std::size_t threads_per_request = 1;           ///< maximum for one computation while other workers are idle
+    std::size_t threads_per_request = 1;           ///< threads that a computation may use while other workers are idle
     std::size_t queue = 16;                        ///< number of requests that may wait for a worker
     std::size_t max_body = std::size_t{64} << 20;  ///< bytes
     std::size_t memory = std::size_t{1} << 30;     ///< limit in bytes for the server, computations and decoders
     api::Limits limits;
-    std::chrono::milliseconds timeout{60'000};        ///< limit from the last byte of a request to its answer
-    std::chrono::milliseconds drain_timeout{70'000};  ///< limit from SIGTERM to the end of the process
+    std::chrono::milliseconds timeout{60'000};        ///< maximum time from the last byte of a request to its answer
+    std::chrono::milliseconds drain_timeout{70'000};  ///< maximum time from SIGTERM to the end of the process
     Patience patience;                                ///< time-outs for slow clients
     Capacity::Limits capacity;                        ///< limits for all clients together
     TrustedProxies trusted_proxies;                   ///< proxies whose headers about their clients are trusted
@@ -48,7 +48,7 @@ struct Config {
     std::optional<RedisAddress> redis;        ///< Redis in which servers share jobs
     std::vector<std::string> cors_origins;    ///< origins whose pages may use the server: see cors_headers
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
-    std::string api_key_file;                                   ///< empty: no key is needed
+    std::string api_key_file;                                   ///< file of API keys; empty: no key is needed
     std::string pictures;                                       ///< folder of pictures requested by name; empty: none
     AccessControl::SigningKeys signing;                         ///< empty: pictures by name need no signature
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address

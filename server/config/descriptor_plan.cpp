@@ -15,7 +15,7 @@ constexpr std::size_t kDescriptorsPerComputation = 4;
 /// Maximum number of connections to one Redis, including one for notifications.
 constexpr std::size_t kDescriptorsPerRedis = 17;
 
-/// Minimum number of connections of a useful server, unless its flags set lower limits.
+/// Minimum limits of connections with which the server starts, unless its flags set lower limits.
 constexpr std::size_t kMinConnections = 16;
 constexpr std::size_t kMinReserve = 8;
 constexpr std::size_t kMinStreams = 4;

@@ -8,8 +8,12 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-constexpr std::size_t kOthers = 160 * kMebibyte;  ///< idle decoder processes (70 MiB) and threads created later
-constexpr std::size_t kProcess = 4 * kMebibyte;   ///< an idle computation process
+/// Memory of idle decoder processes (70 MiB), and of the threads that the server creates after its start.
+constexpr std::size_t kOthers = 160 * kMebibyte;
+
+/// Memory of an idle computation process, or of the fork server.
+constexpr std::size_t kProcess = 4 * kMebibyte;
+
 constexpr std::size_t kMinForComputations = 192 * kMebibyte;
 
 std::string mebibytes(std::size_t bytes) {

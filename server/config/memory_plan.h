@@ -16,7 +16,7 @@ struct ComputeMemory {
     std::size_t requests = 0;  ///< 1/4 of the total: requests, from the arrival of the body to the answer
 };
 
-/// Subtracts all other shares from the configured memory. The rest is for requests and computations.
+/// Returns the memory for requests and computations: the configured memory without all other shares.
 /// @param resident  resident memory of the server process at its start, in bytes
 /// Errors (Malformed): less than 192 MiB is left.
 Result<ComputeMemory> memory_to_compute_with(const Config& config, std::size_t resident);

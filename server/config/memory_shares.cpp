@@ -8,7 +8,8 @@ namespace {
 
 constexpr std::size_t kMebibyte = std::size_t{1} << 20;
 
-/// Minimum memory for bodies and answers in transfer. With less, a single large answer would shorten all time-outs.
+/// Default memory for bodies and answers in transfer. Time-outs of all clients shrink once half of it is taken. With
+/// less memory, a single large answer would take half of it.
 constexpr std::size_t kTransfers = 256 * kMebibyte;
 constexpr std::size_t kBodiesAtOnce = 4;
 constexpr std::size_t kMemoryPerTransferred = 4;

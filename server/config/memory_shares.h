@@ -13,7 +13,7 @@ namespace ccdt::server {
 /// | cache | a sixteenth of the memory, at most 64 MiB |
 /// | jobs in memory | a sixteenth of the memory, at most 256 MiB |
 ///
-/// The remaining memory, less the programs' own, is for requests and their computations: see memory_plan.h.
+/// The programs themselves need memory, too. The rest is for requests and their computations: see memory_plan.h.
 struct MemoryShares {
     std::size_t transfers = 0;
     std::size_t cache = 0;

@@ -19,7 +19,8 @@ struct Order;
 /// affects only its own file.
 ///
 /// A helper process forks a child for each file. If the helper ends, it is restarted. DecoderClient creates the orders.
-/// decoder_helper.h describes the processes, decoder_confinement.h and decoder_sandbox.h their rights. Thread-safe.
+/// decoder_helper.h describes the processes; decoder_confinement.h and decoder_sandbox.h describe their confinement.
+/// Thread-safe.
 class DecoderBox {
 public:
     /// Starts the helper. The destructor ends the helper and all its children. Error: Internal.

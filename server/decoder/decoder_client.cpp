@@ -25,14 +25,15 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Elapsed time that a child may take after its begin, as a multiple of its limit of processor time.
+/// Elapsed time that a child may take after it has begun, as a multiple of its limit of processor time. The maximum
+/// wait for a child to begin is added.
 constexpr int kMaxPerProcessorTime = 3;
 
 /// The reason why there is no reply.
 struct NoReply {
     enum class Reason { Died, TooSlow, Late, Stopped, NotStarted, OrderLost, NoHelper };
     Reason reason = Reason::OrderLost;
-    int error = 0;  ///< errno of NotStarted
+    int error = 0;  ///< errno if the reason is NotStarted
 };
 
 NoReply not_started() {

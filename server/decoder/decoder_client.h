@@ -39,15 +39,16 @@ public:
     /// Passes an order to a helper; returns false if no helper is available in time.
     using PassOrder = std::function<bool(const Order& order, const std::stop_token& stop)>;
 
-    /// Maximum time that an order waits for a helper, and then for a child to begin. Also the time for which an order
-    /// is repeated after its first loss. Orders are lost when their helper ends.
+    /// Maximum time that an order waits for a helper. The wait for a child to begin has the same limit. An order is
+    /// lost if its helper ends. Lost orders are repeated for this time after the first loss.
     static constexpr std::chrono::milliseconds kLongestWait{5000};
 
     explicit DecoderClient(PassOrder pass_order, LimitsOf limits = decoder_limits,
                            std::chrono::milliseconds longest_wait = kLongestWait)
         : pass_order_(std::move(pass_order)), limits_(std::move(limits)), longest_wait_(longest_wait) {}
 
-    /// Decodes a picture, with the same result as in the calling process. A stop request ends the decoding at once.
+    /// Decodes a picture. The result is the same as if the calling process decoded it. A stop request takes effect at
+    /// once.
     ///
     /// Errors: those of the picture readers; Unusable if the child crashed, exceeded its memory or processor time, or
     /// wrote an invalid reply; Stopped; Unavailable if the machine is too busy, so that no helper is available or a

@@ -19,7 +19,7 @@
 namespace ccdt::server {
 namespace {
 
-/// User and group id of nobody on all distributions.
+/// Id of the user `nobody` and of its group, on all distributions.
 constexpr unsigned kNobody = 65534;
 
 /// Names of the layers, in the order of Layer.
@@ -41,7 +41,7 @@ int error_of(bool done) {
     return done ? 0 : errno;
 }
 
-/// Changes user and group to nobody if the process belongs to root.
+/// Changes to the user `nobody` and its group if the process belongs to root.
 void leave_root(Confinement& confinement) {
     if (geteuid() != 0) return;
     const bool dropped = setgroups(0, nullptr) == 0 && setresgid(kNobody, kNobody, kNobody) == 0 &&

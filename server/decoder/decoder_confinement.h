@@ -38,14 +38,14 @@ struct Confinement {
     std::string describe() const;
 };
 
-/// Enters new namespaces and records which are in force. A process without the right to create namespaces first enters
-/// a new user namespace, as the user nobody if it belonged to root.
+/// Enters new namespaces and records which are in force. If the process may not create them, it first enters a new user
+/// namespace. In that case, a process of root changes to the user `nobody` before it enters the user namespace.
 ///
 /// The PID namespace applies to children of the caller. The first child becomes the init process; when it ends, all
 /// processes in the namespace end. Must be called by a single-threaded process.
 void enter_namespaces(Confinement& confinement);
 
-/// Replaces the root directory by an empty one, drops all capabilities, and changes from root to the user nobody.
+/// Replaces the root directory by an empty one, drops all capabilities, and changes from root to the user `nobody`.
 /// Records which of these layers are in force. Must be called after enter_namespaces.
 void drop_privileges(Confinement& confinement);
 

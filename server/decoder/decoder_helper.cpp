@@ -37,7 +37,7 @@ void follow(pid_t parent) {
     if (getppid() != parent) _exit(kFailed);
 }
 
-/// Descriptors that stay open in the helper and its children, after the standard streams: the socket for orders, and
+/// Descriptors that stay open in the helper and its children, besides the standard streams: the socket for orders, and
 /// /proc, which cannot be opened once the root directory is empty.
 constexpr int kOrders = STDERR_FILENO + 1;
 constexpr int kProc = kOrders + 1;
@@ -47,7 +47,7 @@ bool leave_files(int orders) {
     return dup2(orders, kOrders) == kOrders && close_range(kProc + 1, ~0U, 0) == 0;
 }
 
-/// Closes inherited files, and redirects the standard streams to /dev/null (with sanitizers, not standard error).
+/// Closes inherited files, and redirects the standard streams to /dev/null. With sanitizers, keeps standard error.
 bool leave_files_of_server(int orders) {
     if (dup2(orders, kOrders) != kOrders) return false;
     const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -159,7 +159,7 @@ private:
         });
     }
 
-    /// Decodes a file and ends the process. From here on, the child has only the two mapped files and a socket. The
+    /// Decodes a file and ends the process. While it decodes, the child has only the two mapped files and a socket. The
     /// child reports its outcome before it ends, because ending a process with many libraries takes milliseconds.
     /// @param decode_bytes  decodes the file and writes the reply; returns false on failure
     template <class Reply, class DecodeBytes>
@@ -183,8 +183,8 @@ private:
     Spare spare_;
 };
 
-/// Waits for all children, and ends with the exit status of the helper, which is the first child to end after the
-/// starter. Without a PID namespace, the children of the helper then become children of this process.
+/// Waits for all children, and ends with the exit status of the helper. Apart from the starter, the helper is the first
+/// child to end. Its own children become children of this process only afterwards, and only without a PID namespace.
 /// @param starter  child that forked the helper
 [[noreturn]] void end_like_helper(pid_t starter) {
     prctl(PR_SET_NAME, "decoder-keeper");
@@ -202,12 +202,12 @@ private:
     _exit(end && WIFEXITED(*end) ? WEXITSTATUS(*end) : kFailed);
 }
 
-/// Forks the helper, and returns only in the helper: a process with one thread, in new namespaces. The calling process
+/// Forks the helper, which has one thread and is in new namespaces. Returns only in the helper. The calling process
 /// waits for the end of the helper, and then exits.
 ///
-/// A child enters the namespaces, because a process with several threads cannot enter a user namespace, and libraries
-/// start threads early. The helper is a child of that child, because a PID namespace applies only to children of the
-/// process that enters it.
+/// The calling process may have several threads, which libraries start early, and such a process cannot enter a user
+/// namespace. Therefore a child enters the namespaces. The helper is a child of that child, because a PID namespace
+/// applies only to children of the process that enters it.
 void continue_in_namespaces(Confinement& confinement) {
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const pid_t child = fork();
@@ -243,8 +243,8 @@ void warm_up(const Decoder& decoder) {
     for (int pauses = 0; count_threads() > before && pauses < kMaxPauses; ++pauses) pause_shortly();
 }
 
-/// Forks the decoder's helper, a process in new namespaces, which executes orders until the server has ended. Returns
-/// only in the helper; the calling process waits for it and exits.
+/// Forks the decoder's helper, a process in new namespaces. The helper executes orders until the server has ended, and
+/// then returns. The calling process does not return: it waits for the end of the helper, and exits.
 /// @returns  false if the helper could not report that it is ready
 bool be_helper(const Decoder& decoder) {
     warm_up(decoder);

@@ -28,7 +28,7 @@ struct Decoder {
 };
 
 /// Turns the calling process into the parent of the helper. The helper receives orders, and forks a sandboxed child for
-/// each one. The parent closes inherited files, waits for the helper, and ends with its exit status.
+/// each one. The parent closes inherited files, waits for the helper, and ends with the helper's exit status.
 ///
 /// The helper ends once the other end of `orders` is closed. Its children end with it, even if the helper is killed.
 [[noreturn]] void run_decoder_helper(UniqueFd orders, const Decoder& decoder);

@@ -28,7 +28,7 @@ struct ReplyHead {
     std::uint32_t is_product = 0;  ///< 1: picture or text; 0: error
     std::uint32_t code = 0;        ///< for an error
     std::uint64_t message_size = 0;
-    std::int32_t width = 0;  ///< for a picture, like the next two
+    std::int32_t width = 0;  ///< for a picture, like `height` and `has_alpha`
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
@@ -75,8 +75,8 @@ std::optional<tl::unexpected<Error>> read_error(const ReplyHead& head, const std
                    {message + size, static_cast<std::size_t>(head.field_size)});
 }
 
-/// Allocates the pages of an array with one system call, which takes half as long as a page fault for each page. If the
-/// call fails, page faults allocate them.
+/// Allocates the pages of an array with one system call. This takes half as long as one page fault for each page. If
+/// the call fails, each page is allocated when it is first written.
 void populate(float* values, std::size_t count, int advice) {
     const std::size_t excess = reinterpret_cast<std::uintptr_t>(values) % static_cast<std::size_t>(getpagesize());
     madvise(reinterpret_cast<std::byte*>(values) - excess, excess + count * sizeof(float), advice);

@@ -54,12 +54,12 @@ struct Order {
     void take(Files files);
 };
 
-/// A report about an order. The child reports that it has begun, and then, with all members 0, that its reply is
-/// written. The helper reports that the child has ended or could not be forked. The server reports that there was no
-/// helper. Only the first report other than `begun` counts.
+/// A report about an order. The child sends two: the first has `begun` set, the second, with all members 0, means that
+/// the reply is written. The helper reports that the child has ended or could not be forked. The server reports that no
+/// helper was available. Only the first report without `begun` counts.
 struct Outcome {
-    std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; 0: a child began
-    std::int32_t ended = 0;       ///< 1: the child has ended; if not reported before, without a reply
+    std::int32_t fork_error = 0;  ///< errno if a child could not be forked or prepared; otherwise 0
+    std::int32_t ended = 0;       ///< 1: the child has ended; without a reply, if this report counts
     std::int32_t no_helper = 0;   ///< 1: there was no helper by the time limit of the order
     std::int32_t begun = 0;       ///< 1: the child has the order; another report follows
     std::int32_t too_slow = 0;    ///< 1: the child ended because it used up its processor time
@@ -94,8 +94,8 @@ public:
     /// @returns  false if the planes were not allocated by new_plane() in the order of the picture's members
     bool write(const Result<AnyPicture>& result);
 
-    /// Reads the result. Called by the server once the child is done. The planes have the size of the picture, within
-    /// the limit. The values are not checked, and a child under an attacker's control could still change them.
+    /// Reads the result. Called by the server once the child is done. The planes have the size of the picture, which is
+    /// within the limit. The values are not checked. A child under an attacker's control could change them even later.
     /// @returns  none if the reply is invalid
     std::optional<Result<AnyPicture>> read() const;
 

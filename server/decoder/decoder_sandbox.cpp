@@ -101,8 +101,8 @@ bool leaves(__rlimit_resource resource, rlim_t least) {
     return false;
 }
 
-/// Rights that Landlock denies, as bit sets, in the layout of the kernel's landlock_ruleset_attr. Later versions of
-/// Landlock have more rights.
+/// Rights that Landlock denies, as bit sets, in the layout of the kernel's landlock_ruleset_attr. The rights depend on
+/// the version of Landlock.
 struct LandlockRules {
     std::uint64_t files = 0;
     std::uint64_t ports = 0;

@@ -28,7 +28,7 @@ std::string member(LogFormat format, std::string_view message) {
     return fmt::format(R"("message":"{}")", escape(message));
 }
 
-/// Whether a query parameter is an option of /halftone with a harmless value. Others may contain a key.
+/// Whether a query parameter is an option of /halftone with a harmless value. Other parameters may contain a key.
 bool is_plain_option(const api::TextOption& option) {
     static const auto known = [] {  // other paths have no options
         auto names = api::halftone_options();

@@ -86,7 +86,8 @@ Result<void> PictureFolder::check() const {
 }
 
 /// Opens only regular files directly in the folder. Because the name is a single path component, O_NOFOLLOW suffices;
-/// container engines may forbid openat2. Checks the type before, because opening a device can have side effects.
+/// container engines may forbid openat2. Checks the type before it opens a file, because opening a device can have
+/// side effects.
 HttpResult<PictureFile> PictureFolder::open(std::string_view name, std::size_t largest) const {
     if (!is_picture_name(name)) return no_picture();
     const UniqueFd folder = open_folder();

@@ -15,7 +15,7 @@ namespace ccdt::server {
 /// A child process. The destructor kills and reaps the process.
 class ChildProgram {
 public:
-    /// Number of the descriptor, in a spawned program, of the socket to this process.
+    /// Descriptor number that the socket to this process has in a spawned program.
     static constexpr int kSocket = 3;
 
     /// Takes ownership of a child. Nothing else may reap the child.
@@ -48,7 +48,7 @@ std::string describe_end(int status);
 /// Starts a program in the folder of the calling program. A new process group shields it from terminal signals.
 ///
 /// The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other standard streams are /dev/null.
-/// Its signal handling is the default. Its environment lacks the variables CCDT_*, which may contain secrets. May be
+/// Its signals have the default actions. Its environment lacks the variables CCDT_*, which may contain secrets. May be
 /// called from any thread.
 /// @param name       file name of the program
 /// @param socket     closed in the calling process

@@ -15,7 +15,7 @@
 namespace ccdt::server {
 namespace {
 
-/// Blocks SIGCHLD, and returns a nonblocking descriptor that is readable instead when a child has ended.
+/// Blocks SIGCHLD. Returns a nonblocking descriptor that becomes readable when a child has ended.
 UniqueFd watch_children() {
     sigset_t signals;
     sigemptyset(&signals);

@@ -37,7 +37,8 @@ public:
 
     /// Waits for an order. Meanwhile, reports ends of children, kills abandoned children, and replies to probes.
     /// @param order    receives the bytes of the order
-    /// @param prepare  prepares for the order; called once, when there is no child or nothing has happened for 5 ms
+    /// @param prepare  prepares for the order; called at most once, when there are no children or nothing has happened
+    ///                 for 5 ms
     /// @returns        files of the order, any of which may be empty; none when the server has ended
     std::optional<Files> wait_for_order(std::span<std::byte> order, const std::function<void()>& prepare = {});
 
@@ -45,7 +46,7 @@ public:
     /// @returns  result of the system's fork()
     pid_t fork();
 
-    /// Adds a child made by fork(), with its socket. The ends of other children are not reported.
+    /// Adds a child made by fork(), with its socket. The end of a child that was not added is not reported.
     void add(pid_t process, UniqueFd socket) { children_.push_back({process, std::move(socket)}); }
 
 private:

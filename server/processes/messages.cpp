@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxFiles = 4;
 
-/// Maximum size of a text, in bytes, that is joined with its neighbours and sent in one call.
+/// Maximum size of a text, in bytes, that send_texts() joins with adjacent texts and sends in one call.
 constexpr std::size_t kShortText = 16'384;
 
 /// A message for sendmsg() or recvmsg(), with space for descriptors.

@@ -36,7 +36,8 @@ bool send_message(int socket, std::span<const std::byte> bytes, std::span<const 
 /// @returns      number of bytes received; 0: the other end is closed
 std::size_t receive_message(int socket, std::span<std::byte> bytes, std::span<UniqueFd> files = {});
 
-/// Size of a probe: a message, with a socket for the reply, by which the server asks whether a program is alive.
+/// Size of a probe in bytes. A probe is a message by which the server asks whether a program is alive. It carries a
+/// socket for the reply.
 inline constexpr std::size_t kProbeSize = 1;
 
 /// Sends a probe without waiting.

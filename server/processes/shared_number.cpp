@@ -20,7 +20,7 @@ static_assert(Number::is_always_lock_free);
 
 constexpr std::size_t kSize = sizeof(Number);
 
-/// Seals of the file. Nobody can truncate it, which would crash readers, and only existing mappings can write to it.
+/// Seals of the file. They prevent truncation, which would crash readers, and writing other than by existing mappings.
 constexpr int kSeals = F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_FUTURE_WRITE | F_SEAL_SEAL;
 
 const Number& number_in(const SharedPage& page) {

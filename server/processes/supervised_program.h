@@ -55,7 +55,7 @@ public:
 
     /// Returns the socket to the program. Waits for a restart of the program until the deadline, and for its first
     /// start without a time limit.
-    /// @param lost  socket to which sending failed, because its program has ended; never returned; null: none
+    /// @param lost  socket to which sending failed, because its program has ended; is not returned again; null: none
     /// @returns     null if no program was ready by the deadline, or if a stop was requested
     Socket wait_for_socket(const Socket& lost, Clock::time_point deadline, const std::stop_token& stop);
 

@@ -27,7 +27,7 @@ using Milliseconds = std::chrono::duration<double, std::milli>;
 /// Interval at which the thread of a connection checks whether the client still waits.
 constexpr std::chrono::milliseconds kPollInterval{20};
 
-/// Time after the deadline within which a computation may stop and return a partial answer.
+/// Time after the deadline in which a stopped computation may still return a partial answer.
 constexpr std::chrono::seconds kGrace{2};
 
 /// Content type of pictures from the folder of pictures. It prevents parsing as JSON or as a form.
@@ -79,7 +79,7 @@ Response response_of(api::Answer answer, const std::string& name, Record& record
 
 }  // namespace
 
-/// A request with its memory reservation. Shared with the worker, because the connection may end earlier.
+/// A request with its memory reservation. Shared with the worker, which may need it after the connection has ended.
 struct Computing::AcceptedRequest {
     const Operation& operation;
     ComputeRequest request;
@@ -94,7 +94,8 @@ struct Computing::ComputedAnswer {
     std::shared_ptr<BodyPipe> pipe = {};  ///< delivers the body if it is still being computed; null: it is complete
 };
 
-/// A future result that a worker passes to the thread of a connection. The connection may end earlier.
+/// A future result that a worker passes to the thread of a connection. The connection may end before the result
+/// arrives.
 template <class T>
 class Computing::PendingResult {
 public:
@@ -144,7 +145,7 @@ private:
     Stages stages_;
 };
 
-/// Passes a large body from its computation to the connection, and copies it for the cache, if it is not too large.
+/// Passes a large body from its computation to the connection. Copies the body for the cache, unless it is too large.
 class Computing::TeeWriter : public api::BodySink {
 public:
     /// @param largest  maximum size of cached bodies, in bytes
@@ -433,8 +434,8 @@ HttpResult<T> Computing::run_in_worker(Task<T> task, const api::Cost& cost, cons
     return *std::move(result);
 }
 
-/// Waits for a result until the client closes the connection, the server abandons its clients, or the deadline and the
-/// grace period have passed. A computation that still runs ends in the background.
+/// Waits for a result until the client closes the connection, the server shuts down (Computing::abandon), or the
+/// deadline and the grace period have passed. A computation that still runs is told to stop, and ends later.
 template <class T>
 HttpResult<void> Computing::wait_for(PendingResult<T>& pending, WorkerPool::JobId job, const Incoming& incoming,
                                      const TimeLimit& limit) {

@@ -70,7 +70,7 @@ private:
 
     /// Limits of the wait for a result.
     struct TimeLimit {
-        Clock::time_point deadline;                 ///< time of the stop request
+        Clock::time_point deadline;                 ///< time at which the computation is told to stop
         Clock::duration grace = Clock::duration();  ///< extra time for the stopped computation to return a result
     };
 

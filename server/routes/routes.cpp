@@ -59,8 +59,8 @@ std::string server_timing(const Stages& stages) {
     return text;
 }
 
-/// Adds the ETag header. A strong tag gets a suffix for the content coding, because it identifies bytes. A weak tag
-/// does not depend on the coding.
+/// Adds the ETag header. A strong tag identifies the bytes of the body, so it gets a suffix for the content coding. A
+/// weak tag does not depend on the coding.
 void add_entity_tag(Response& response) {
     if (response.tag.empty()) return;
     if (!response.coding.empty() && response.tag.front() == '"')

@@ -66,8 +66,8 @@ private:
     /// Credential that a request needs if there are API keys.
     enum class Access {
         ApiKey,     ///< an API key; the rate is limited
-        Signature,  ///< a signed URL if there are signing keys, for <img>, which sends no API key
-        Read,       ///< an API key, except for GET and HEAD, because browsers open the page without one
+        Signature,  ///< for <img>: a signed URL if there are signing keys, otherwise an API key
+        Read,       ///< none for GET and HEAD, because browsers open the page without a key; otherwise a key
         Anyone      ///< none, because load balancers send health checks without keys
     };
 

@@ -23,7 +23,7 @@ struct Finding {
 /// Checks everything that the server needs to start with a configuration: its programs and their sandbox, the key
 /// files, the folder of pictures, memory, descriptors, the folder of jobs, each Redis, the listening address.
 ///
-/// Serves, claims and writes nothing. Does not detect another server that uses the folder of jobs.
+/// Serves no requests, claims no jobs and writes nothing. Does not detect another server that uses the folder of jobs.
 std::vector<Finding> check(const Config& config);
 
 /// Whether the server would start.

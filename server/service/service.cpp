@@ -30,7 +30,8 @@ void log_confinement(const Confinement& confinement, const Log& log) {
         log.error(confinement.describe());
 }
 
-/// Time limit for calls to the Redis of shared answers or rates, without which requests can be answered.
+/// Time limit for calls to the Redis of shared answers or rates. It is short, because requests can be answered without
+/// this Redis.
 constexpr std::chrono::milliseconds kOptionalDeadline{200};
 
 std::unique_ptr<RedisClient> client_of(const std::optional<RedisAddress>& address, std::chrono::milliseconds deadline,

@@ -28,7 +28,8 @@ private:
     sigset_t signals_;
 };
 
-/// Ends the program after a time-out, even if clients still wait. Calls `abandon` before, which answers them.
+/// Ends the program after a time-out, even if clients still wait. Shortly before, calls `abandon`, which answers these
+/// clients.
 class ShutdownDeadline {
 public:
     /// Creates the thread of the timer. Called early, because memory may be lacking at the shutdown.

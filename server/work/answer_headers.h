@@ -9,7 +9,8 @@
 namespace ccdt::server {
 
 /// Returns the headers for facts that the body does not contain, such as X-Radius. They are the same for a direct
-/// answer and for the result of a job. None of them marks a partial answer.
+/// answer and for the result of a job. The caller adds the header that marks a partial
+/// answer.
 std::vector<Header> answer_headers(const api::Answer& answer);
 
 }  // namespace ccdt::server

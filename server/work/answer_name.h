@@ -10,8 +10,8 @@
 
 namespace ccdt::server {
 
-/// Computes a name for the answer to a request, from the request, the limits and the server's version. It is a hash, so
-/// different inputs give different names. The boundaries of a form do not change the name.
+/// Computes a name for the answer to a request, from the request, the limits and the server's version. The name is a
+/// digest, so different inputs give different names. The boundaries of a form do not change it.
 ///
 /// @param fields  fields of the request's form, if it is one
 /// @returns       24 characters that are valid in an entity tag

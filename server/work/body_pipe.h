@@ -37,8 +37,8 @@ public:
     /// Appends a piece. Errors: Stopped if the reader has abandoned the pipe.
     Result<void> push(std::string_view piece);
 
-    /// Ends the body; only the first call has an effect. Reserves `memory` for the bytes that are still buffered,
-    /// because the reservation of the computation ends.
+    /// Ends the body; only the first call has an effect. The reservation of the computation ends after this call, so
+    /// the bytes that are still buffered are reserved in `memory`.
     /// @param outcome  an error: the body is incomplete
     void close(Result<void> outcome, const api::Timings& timings, MemoryBudget& memory);
 

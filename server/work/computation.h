@@ -22,7 +22,7 @@ struct Delivery {
 
 /// Computes the answer to a valid request. The duration is not limited.
 ///
-/// When `control` requests a stop, the computation ends within a pass over the sites. The result is then the error
+/// When `control` requests a stop, the computation ends within one pass over the sites. The result is then the error
 /// Stopped or, if the request allows it, a partial answer.
 /// Errors: those of the operation; Internal if the computation failed. After an error, delivered pieces of the body
 /// must be discarded. `timings` receives the durations of all stages that ran.

@@ -45,7 +45,7 @@ public:
         entries_.push_back({client, cost, start_tag, std::move(item)});
     }
 
-    /// Returns the entry with the lowest start tag, and the first of several equal ones. The queue must not be empty.
+    /// Returns the first entry with the lowest start tag. The queue must not be empty.
     const Entry& next() const { return *std::ranges::min_element(entries_, {}, &Entry::start_tag); }
 
     Item take_next() {

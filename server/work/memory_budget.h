@@ -48,7 +48,8 @@ public:
     /// Reserves unconditionally, for buffers that are already allocated and were part of a larger lease.
     Lease reserve_unconditionally(std::size_t bytes);
 
-    /// Sets a function that each releasing thread calls. Must be called before the first reservation.
+    /// Sets a function that is called after each release, in the releasing thread. Must be called before the first
+    /// reservation.
     void on_release(std::function<void()> callback) { callback_ = std::move(callback); }
 
 private:

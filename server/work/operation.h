@@ -38,7 +38,7 @@ struct Operation {
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
     bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies and converts them to JSON
     bool takes_query;       ///< accepts options in the query
-    /// Name of the form field that becomes the body, unless it is named `file`. Empty: forms are refused.
+    /// Name of the form field that becomes the body; a field named `file` is accepted, too. Empty: forms are refused.
     std::string_view form_part;
 
     /// Errors: those of the parser of the operation.

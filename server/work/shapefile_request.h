@@ -20,7 +20,7 @@ using ReadShapefile = std::function<Result<std::string>(std::string_view archive
 
 /// Returns the maximum size of a shapefile, both inflated and as GeoJSON, in bytes.
 /// @param max_body  maximum size of a body, in bytes
-/// @param memory    memory limit of all computations together, in bytes. The memory for reading stays below it
+/// @param memory    memory limit of all computations together, in bytes, which the conversion must not exceed
 std::size_t max_shapefile_bytes(std::size_t max_body, std::size_t memory);
 
 /// Estimates the cost of converting a shapefile, including the memory of the GeoJSON.

@@ -157,7 +157,8 @@ void WorkerPool::run(const Job& job, const std::stop_token& stop) {
     }
 }
 
-/// Whether a queue accepts another job of this client. Idle threads take jobs at once and increase the limit.
+/// Whether a queue accepts another job of this client. The limit grows by the number of idle threads, because these
+/// take jobs at once.
 bool WorkerPool::accepts_locked(std::string_view client, bool is_short) const {
     const auto is_any = [](const auto& job) { return job.second.lane == Lane::Any; };
     const auto busy = static_cast<std::size_t>(std::ranges::count_if(running_, is_any));

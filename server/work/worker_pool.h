@@ -79,7 +79,7 @@ public:
     /// Drops a waiting job, or requests a running one to stop. Ignores unknown ids.
     Cancelled cancel(JobId id);
 
-    /// Whether submit() would now refuse a long job of this client and, if `may_be_short`, a short one, too.
+    /// Whether submit() would now refuse a job of this client: a long one and, if `may_be_short`, also a short one.
     bool is_full(std::string_view client, bool may_be_short = true) const;
 
     /// Sets a function that is called with the number of running jobs whenever that number changes. The function must
