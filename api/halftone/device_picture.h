@@ -33,10 +33,15 @@ struct DeviceRequest {
     ImageFile image;
     std::string image_field;  ///< Error::field of errors about the image; empty unless the body is JSON
     Device device;
-    std::optional<int> width;   ///< pixels; none: follows from the height, or from the picture
-    std::optional<int> height;  ///< pixels; none: follows from the width, or from the picture
-    Fit fit = Fit::Contain;  ///< Contain: the background fills the rest of the answer. Cover requires width and height
-    int quarters = 0;        ///< number of quarter turns clockwise, done before the picture is scaled
+    /// Size of the answer, in pixels. If only one side is given, the other follows from the aspect ratio of the
+    /// picture. If no side is given, the answer has the size of the picture. The size of the picture is that after the
+    /// turn by `quarters`.
+    std::optional<int> width;
+    std::optional<int> height;
+    /// Contain: the answer shows the whole picture, and the background fills the rest of the answer's pixels. Cover
+    /// requires width and height.
+    Fit fit = Fit::Contain;
+    int quarters = 0;  ///< number of quarter turns clockwise, done before the picture is scaled
     Colour background = kWhite;
     Levels levels;
     PixelOptions pixels;

@@ -37,7 +37,7 @@ const std::vector<float>& light_of_sums() {
 /// Converts between stored values, encoded (sRGB) values and light.
 class Curve {
 public:
-    /// @param shown  encoded value of each stored value, ascending or descending
+    /// @param shown  [stored pixel value] the encoded (sRGB) value that it stands for; ascending or descending
     explicit Curve(const std::array<std::uint8_t, 256>& shown) : shown_(shown) {
         for (std::size_t value = 0; value < 256; ++value) light_[value] = static_cast<float>(to_linear(shown[value]));
         const bool ascends = light_[0] <= light_[255];

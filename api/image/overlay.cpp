@@ -119,8 +119,9 @@ DotImage cover(Raster raster, const Palette& palette, bool antialias, Executor& 
     return picture;
 }
 
-/// Mixes the inks of a pixel. For each ink, the ground has the ink in a share of the pixel, and dots flip the ink in
-/// another share.
+/// Computes the mean light of a pixel. Each ink has two shares of the pixel: the share in which the ground has the ink,
+/// and the share in which dots flip the ink. The grounds of different inks are assumed to be independent of each other
+/// and of the flipped areas. The flipped areas are assumed to be nested; see overlay_flipped().
 class FlippedPixel {
 public:
     FlippedPixel(std::size_t inks, const PrintedColour& colour_of) : inks_(inks) {

@@ -35,7 +35,7 @@ struct KnownDevice {
     std::string_view title;
     std::span<const Colour> sent;
     std::span<const Colour> seen;
-    std::size_t greys = 0;  ///< number of greys in equal steps of sRGB values; 0: the colours are listed
+    std::size_t greys = 0;  ///< number of greys in equal steps of sRGB values; 0: the colours are `sent` and `seen`
 };
 
 constexpr std::array<KnownDevice, 8> kDevices = {{

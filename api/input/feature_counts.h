@@ -17,7 +17,7 @@ namespace ccdt::api {
 struct Counting {
     std::optional<std::string> property;
     std::optional<double> per;         ///< units of the property per point, > 0; none: 1
-    std::vector<std::string> classes;  ///< names of properties, at most as many as a drawing has colours
+    std::vector<std::string> classes;  ///< names of the properties; at most as many as a drawing has colours
 
     bool is_requested() const { return property || per || !classes.empty(); }
 };
@@ -43,7 +43,7 @@ struct FeatureCounts {
         std::string first;  ///< JSON Pointer to the place of the first missing count
     };
 
-    std::vector<std::string> classes;  ///< names of properties, as in the features
+    std::vector<std::string> classes;  ///< names of the properties that hold the counts, as in the features
     bool are_named = false;            ///< whether the request named the classes; if so, answers name them too
     std::vector<std::size_t> counts;   ///< [features][classes], one feature after the other
     std::vector<Missing> missing;      ///< [classes]

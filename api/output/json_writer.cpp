@@ -124,7 +124,7 @@ void append_spectrum(std::string& out, const Spectrum& spectrum) {
     out += '}';
 }
 
-/// Appends members that repeat options of the request.
+/// Appends the number of points, the seed and the method.
 void append_order(std::string& out, std::size_t sites, const Report& report) {
     out += "\"sites\":";
     append_number(out, std::uint64_t{sites});
@@ -132,7 +132,7 @@ void append_order(std::string& out, std::size_t sites, const Report& report) {
     out.append(",\"method\":\"").append(report.method).append("\"");
 }
 
-/// Appends members that report an early stop, repairs and warnings.
+/// Appends members that report an early stop, repairs, warnings, and the pitch on the globe.
 void append_remarks(std::string& out, bool stopped, const Report& report) {
     if (stopped) out += ",\"partial\":true";
     if (!report.repairs.empty()) out.append(",\"repaired\":").append(write_repairs(report.repairs));

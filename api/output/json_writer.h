@@ -53,7 +53,8 @@ std::string write_warnings(std::span<const Warning> warnings);
 ///
 /// If points are grouped by features, the points of all classes are one list, sorted by class, and within a class by
 /// feature. Each point has the index of its feature, and the index of its class if classes have names. The answer has a
-/// list of features, with the number of points, the id, and the carried properties of each feature.
+/// list of features, with the number of points, the id, and the carried properties of each feature. These are the
+/// properties that the request chose (PointSet::properties).
 ///
 /// Numbers have the fewest digits that read back to the same double. The same input gives the same bytes. Takes about
 /// 0.1 microseconds per number. After a stop, the output is incomplete. Like all writers of JSON, this function throws
@@ -61,10 +62,10 @@ std::string write_warnings(std::span<const Warning> warnings);
 void write_json(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON (RFC 7946), with the members of the report, except for times. Points that are not grouped
-/// by features must have a single layer; they are written as a Feature whose geometry is a MultiPoint. Grouped points
-/// are written as a FeatureCollection. In this collection, the points of one class in one feature of the request are a
-/// Feature with a MultiPoint. This Feature has the id and the carried properties of the request's feature. After a
-/// stop, the output is incomplete.
+/// by features must have a single layer (see PointSet); they are written as a Feature whose geometry is a MultiPoint.
+/// Grouped points are written as a FeatureCollection. It has a Feature, with a MultiPoint, for each class in each
+/// feature of the request that has points of this class. Such a Feature has the id and the carried properties (see
+/// write_json()) of that feature of the request. After a stop, the output is incomplete.
 void write_geojson(const PointSet& points, const Report& report, Body& body, const std::stop_token& stop = {});
 
 /// Writes points as GeoJSON: a FeatureCollection with a Feature for each point. The report, except for times, is in

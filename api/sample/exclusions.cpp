@@ -99,8 +99,8 @@ Result<Domain> without(const Domain& domain, std::span<const Area> areas, const 
     });
 }
 
-/// Formats a distance with three digits. The distance is first reduced by half a percent, so that the rounded number is
-/// hardly ever too large.
+/// Formats a distance with three significant digits. The distance is first reduced by half a percent, so that the
+/// rounded number is not larger than `distance`.
 std::string format_distance(double distance) {
     constexpr double kLess = 0.995;
     std::array<char, 32> text;

@@ -28,7 +28,8 @@ struct SampleArea {
     std::vector<Warning> warnings;
 };
 
-/// Builds the area of a request. In the plane, the area is also eroded by the buffer.
+/// Builds the area of a request. In the plane, the area is also eroded by the buffer. On the globe,
+/// distribute_on_globe() and distribute_dots_on_globe() erode it later.
 ///
 /// Errors: those of run_sample() about the domain. If a feature of a dot map is invalid, the error's field is a JSON
 /// Pointer to the feature.

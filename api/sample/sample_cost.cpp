@@ -82,7 +82,8 @@ Estimate exclusions_cost(const SampleRequest& request) {
     return {corners * kBytes, features * (kFeature + corners * kCornerSeen)};
 }
 
-/// Estimates the cost of computing the areas that fixed points take in the features.
+/// Estimates the cost of computing, for one class of a dot map, the area of each feature that fixed points occupy. The
+/// dots of the feature share the remaining area.
 Estimate fixed_areas_cost(const SampleRequest& request) {
     constexpr double kFeature = 900 * kMicrosecond;
     return {0, kFeature * static_cast<double>(std::min(request.run.fixed.size(), request.counts->features()))};

@@ -15,8 +15,9 @@
 
 namespace ccdt::api {
 
-/// Size of a drawing, in pixels, if the request gives no width: the pitch, which is sqrt(area / sites), and the limits
-/// of the longer side.
+/// Lengths in pixels that determine the size of a drawing if the request gives no width. The pitch of the points, which
+/// is sqrt(area / sites), is kPixelPitch pixels, but the longer side of the drawing has at least kMinDrawingSide and at
+/// most kMaxDrawingSide pixels. The format and limits.max_pixels can make the drawing smaller.
 inline constexpr double kPixelPitch = 8;
 inline constexpr double kMinDrawingSide = 512;
 inline constexpr double kMaxDrawingSide = 16'384;

@@ -44,7 +44,8 @@ public:
     /// @returns  false after a stop
     bool iterate();
 
-    /// Returns the object that performs the steps of the polish. Must not be used after finish().
+    /// Returns the object that performs the steps of the polish. After finish(), this function must not be called, and
+    /// the object must not be used.
     MeshPolish& polish();
     Triangulation& mesh() { return placed_->mesh; }
 

@@ -154,7 +154,7 @@ Result<void> DotLayer::insert_anywhere(std::uint32_t dot) {
     return ground_.draw_again(dots_[dot].feature, options_.seed + dot, accept, interior);
 }
 
-/// Computes the radii of the dots' discs at their positions.
+/// Computes the radius of each dot: half of the distance that neighbours should have at the dot's current position.
 void DotLayer::find_radii() {
     for_ranges(executor_, dots_.size(), kDots, [&](std::size_t begin, std::size_t end) {
         if (stopping()) return;

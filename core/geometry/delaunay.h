@@ -22,8 +22,8 @@ using Segment = std::array<std::uint32_t, 2>;
 struct ConstrainedDelaunay {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
-        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
-        std::array<bool, 3> constrained;          ///< whether the edge is one of the segments
+        std::array<std::uint32_t, 3> neighbours;  ///< [edges] triangle across edge i; kNone: outside the box
+        std::array<bool, 3> constrained;          ///< [edges] whether edge i is one of the segments
     };
     /// A segment that begins at one of several coincident points.
     struct Branch {
@@ -69,8 +69,8 @@ struct Chains {
 struct Arrangement {
     struct Triangle {
         std::array<std::uint32_t, 3> corners;     ///< counter-clockwise
-        std::array<std::uint32_t, 3> neighbours;  ///< across each edge; kNone at the side of the box
-        std::array<std::uint32_t, 3> sets;        ///< number of the set of groups along each edge; kNone: no segment
+        std::array<std::uint32_t, 3> neighbours;  ///< [edges] triangle across edge i; kNone: outside the box
+        std::array<std::uint32_t, 3> sets;  ///< [edges] number of the set of groups along edge i; kNone: no segment
     };
     /// A place where a segment meets another segment other than at a shared end.
     struct Meeting {

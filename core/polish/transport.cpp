@@ -343,7 +343,7 @@ void Transport::spread(Point p, double weight) {
     }
 }
 
-/// Transforms all octaves.
+/// Computes the coefficients of the values that were spread on the grids of all octaves.
 /// @returns  false after a stop
 bool Transport::transform(const std::stop_token& stop) {
     for (Octave& octave : octaves_) {

@@ -274,7 +274,8 @@ private:
         return false;
     }
 
-    /// Tries the Or-opt step: inserts a run of stops that begins or ends at `a` next to a stop near `a`.
+    /// Tries the Or-opt step: removes a run of stops that begins or ends with `a`, and inserts it again beside a stop
+    /// near `a`.
     /// @returns  whether a step shortened the path
     bool relocate(Stop a) {
         Stop forward = a;
@@ -288,7 +289,7 @@ private:
         return false;
     }
 
-    /// Tries to insert a run of stops next to a stop near `a`.
+    /// Tries to move a run of stops to a place beside a stop near `a`.
     /// @param a            the run's first or last stop, which becomes adjacent to the nearby stop
     /// @param first, last  ends of the run
     /// @param length       number of stops in the run

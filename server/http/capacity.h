@@ -65,8 +65,9 @@ public:
 
     Counts counts() const;
 
-    /// Closes the idle connection, of any class, whose minimum idle time ends first, even before that time ends.
-    /// @returns  false if no connection is idle
+    /// Closes one idle connection without unread bytes, of any class: the one whose minimum idle time ends, or has
+    /// ended, before that of all others. It is closed even if this time has not ended yet.
+    /// @returns  false if there is no such connection
     bool close_first_idle();
 
 private:

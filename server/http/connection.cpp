@@ -23,9 +23,11 @@ constexpr std::string_view kLineEnd = "\r\n";
 constexpr std::size_t kLongestLine = 4'096;  ///< limit for a line with a chunk size or a trailer
 constexpr std::size_t kMaxFraming = 8;       ///< permitted framing bytes per body byte, in addition to kLargestHead
 constexpr std::size_t kReceiveSize = 16'384;
-constexpr std::size_t kFreeBytes = 65'536;      ///< bytes of a body that are read even if memory is short
-constexpr std::size_t kTrustedBytes = 1 << 20;  ///< received bytes above which memory for Content-Length is reserved
-constexpr std::uint64_t kLeastRate = 32'768;    ///< bytes per second
+constexpr std::size_t kFreeBytes = 65'536;  ///< bytes of a body that are read even if memory is short
+/// Once more bytes of a body than this have arrived, its Content-Length is trusted, and memory for all of it is
+/// reserved.
+constexpr std::size_t kTrustedBytes = 1 << 20;
+constexpr std::uint64_t kLeastRate = 32'768;  ///< bytes per second
 constexpr std::uint64_t kLeastRateUnderPressure = 262'144;
 constexpr milliseconds kHeadUnderPressure{1'000};
 constexpr milliseconds kPauseUnderPressure{2'000};

@@ -83,7 +83,7 @@ public:
     /// @returns  false if stop() would return false
     bool give_up(JobStore::Owned owned);
 
-    /// Reserves the right to store the end of the job for the calling thread.
+    /// Gives the calling thread the sole right to store how the job ended.
     /// @returns  false if another thread has the right
     bool start_settling();
 
