@@ -53,6 +53,7 @@ public:
             bases_.push_back(std::move(error));
         }
         cut_.resize(dots_.count() * plan.channels.size());
+        whole_up_to_.resize(cut_.size(), 0);
         gains_.resize(dots_.count());
         for_pixels(executor, dots_.count(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
         find_cut();
@@ -76,7 +77,7 @@ public:
         }
         for_pixels(executor_, dots_.count(), [&](std::size_t dot) {
             for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-                if (flips(dot, c)) cut_[dot * plan_.channels.size() + c] = cut_of(dot, plan_.channels[c].ground);
+                if (flips(dot, c)) cut(dot, c);
             }
         });
     }
@@ -85,7 +86,8 @@ public:
     unsigned cut_channels(std::size_t dot) const {
         unsigned bits = 0;
         for (std::size_t c = 0; c < plan_.channels.size(); ++c) {
-            const Cut cut = flips(dot, c) ? cut_at(dot, c) : cut_of(dot, plan_.channels[c].ground);
+            const Ground& ground = plan_.channels[c].ground;
+            const Cut cut = flips(dot, c) ? cut_at(dot, c) : is_whole(dot, ground) ? Cut{} : cut_of(dot, ground);
             bits |= static_cast<unsigned>(cut.brightening * cut.darkening > 0) << c;
         }
         return bits;
@@ -175,15 +177,33 @@ private:
         return cut.brightening - cut.darkening;
     }
 
-    Cut cut_of(std::size_t dot, const Ground& ground) const {
-        constexpr double kMargin = 1.1;  // factor on the radius; keeps the result valid for small changes of area
+    /// Divides a dot by the ground of a channel. Keeps the previous result if the dot was not cut and has hardly grown.
+    void cut(std::size_t dot, std::size_t channel) {
+        const Ground& ground = plan_.channels[channel].ground;
+        const std::size_t i = dot * plan_.channels.size() + channel;
+        if (dots_.area(dot) <= whole_up_to_[i]) return;
+        if (is_whole(dot, ground)) {
+            cut_[i] = ground.is_white(dots_.site(dot)) ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
+            whole_up_to_[i] = static_cast<float>(kMargin * kMargin) * dots_.area(dot);
+        } else {
+            cut_[i] = cut_of(dot, ground);
+        }
+    }
+
+    /// Returns whether a dot lies on a single ground, and would do so if its radius were multiplied by kMargin.
+    bool is_whole(std::size_t dot, const Ground& ground) const {
+        if (!dots_.is_near_boundary(dot)) return true;
         const Point site = dots_.site(dot);
         const bool white = ground.is_white(site);
+        const double reach = kMargin * dots_.radius(dot);
+        return std::ranges::all_of(rim_samples(),
+                                   [&](const Point& way) { return ground.is_white(site + reach * way) == white; });
+    }
+
+    /// Divides a dot by samples.
+    Cut cut_of(std::size_t dot, const Ground& ground) const {
+        const Point site = dots_.site(dot);
         const double reach = dots_.radius(dot);
-        if (!dots_.is_near_boundary(dot) || std::ranges::all_of(rim_samples(), [&](const Point& way) {
-                return ground.is_white(site + kMargin * reach * way) == white;
-            }))
-            return white ? Cut{0, 1, {}, {}} : Cut{1, 0, {}, {}};
         Cut cut;
         int brightened = 0;
         for (const Point& sample : disc_samples()) {
@@ -225,13 +245,16 @@ private:
                         -sign_of_both * static_cast<float>(overlap), image);
     }
 
+    static constexpr double kMargin = 1.1;  ///< factor on the radius that avoids a new division after small changes
+
     const TwoSidedPlan& plan_;
     Executor& executor_;
     FittedDots dots_;
     std::vector<std::vector<float>> bases_;            ///< [channels] error images without dots
     std::vector<Channels> gains_;                      ///< [dots] result of gains_of()
     std::vector<std::array<std::uint32_t, 2>> close_;  ///< pairs of dots that may overlap
-    std::vector<Cut> cut_;  ///< [dots][channels] default values for channels that the dot does not flip
+    std::vector<float> whole_up_to_;  ///< [dots][channels] area up to which the dot lies on one ground; 0: unknown
+    std::vector<Cut> cut_;            ///< [dots][channels] default values for channels that the dot does not flip
 };
 
 }  // namespace

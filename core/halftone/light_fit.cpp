@@ -45,6 +45,7 @@ public:
         : plan_(plan), executor_(executor), dots_(plan, sites, executor) {
         find_bases();
         parts_.resize(dots_.count());
+        whole_up_to_.resize(dots_.count(), 0);
         gains_.resize(dots_.count());
         find_cut();
         for_pixels(executor, dots_.count(), [&](std::size_t dot) { gains_[dot] = gains_of(dot); });
@@ -177,7 +178,8 @@ private:
 
     /// Divides a dot of its current size into parts, each of which lies on one ground.
     void cut(std::size_t dot) {
-        constexpr double kMargin = 1.1;  // factor on the radius; keeps the result valid for small changes of area
+        constexpr double kMargin = 1.1;  // factor on the radius that avoids a new division after small changes
+        if (dots_.area(dot) <= whole_up_to_[dot]) return;
         const double reach = dots_.radius(dot);
         const Point site = dots_.site(dot);
         const unsigned middle = ground_at(site);
@@ -186,7 +188,10 @@ private:
         });
         auto& parts = parts_[dot];
         parts.assign(1, {middle, 1, {}});
-        if (whole) return;
+        if (whole) {
+            whole_up_to_[dot] = static_cast<float>(kMargin * kMargin) * dots_.area(dot);
+            return;
+        }
         parts.clear();
         for (const Point& place : disc_samples()) {
             const unsigned ground = ground_at(site + reach * place);
@@ -240,6 +245,7 @@ private:
     std::vector<Colour> gains_;  ///< [dots] result of gains_of()
     std::vector<ClosePair> close_;
     std::vector<std::vector<Part>> parts_;  ///< [dots] parts on different grounds
+    std::vector<float> whole_up_to_;        ///< [dots] area up to which the dot lies on one ground; 0: unknown
 };
 
 }  // namespace
