@@ -63,7 +63,7 @@ struct Reply {
     std::uint32_t code = 0;  ///< ErrorCode of a failure
     Progress progress;
     api::Timings timings;
-    std::uint64_t decoder_deaths = 0;  ///< count for this computation: see ComputeBox::Counts
+    std::uint64_t decoder_deaths = 0;  ///< count for this computation: see ComputeSupervisor::Counts
     // Members of api::Answer that are not texts:
     std::uint64_t sites = 0;
     std::uint64_t pixels = 0;

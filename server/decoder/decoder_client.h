@@ -30,8 +30,8 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 /// @param max_bytes  see api::ShapefileReading
 DecoderLimits shapefile_limits(std::size_t max_bytes);
 
-/// Sends pictures and shapefiles to a DecoderBox, which may belong to another process, and returns the decoded results.
-/// May be used from any thread.
+/// Sends pictures and shapefiles to a DecoderSupervisor, which may belong to another process, and returns the decoded
+/// results. May be used from any thread.
 class DecoderClient {
 public:
     using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "server/cache/result_cache.h"
-#include "server/compute/compute_box.h"
+#include "server/compute/compute_supervisor.h"
 #include "server/http/capacity.h"
 #include "server/http/http_server.h"
 #include "server/jobs/jobs.h"
@@ -41,7 +41,7 @@ public:
         std::size_t memory_reserved = 0;  ///< reserved part of the budget
         std::uint64_t decoder_restarts = 0;
         std::uint64_t decoder_silences = 0;
-        ComputeBox::Counts computing;
+        ComputeSupervisor::Counts computing;
         std::size_t lent_threads = 0;        ///< number of threads that each computation may use
         std::optional<JobStore::Load> jobs;  ///< none: unknown; the metrics keep their values
         Jobs::Counts job_runs;

@@ -15,10 +15,10 @@
 #include "server/access/access_control.h"
 #include "server/access/key_ring.h"
 #include "server/cache/redis_cache.h"
-#include "server/compute/compute_box.h"
+#include "server/compute/compute_supervisor.h"
 #include "server/config/descriptor_plan.h"
 #include "server/config/memory_plan.h"
-#include "server/decoder/decoder_box.h"
+#include "server/decoder/decoder_supervisor.h"
 #include "server/http/sockets.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/pictures/picture_folder.h"
@@ -43,20 +43,20 @@ Found wrong(const Error& error) {
 void ignore_report(const std::string& /*message*/) {}
 
 Found check_decoder(const Config& /*config*/) {
-    const auto box = DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
-                                       ignore_report);
-    if (!box) return wrong(box.error());
-    if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
-    const Confinement& confinement = (*box)->confinement();
+    const auto supervisor = DecoderSupervisor::start(
+        [](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); }, ignore_report);
+    if (!supervisor) return wrong(supervisor.error());
+    if (const auto ready = (*supervisor)->wait_until_ready(); !ready) return wrong(ready.error());
+    const Confinement& confinement = (*supervisor)->confinement();
     return {confinement.is_whole() ? State::Good : State::Weak, confinement.describe()};
 }
 
 Found check_worker(const Config& config) {
-    const auto box =
-        ComputeBox::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
-                          {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, ignore_report);
-    if (!box) return wrong(box.error());
-    if (const auto ready = (*box)->wait_until_ready(); !ready) return wrong(ready.error());
+    const auto supervisor =
+        ComputeSupervisor::start([](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); },
+                                 {.limits = config.limits}, [](const Order&, const std::stop_token&) {}, ignore_report);
+    if (!supervisor) return wrong(supervisor.error());
+    if (const auto ready = (*supervisor)->wait_until_ready(); !ready) return wrong(ready.error());
     return {State::Good, std::to_string(config.workers) + " simultaneous computations"};
 }
 

@@ -16,9 +16,9 @@
 namespace ccdt::server {
 namespace {
 
-Result<std::unique_ptr<DecoderBox>> start_decoder(const Log& log) {
-    return DecoderBox::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
-                             [&log](const std::string& message) { log.error(message); });
+Result<std::unique_ptr<DecoderSupervisor>> start_decoder(const Log& log) {
+    return DecoderSupervisor::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
+                                    [&log](const std::string& message) { log.error(message); });
 }
 
 void log_confinement(const Confinement& confinement, const Log& log) {
@@ -67,8 +67,9 @@ Result<std::unique_ptr<JobStore>> start_store(const Config& config, RedisClient*
     return *std::move(store);
 }
 
-Result<std::unique_ptr<ComputeBox>> start_computing(const Config& config, DecoderBox& decoder, const Log& log) {
-    return ComputeBox::start(
+Result<std::unique_ptr<ComputeSupervisor>> start_computing(const Config& config, DecoderSupervisor& decoder,
+                                                           const Log& log) {
+    return ComputeSupervisor::start(
         [](UniqueFd socket) { return spawn_sibling("ccdt-worker", std::move(socket)); }, {.limits = config.limits},
         [&decoder](const Order& order, const std::stop_token& stop) { decoder.relay(order, stop); },
         [&log](const std::string& what) { log.error(what); });
@@ -88,9 +89,9 @@ Result<Config> with_descriptors(Config config, const Log& log) {
     return config;
 }
 
-Compute compute_in(ComputeBox& box) {
-    return [&box](const auto& request, const auto& delivery, const auto& control, auto& timings) {
-        return box.compute(request, delivery, control, timings);
+Compute compute_in(ComputeSupervisor& supervisor) {
+    return [&supervisor](const auto& request, const auto& delivery, const auto& control, auto& timings) {
+        return supervisor.compute(request, delivery, control, timings);
     };
 }
 

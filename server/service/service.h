@@ -7,11 +7,11 @@
 
 #include "core/result.h"
 #include "server/access/access_control.h"
-#include "server/compute/compute_box.h"
+#include "server/compute/compute_supervisor.h"
 #include "server/config/config.h"
 #include "server/config/memory_plan.h"
-#include "server/decoder/decoder_box.h"
 #include "server/decoder/decoder_client.h"
+#include "server/decoder/decoder_supervisor.h"
 #include "server/http/http_server.h"
 #include "server/http/sockets.h"
 #include "server/jobs/job_store.h"
@@ -74,11 +74,11 @@ private:
     /// Parts whose start may fail. Redis comes first, because other parts use it.
     struct Parts {
         RedisClients redis;
-        std::unique_ptr<DecoderBox> decoder;
+        std::unique_ptr<DecoderSupervisor> decoder;
         std::unique_ptr<AccessControl> access_control;
         ComputeMemory memory;
         std::unique_ptr<JobStore> store;
-        std::unique_ptr<ComputeBox> computing;
+        std::unique_ptr<ComputeSupervisor> computing;
         ListeningSocket listener;
     };
 

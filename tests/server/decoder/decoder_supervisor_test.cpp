@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/decoder/decoder_box.h"
+#include "server/decoder/decoder_supervisor.h"
 
 #include <gtest/gtest.h>
 
@@ -145,15 +145,15 @@ SupervisedProgram::Launch forking(Decoder decoder) {
 
 void ignore(const std::string&) {}
 
-/// A DecoderBox, and a client that sends orders to it.
+/// A DecoderSupervisor, and a client that sends orders to it.
 class BoxOfTests {
 public:
     BoxOfTests(const SupervisedProgram::Launch& launch, const DecoderClient::LimitsOf& limits,
                const SupervisedProgram::Report& report = ignore)
-        : box_(DecoderBox::start(launch, report).value()),
-          client_([this](const Order& order, const std::stop_token& stop) { return box_->relay(order, stop); },
+        : supervisor_(DecoderSupervisor::start(launch, report).value()),
+          client_([this](const Order& order, const std::stop_token& stop) { return supervisor_->relay(order, stop); },
                   limits) {
-        EXPECT_TRUE(box_->wait_until_ready());
+        EXPECT_TRUE(supervisor_->wait_until_ready());
     }
 
     Result<Picture> decode(std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
@@ -167,12 +167,12 @@ public:
         return client_.read_shapefile(bytes, reading, {});
     }
     std::uint64_t deaths() const { return client_.deaths(); }
-    std::uint64_t restarts() const { return box_->restarts(); }
-    bool is_ready() const { return box_->is_ready(); }
-    const Confinement& confinement() const { return box_->confinement(); }
+    std::uint64_t restarts() const { return supervisor_->restarts(); }
+    bool is_ready() const { return supervisor_->is_ready(); }
+    const Confinement& confinement() const { return supervisor_->confinement(); }
 
 private:
-    const std::unique_ptr<DecoderBox> box_;
+    const std::unique_ptr<DecoderSupervisor> supervisor_;
     DecoderClient client_;
 };
 
@@ -185,7 +185,7 @@ std::unique_ptr<BoxOfTests> make_box(const DecoderLimits& limits = kLimits) {
                                         [limits](std::string_view, std::size_t) { return limits; });
 }
 
-/// Creates a box that decodes real pictures.
+/// Creates a supervisor that decodes real pictures.
 std::unique_ptr<BoxOfTests> make_true_box() {
     return std::make_unique<BoxOfTests>(forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder}),
                                         decoder_limits);
@@ -198,19 +198,19 @@ void expect_unusable(const Result<AnyPicture>& result, const std::string& file) 
     EXPECT_NE(result.error().message.find("could not be decoded"), std::string::npos) << result.error().message;
 }
 
-void expect_death_in_colour(BoxOfTests& box, const std::string& file) {
-    const auto deaths = box.deaths();
-    expect_unusable(box.decode_colour(file, kMaxPixels, {}), file);
-    EXPECT_EQ(box.deaths(), deaths + 1) << file;
-    EXPECT_TRUE(box.decode_colour("picture", kMaxPixels, {})) << "after " << file;
+void expect_death_in_colour(BoxOfTests& supervisor, const std::string& file) {
+    const auto deaths = supervisor.deaths();
+    expect_unusable(supervisor.decode_colour(file, kMaxPixels, {}), file);
+    EXPECT_EQ(supervisor.deaths(), deaths + 1) << file;
+    EXPECT_TRUE(supervisor.decode_colour("picture", kMaxPixels, {})) << "after " << file;
 }
 
-void expect_death(BoxOfTests& box, const std::string& file) {
-    const auto deaths = box.deaths();
-    expect_unusable(box.decode(file, kMaxPixels, {}), file);
-    EXPECT_EQ(box.deaths(), deaths + 1) << file;
-    EXPECT_TRUE(box.decode("picture", kMaxPixels, {})) << "after " << file;
-    expect_death_in_colour(box, file);
+void expect_death(BoxOfTests& supervisor, const std::string& file) {
+    const auto deaths = supervisor.deaths();
+    expect_unusable(supervisor.decode(file, kMaxPixels, {}), file);
+    EXPECT_EQ(supervisor.deaths(), deaths + 1) << file;
+    EXPECT_TRUE(supervisor.decode("picture", kMaxPixels, {})) << "after " << file;
+    expect_death_in_colour(supervisor, file);
 }
 
 struct Process {
@@ -284,8 +284,8 @@ testing::AssertionResult wait_for_end_of_decoding() {
     return test::wait_until("the end of the decoding child", [] { return children_of(helper()).size() == 1; });
 }
 
-testing::AssertionResult wait_for_restart(const BoxOfTests& box, unsigned restarts = 1) {
-    return test::wait_until("a new helper", [&] { return box.restarts() >= restarts && box.is_ready(); });
+testing::AssertionResult wait_for_restart(const BoxOfTests& supervisor, unsigned restarts = 1) {
+    return test::wait_until("a new helper", [&] { return supervisor.restarts() >= restarts && supervisor.is_ready(); });
 }
 
 /// Returns the value of a key in /proc/PID/status.
@@ -317,30 +317,30 @@ std::string bytes_of(const std::string& name) {
     return bytes_at(std::filesystem::path(CCDT_TEST_DATA) / "images" / name);
 }
 
-TEST(DecoderBox, TransfersPicturesAndErrors) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    const auto picture = box->decode("picture", kMaxPixels, {});
+TEST(DecoderSupervisor, TransfersPicturesAndErrors) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    const auto picture = supervisor->decode("picture", kMaxPixels, {});
     ASSERT_TRUE(picture) << picture.error().message;
     EXPECT_EQ(picture->width, 3);
     EXPECT_EQ(picture->height, 1);
     EXPECT_EQ(picture->luminance, (Plane{0, 0.5F, 1}));
     EXPECT_EQ(picture->alpha, (Plane{1, 0.25F, 0}));
-    EXPECT_TRUE(box->decode("opaque", kMaxPixels, {})->alpha.empty());
+    EXPECT_TRUE(supervisor->decode("opaque", kMaxPixels, {})->alpha.empty());
 
-    const auto refused = box->decode("limit", 1234, {});
+    const auto refused = supervisor->decode("limit", 1234, {});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(refused.error().message, "1234");
-    EXPECT_EQ(box->decode("reduce", 1234, {}).error().message, "1");
-    EXPECT_EQ(box->decode("reduce", {1234, 2}, {}).error().message, "2");
-    EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_EQ(supervisor->decode("reduce", 1234, {}).error().message, "1");
+    EXPECT_EQ(supervisor->decode("reduce", {1234, 2}, {}).error().message, "2");
+    EXPECT_EQ(supervisor->deaths(), 0U);
 }
 
-TEST(DecoderBox, TransfersColourPictures) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    const auto picture = box->decode_colour("picture", kMaxPixels, {});
+TEST(DecoderSupervisor, TransfersColourPictures) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    const auto picture = supervisor->decode_colour("picture", kMaxPixels, {});
     ASSERT_TRUE(picture) << picture.error().message;
     EXPECT_EQ(picture->width, 2);
     EXPECT_EQ(picture->height, 1);
@@ -348,32 +348,32 @@ TEST(DecoderBox, TransfersColourPictures) {
     EXPECT_EQ(picture->green, (Plane{0.25F, 1}));
     EXPECT_EQ(picture->blue, (Plane{0.125F, 0}));
     EXPECT_EQ(picture->alpha, (Plane{1, 0.75F}));
-    EXPECT_TRUE(box->decode_colour("opaque", kMaxPixels, {})->alpha.empty());
-    EXPECT_EQ(box->decode_colour("limit", 1234, {}).error().message, "1234");
-    EXPECT_EQ(box->decode_colour("reduce", {1234, 3}, {}).error().message, "3");
-    EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_TRUE(supervisor->decode_colour("opaque", kMaxPixels, {})->alpha.empty());
+    EXPECT_EQ(supervisor->decode_colour("limit", 1234, {}).error().message, "1234");
+    EXPECT_EQ(supervisor->decode_colour("reduce", {1234, 3}, {}).error().message, "3");
+    EXPECT_EQ(supervisor->deaths(), 0U);
 }
 
-TEST(DecoderBox, DecodesPhotographsIdentically) {
-    const auto box = make_true_box();
+TEST(DecoderSupervisor, DecodesPhotographsIdentically) {
+    const auto supervisor = make_true_box();
     for (const auto* name : {"camera.png", "chelsea.png", "astronaut.png"}) {
         const std::string file = bytes_of(name);
         const auto expected = api::decode_image(file, kMaxPixels);
-        const auto picture = box->decode(file, kMaxPixels, {});
+        const auto picture = supervisor->decode(file, kMaxPixels, {});
         ASSERT_TRUE(picture && expected) << name;
         EXPECT_EQ(picture->width, expected->width);
         EXPECT_TRUE(picture->luminance == expected->luminance) << name;
         EXPECT_TRUE(picture->alpha == expected->alpha) << name;
 
         const auto colours = api::decode_colour_image(file, kMaxPixels);
-        const auto decoded = box->decode_colour(file, kMaxPixels, {});
+        const auto decoded = supervisor->decode_colour(file, kMaxPixels, {});
         ASSERT_TRUE(decoded && colours) << name;
         EXPECT_EQ(decoded->height, colours->height);
         EXPECT_TRUE(decoded->red == colours->red && decoded->green == colours->green) << name;
         EXPECT_TRUE(decoded->blue == colours->blue && decoded->alpha == colours->alpha) << name;
     }
-    EXPECT_EQ(box->decode("no image", kMaxPixels, {}).error().code, ErrorCode::Unsupported);
-    EXPECT_EQ(box->decode("", kMaxPixels, {}).error().code, ErrorCode::Malformed);
+    EXPECT_EQ(supervisor->decode("no image", kMaxPixels, {}).error().code, ErrorCode::Unsupported);
+    EXPECT_EQ(supervisor->decode("", kMaxPixels, {}).error().code, ErrorCode::Malformed);
 }
 
 /// Checks that two decoders yield the same picture or the same error.
@@ -389,56 +389,56 @@ void expect_same(const Result<Picture>& decoded, const Result<Picture>& expected
     EXPECT_TRUE(decoded->alpha == expected->alpha) << name;
 }
 
-TEST(DecoderBox, DecodesWholeAndTruncatedFilesIdentically) {
-    const auto box = make_true_box();
+TEST(DecoderSupervisor, DecodesWholeAndTruncatedFilesIdentically) {
+    const auto supervisor = make_true_box();
     int files = 0;
     for (const auto& entry : std::filesystem::directory_iterator(CCDT_API_TEST_DATA)) {
         const std::string file = bytes_at(entry.path());
         for (const std::size_t size : {file.size(), file.size() / 2, std::size_t{40}, std::size_t{12}}) {
             const auto part = file.substr(0, size);
             const auto name = entry.path().filename().string() + " of " + std::to_string(size);
-            expect_same(box->decode(part, kMaxPixels, {}), api::decode_image(part, kMaxPixels), name);
+            expect_same(supervisor->decode(part, kMaxPixels, {}), api::decode_image(part, kMaxPixels), name);
         }
         ++files;
     }
     EXPECT_GT(files, 30);
-    EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_EQ(supervisor->deaths(), 0U);
 }
 
-TEST(DecoderBox, SurvivesADecoderThatFails) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    for (const auto* file : {"crash", "abort", "throw", "exit"}) expect_death(*box, file);
+TEST(DecoderSupervisor, SurvivesADecoderThatFails) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    for (const auto* file : {"crash", "abort", "throw", "exit"}) expect_death(*supervisor, file);
 }
 
-TEST(DecoderBox, RefusesInvalidOutputOfTheDecoder) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, RefusesInvalidOutputOfTheDecoder) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     for (const auto* file : {"elsewhere", "too large", "no size", "greedy"}) {
-        expect_death(*box, file);
+        expect_death(*supervisor, file);
     }
-    expect_death_in_colour(*box, "disorder");
+    expect_death_in_colour(*supervisor, "disorder");
 }
 
-TEST(DecoderBox, KillsADecoderThatHangs) {
-    const auto box = make_box({kLimits.memory, std::chrono::seconds(1)});
-    ASSERT_TRUE(box);
-    const auto result = box->decode("spin", kMaxPixels, {});
+TEST(DecoderSupervisor, KillsADecoderThatHangs) {
+    const auto supervisor = make_box({kLimits.memory, std::chrono::seconds(1)});
+    ASSERT_TRUE(supervisor);
+    const auto result = supervisor->decode("spin", kMaxPixels, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
     EXPECT_NE(result.error().message.find("too long"), std::string::npos);
-    EXPECT_EQ(box->deaths(), 1U);
+    EXPECT_EQ(supervisor->deaths(), 1U);
     EXPECT_TRUE(wait_for_end_of_decoding());
 }
 
-TEST(DecoderBox, KillsADecoderThatExceedsItsMemory) {
+TEST(DecoderSupervisor, KillsADecoderThatExceedsItsMemory) {
     if (!Sandbox::kIsWhole) GTEST_SKIP() << "the memory of sanitizers cannot be limited";
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    expect_death(*box, "eat");
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    expect_death(*supervisor, "eat");
 }
 
-TEST(DecoderBox, ReportsLimitsOnTheServerAsInternalErrors) {
+TEST(DecoderSupervisor, ReportsLimitsOnTheServerAsInternalErrors) {
     if (!Sandbox::kIsWhole) GTEST_SKIP() << "sanitizers reserve terabytes of address space";
     for (const std::size_t left : {std::size_t{8} << 20, std::size_t{40} << 20}) {
         const auto limited = [&](UniqueFd orders) -> Result<ChildProgram> {
@@ -450,67 +450,67 @@ TEST(DecoderBox, ReportsLimitsOnTheServerAsInternalErrors) {
             setrlimit(RLIMIT_AS, &space);
             run_decoder_helper(std::move(orders), {obey, obey_in_colour, {}});
         };
-        BoxOfTests box(limited, limits_of_tests);
-        const auto result = box.decode_colour("picture", kMaxPixels, {});
+        BoxOfTests supervisor(limited, limits_of_tests);
+        const auto result = supervisor.decode_colour("picture", kMaxPixels, {});
         ASSERT_FALSE(result);
         EXPECT_EQ(result.error().code, ErrorCode::Internal);
         EXPECT_EQ(result.error().message, "cannot start a decoder: Cannot allocate memory");
     }
 }
 
-TEST(DecoderBox, DeniesSystemCallsToTheDecoder) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    if (!box->confinement().has(Layer::Calls)) GTEST_SKIP() << "system calls are not filtered here";
+TEST(DecoderSupervisor, DeniesSystemCallsToTheDecoder) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    if (!supervisor->confinement().has(Layer::Calls)) GTEST_SKIP() << "system calls are not filtered here";
     for (const auto* file : {"open", "socket", "fork", "exec", "kill", "write"}) {
-        const auto result = box->decode(file, kMaxPixels, {});
+        const auto result = supervisor->decode(file, kMaxPixels, {});
         ASSERT_FALSE(result) << file;
         EXPECT_EQ(result.error().message, "refused") << file;
     }
 }
 
-TEST(DecoderBox, StopsOnRequest) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, StopsOnRequest) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     std::stop_source stop;
     const std::jthread asking([&] {
         // One child is decoding when there is another child, which waits for the next order.
         EXPECT_TRUE(wait_for_decoding(helper()));
         stop.request_stop();
     });
-    const auto result = box->decode("spin", kMaxPixels, stop.get_token());
+    const auto result = supervisor->decode("spin", kMaxPixels, stop.get_token());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
-    EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
-    EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_EQ(supervisor->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
+    EXPECT_EQ(supervisor->deaths(), 0U);
     EXPECT_TRUE(wait_for_end_of_decoding());
 }
 
-TEST(DecoderBox, ServesManyThreads) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, ServesManyThreads) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     std::vector<std::jthread> threads;
     for (int i = 0; i < 8; ++i) {
-        threads.emplace_back([&box, i] {
+        threads.emplace_back([&supervisor, i] {
             for (int round = 0; round < 5; ++round) {
                 const bool crashes = (i + round) % 2 == 0;
-                EXPECT_EQ(box->decode(crashes ? "crash" : "picture", kMaxPixels, {}).has_value(), !crashes);
+                EXPECT_EQ(supervisor->decode(crashes ? "crash" : "picture", kMaxPixels, {}).has_value(), !crashes);
             }
         });
     }
     threads.clear();
-    EXPECT_EQ(box->deaths(), 20U);
+    EXPECT_EQ(supervisor->deaths(), 20U);
 }
 
-TEST(DecoderBox, LeaksNeitherProcessesNorDescriptors) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    ASSERT_TRUE(box->decode("picture", kMaxPixels, {}));
+TEST(DecoderSupervisor, LeaksNeitherProcessesNorDescriptors) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    ASSERT_TRUE(supervisor->decode("picture", kMaxPixels, {}));
     const auto ours = open_files(getpid());
     const auto theirs = open_files(helper());
     for (int i = 0; i < 20; ++i) {
         for (const auto* file : {"picture", "crash", "abort", "limit"}) {
-            static_cast<void>(box->decode(file, kMaxPixels, {}));
+            static_cast<void>(supervisor->decode(file, kMaxPixels, {}));
         }
     }
     EXPECT_EQ(open_files(getpid()), ours);
@@ -519,29 +519,29 @@ TEST(DecoderBox, LeaksNeitherProcessesNorDescriptors) {
     EXPECT_LE(open_files(helper()), theirs + kInPassing);
 }
 
-TEST(DecoderBox, ReplacesAKilledHelper) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, ReplacesAKilledHelper) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     for (unsigned round = 1; round <= 3; ++round) {
         kill(helper(), SIGKILL);
-        EXPECT_TRUE(wait_for_restart(*box, round));
-        const auto result = box->decode("picture", kMaxPixels, {});
+        EXPECT_TRUE(wait_for_restart(*supervisor, round));
+        const auto result = supervisor->decode("picture", kMaxPixels, {});
         EXPECT_TRUE(result) << result.error().message;
     }
-    EXPECT_EQ(box->restarts(), 3U);
-    EXPECT_EQ(box->deaths(), 0U);
+    EXPECT_EQ(supervisor->restarts(), 3U);
+    EXPECT_EQ(supervisor->deaths(), 0U);
     EXPECT_EQ(children_of(getpid()).size(), 1U);
 }
 
-TEST(DecoderBox, RetriesPicturesAfterTheDeathOfAHelper) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, RetriesPicturesAfterTheDeathOfAHelper) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     std::vector<std::jthread> threads;
     std::atomic<bool> done = false;
     for (int i = 0; i < 4; ++i) {
         threads.emplace_back([&] {
             while (!done) {
-                const auto result = box->decode("picture", kMaxPixels, {});
+                const auto result = supervisor->decode("picture", kMaxPixels, {});
                 EXPECT_TRUE(result) << result.error().message;
             }
         });
@@ -549,32 +549,32 @@ TEST(DecoderBox, RetriesPicturesAfterTheDeathOfAHelper) {
     for (unsigned round = 1; round <= 4; ++round) {
         // Kills the helper and its parent alternately.
         kill(round % 2 == 0 ? helper() : keeper(), SIGKILL);
-        EXPECT_TRUE(wait_for_restart(*box, round));
+        EXPECT_TRUE(wait_for_restart(*supervisor, round));
     }
     done = true;
     threads.clear();
-    EXPECT_EQ(box->restarts(), 4U);
+    EXPECT_EQ(supervisor->restarts(), 4U);
 }
 
-TEST(DecoderBox, ReportsHowAHelperEnded) {
+TEST(DecoderSupervisor, ReportsHowAHelperEnded) {
     std::mutex mutex;
     std::string told;
-    const auto box = std::make_unique<BoxOfTests>(forking({obey, obey_in_colour, {}}), limits_of_tests,
-                                                  [&](const std::string& message) {
-                                                      const std::lock_guard lock(mutex);
-                                                      told += message;
-                                                  });
+    const auto supervisor = std::make_unique<BoxOfTests>(forking({obey, obey_in_colour, {}}), limits_of_tests,
+                                                         [&](const std::string& message) {
+                                                             const std::lock_guard lock(mutex);
+                                                             told += message;
+                                                         });
     kill(helper(), SIGKILL);
-    EXPECT_TRUE(wait_for_restart(*box));
+    EXPECT_TRUE(wait_for_restart(*supervisor));
     const std::lock_guard lock(mutex);
     EXPECT_EQ(told, "the decoder was killed by signal 9 (Killed), and is started again");
 }
 
-TEST(DecoderBox, EndsDecodersWithTheirHelper) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, EndsDecodersWithTheirHelper) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     std::stop_source stop;
-    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    const std::jthread asking([&] { static_cast<void>(supervisor->decode("spin", kMaxPixels, stop.get_token())); });
     const pid_t first = helper();
     EXPECT_TRUE(wait_for_decoding(first));
     const auto children = children_of(first);
@@ -593,55 +593,55 @@ SupervisedProgram::Launch forking_once(std::atomic<int>& attempts) {
     };
 }
 
-TEST(DecoderBox, ReportsThatThereIsNoHelper) {
+TEST(DecoderSupervisor, ReportsThatThereIsNoHelper) {
     std::atomic<int> attempts = 0;
-    const auto box = std::make_unique<BoxOfTests>(forking_once(attempts), limits_of_tests);
-    EXPECT_TRUE(box->is_ready());
+    const auto supervisor = std::make_unique<BoxOfTests>(forking_once(attempts), limits_of_tests);
+    EXPECT_TRUE(supervisor->is_ready());
     kill(helper(), SIGKILL);
     EXPECT_TRUE(test::wait_until("three attempts to start a helper", [&] { return attempts >= 3; }));
-    EXPECT_FALSE(box->is_ready());
-    const auto result = box->decode("picture", kMaxPixels, {});
+    EXPECT_FALSE(supervisor->is_ready());
+    const auto result = supervisor->decode("picture", kMaxPixels, {});
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Unavailable);
     std::stop_source stop;
     stop.request_stop();
-    EXPECT_EQ(box->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
-    EXPECT_EQ(box->restarts(), 1U);
+    EXPECT_EQ(supervisor->decode("picture", kMaxPixels, stop.get_token()).error().code, ErrorCode::Stopped);
+    EXPECT_EQ(supervisor->restarts(), 1U);
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
-TEST(DecoderBox, FailsOrdersWithoutAHelper) {
+TEST(DecoderSupervisor, FailsOrdersWithoutAHelper) {
     std::atomic<int> attempts = 0;
-    const auto box = DecoderBox::start(forking_once(attempts), ignore).value();
-    ASSERT_TRUE(box->wait_until_ready());
+    const auto supervisor = DecoderSupervisor::start(forking_once(attempts), ignore).value();
+    ASSERT_TRUE(supervisor->wait_until_ready());
     kill(helper(), SIGKILL);
-    EXPECT_TRUE(test::wait_until("the end of the helper to be noticed", [&] { return !box->is_ready(); }));
+    EXPECT_TRUE(test::wait_until("the end of the helper to be noticed", [&] { return !supervisor->is_ready(); }));
     std::array<int, 2> ends{};
     ASSERT_EQ(socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()), 0);
     const UniqueFd ours(ends[0]);
     Order order;
     order.text.patience_ms = 1;
     order.outcome = UniqueFd(ends[1]);
-    EXPECT_FALSE(box->relay(order, {}));
+    EXPECT_FALSE(supervisor->relay(order, {}));
     Outcome told;
     ASSERT_EQ(recv(ours.get(), &told, sizeof(told), MSG_DONTWAIT), static_cast<ssize_t>(sizeof(told)));
     EXPECT_EQ(told.no_helper, 1);
 }
 
-TEST(DecoderBox, ReadsShapefiles) {
-    BoxOfTests box(forking({obey, obey_in_colour, {}, obey_as_map}), limits_of_tests);
-    EXPECT_EQ(box.read_shapefile("map", {"name", 8}).value(), "map name");
-    EXPECT_EQ(box.read_shapefile("map", {"", 8}).value(), "map ");
-    const auto full = box.read_shapefile("fill", {"", 99});
+TEST(DecoderSupervisor, ReadsShapefiles) {
+    BoxOfTests supervisor(forking({obey, obey_in_colour, {}, obey_as_map}), limits_of_tests);
+    EXPECT_EQ(supervisor.read_shapefile("map", {"name", 8}).value(), "map name");
+    EXPECT_EQ(supervisor.read_shapefile("map", {"", 8}).value(), "map ");
+    const auto full = supervisor.read_shapefile("fill", {"", 99});
     EXPECT_EQ(full.error().code, ErrorCode::LimitExceeded);
     EXPECT_EQ(full.error().message, "99");
-    EXPECT_EQ(box.read_shapefile("refuse", {"", 99}).error().field, "object");
-    EXPECT_EQ(box.read_shapefile("map", {std::string(2000, 'a'), 99}).error().code, ErrorCode::Malformed);
-    EXPECT_EQ(box.deaths(), 0U);
-    const auto crashed = box.read_shapefile("crash", {"", 99});
+    EXPECT_EQ(supervisor.read_shapefile("refuse", {"", 99}).error().field, "object");
+    EXPECT_EQ(supervisor.read_shapefile("map", {std::string(2000, 'a'), 99}).error().code, ErrorCode::Malformed);
+    EXPECT_EQ(supervisor.deaths(), 0U);
+    const auto crashed = supervisor.read_shapefile("crash", {"", 99});
     EXPECT_EQ(crashed.error().code, ErrorCode::Unusable);
     EXPECT_EQ(crashed.error().message, "the shapefile could not be decoded: it made the decoder fail");
-    EXPECT_EQ(box.deaths(), 1U);
+    EXPECT_EQ(supervisor.deaths(), 1U);
 }
 
 /// Returns a client whose orders are accepted and never executed.
@@ -692,23 +692,23 @@ TEST(DecoderClient, WaitsForAHelperOnlyOnce) {
     EXPECT_LE(patience.back(), patience.front());
 }
 
-TEST(DecoderBox, ReportsWhyItDoesNotStart) {
+TEST(DecoderSupervisor, ReportsWhyItDoesNotStart) {
     const auto ends_at_once = [](UniqueFd) -> Result<ChildProgram> {
         const pid_t process = fork();
         if (process == 0) _exit(3);
         return ChildProgram(process);
     };
-    const auto box = DecoderBox::start(ends_at_once, ignore);
-    ASSERT_TRUE(box);
-    const auto ready = (*box)->wait_until_ready();
+    const auto supervisor = DecoderSupervisor::start(ends_at_once, ignore);
+    ASSERT_TRUE(supervisor);
+    const auto ready = (*supervisor)->wait_until_ready();
     ASSERT_FALSE(ready);
     EXPECT_EQ(ready.error().message, "cannot start the decoder: it exited with 3");
-    EXPECT_FALSE((*box)->is_ready());
-    EXPECT_EQ((*box)->restarts(), 0U);
+    EXPECT_FALSE((*supervisor)->is_ready());
+    EXPECT_EQ((*supervisor)->restarts(), 0U);
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
-TEST(DecoderBox, QueuesOrdersUntilItIsReady) {
+TEST(DecoderSupervisor, QueuesOrdersUntilItIsReady) {
     std::array<int, 2> ends{};
     ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
     const UniqueFd waits(ends[0]);
@@ -723,37 +723,38 @@ TEST(DecoderBox, QueuesOrdersUntilItIsReady) {
         }
         return ChildProgram(process);
     };
-    const auto box = DecoderBox::start(start_late, ignore).value();
-    EXPECT_TRUE(box->is_ready());
-    DecoderClient client([&](const Order& order, const std::stop_token& stop) { return box->relay(order, stop); },
-                         limits_of_tests);
+    const auto supervisor = DecoderSupervisor::start(start_late, ignore).value();
+    EXPECT_TRUE(supervisor->is_ready());
+    DecoderClient client(
+        [&](const Order& order, const std::stop_token& stop) { return supervisor->relay(order, stop); },
+        limits_of_tests);
     auto picture = std::async(std::launch::async, [&] { return client.decode("picture", kMaxPixels, {}); });
     EXPECT_EQ(picture.wait_for(std::chrono::seconds(0)), std::future_status::timeout);
     lets_go.reset();
     ASSERT_TRUE(test::wait_for("a picture", picture));
     EXPECT_TRUE(picture.get());
-    EXPECT_TRUE(box->wait_until_ready());
-    EXPECT_EQ(box->restarts(), 0U);
+    EXPECT_TRUE(supervisor->wait_until_ready());
+    EXPECT_EQ(supervisor->restarts(), 0U);
 }
 
-TEST(DecoderBox, KillsItsProcessesOnDestruction) {
-    auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, KillsItsProcessesOnDestruction) {
+    auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     const pid_t gone[] = {keeper(), helper()};
-    box.reset();
+    supervisor.reset();
     for (const pid_t process : gone) EXPECT_FALSE(is_running(process));
     EXPECT_TRUE(children_of(getpid()).empty());
 }
 
-TEST(DecoderBox, IgnoresSignalsToItsGroup) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, IgnoresSignalsToItsGroup) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM}) {
         kill(keeper(), number);
         kill(helper(), number);
     }
-    EXPECT_TRUE(box->decode("picture", kMaxPixels, {}));
-    EXPECT_EQ(box->restarts(), 0U);
+    EXPECT_TRUE(supervisor->decode("picture", kMaxPixels, {}));
+    EXPECT_EQ(supervisor->restarts(), 0U);
 }
 
 /// Counts the processes with the highest oom_score_adj, which the kernel kills first if memory runs out.
@@ -764,13 +765,13 @@ std::ptrdiff_t volunteers(const std::vector<pid_t>& processes) {
     });
 }
 
-TEST(DecoderBox, MakesTheDecoderTheFirstVictimOfTheOomKiller) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
+TEST(DecoderSupervisor, MakesTheDecoderTheFirstVictimOfTheOomKiller) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
     const pid_t process = helper();
     ASSERT_EQ(volunteers({keeper(), process}), 0);
     std::stop_source stop;
-    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    const std::jthread asking([&] { static_cast<void>(supervisor->decode("spin", kMaxPixels, stop.get_token())); });
     EXPECT_TRUE(wait_for_decoding(process));
     EXPECT_TRUE(test::wait_until("the decoder to raise its oom_score_adj",
                                  [&] { return volunteers(children_of(process)) > 0; }));
@@ -779,14 +780,14 @@ TEST(DecoderBox, MakesTheDecoderTheFirstVictimOfTheOomKiller) {
     stop.request_stop();
 }
 
-TEST(DecoderBox, IsConfinedAsReported) {
-    const auto box = make_box();
-    ASSERT_TRUE(box);
-    const Confinement& confinement = box->confinement();
+TEST(DecoderSupervisor, IsConfinedAsReported) {
+    const auto supervisor = make_box();
+    ASSERT_TRUE(supervisor);
+    const Confinement& confinement = supervisor->confinement();
     const pid_t process = helper();
     // Checks the helper, the child that decodes and the child that waits.
     std::stop_source stop;
-    const std::jthread asking([&] { static_cast<void>(box->decode("spin", kMaxPixels, stop.get_token())); });
+    const std::jthread asking([&] { static_cast<void>(supervisor->decode("spin", kMaxPixels, stop.get_token())); });
     EXPECT_TRUE(wait_for_decoding(process));
     auto decoding = children_of(process);
     decoding.push_back(process);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/compute/compute_box.h"
+#include "server/compute/compute_supervisor.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -141,10 +141,10 @@ std::string repeated(const std::string& text, int times) {
     return all;
 }
 
-class ComputeBoxTest : public testing::Test {
+class ComputeSupervisorTest : public testing::Test {
 protected:
     Result<api::Answer> ask(const ComputeRequest& request, const Control& control = {}) {
-        return box_->compute(request, {}, control, timings_);
+        return supervisor_->compute(request, {}, control, timings_);
     }
 
     pid_t process_of_next() { return static_cast<pid_t>(ask({"/", "", "", "", ""})->pixels); }
@@ -165,18 +165,18 @@ protected:
         EXPECT_TRUE(met) << met.error().message;
     }
 
-    static std::unique_ptr<ComputeBox> start(seconds to_stop) {
-        return *ComputeBox::start(
+    static std::unique_ptr<ComputeSupervisor> start(seconds to_stop) {
+        return *ComputeSupervisor::start(
             launch, {.limits = {.max_sites = 7, .max_pixels = 8}, .to_stop = to_stop},
             [](const Order&, const std::stop_token&) {}, [](const std::string&) {});
     }
 
     api::Timings timings_;
-    std::unique_ptr<ComputeBox> box_ = start(seconds(1));
+    std::unique_ptr<ComputeSupervisor> supervisor_ = start(seconds(1));
 };
 
-TEST_F(ComputeBoxTest, TransfersTheWholeAnswer) {
-    const auto answer = box_->compute({"/", "", "type", "coding", "body"}, {.compressed = true}, {}, timings_);
+TEST_F(ComputeSupervisorTest, TransfersTheWholeAnswer) {
+    const auto answer = supervisor_->compute({"/", "", "type", "coding", "body"}, {.compressed = true}, {}, timings_);
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_EQ(answer->media_type, "type compressed");
     EXPECT_EQ(answer->coding, "coding");
@@ -187,10 +187,10 @@ TEST_F(ComputeBoxTest, TransfersTheWholeAnswer) {
     EXPECT_EQ(timings_.decode + 10 * timings_.optimise + 100 * timings_.encode, 321);
 }
 
-TEST_F(ComputeBoxTest, StreamsPiecesToTheTaker) {
+TEST_F(ComputeSupervisorTest, StreamsPiecesToTheTaker) {
     const std::string piece(200'000, 'x');
     Sink sink;
-    const auto answer = box_->compute({"stream", "", "", "", piece}, {.sink = &sink}, {}, timings_);
+    const auto answer = supervisor_->compute({"stream", "", "", "", piece}, {.sink = &sink}, {}, timings_);
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_TRUE(answer->streamed);
     EXPECT_TRUE(answer->body.empty());
@@ -199,7 +199,7 @@ TEST_F(ComputeBoxTest, StreamsPiecesToTheTaker) {
     EXPECT_EQ(sink.body, repeated(piece, 100));
 }
 
-TEST_F(ComputeBoxTest, JoinsPiecesWithoutATaker) {
+TEST_F(ComputeSupervisorTest, JoinsPiecesWithoutATaker) {
     const auto answer = ask({"stream", "", "", "", "piece"});
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_FALSE(answer->streamed);
@@ -207,31 +207,32 @@ TEST_F(ComputeBoxTest, JoinsPiecesWithoutATaker) {
     EXPECT_EQ(answer->body, repeated("piece", 100));
 }
 
-TEST_F(ComputeBoxTest, DoesNotRetryAfterStreamingHasBegun) {
+TEST_F(ComputeSupervisorTest, DoesNotRetryAfterStreamingHasBegun) {
     Sink sink;
-    const auto died = box_->compute({"stream and die", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
+    const auto died = supervisor_->compute({"stream and die", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(died);
     EXPECT_EQ(died.error().code, ErrorCode::Internal);
     EXPECT_EQ(sink.media_types, "pieces");
     EXPECT_LE(sink.pieces, 51);
-    const auto failed = box_->compute({"stream and fail", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
+    const auto failed = supervisor_->compute({"stream and fail", "", "", "", "piece"}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(failed);
     EXPECT_EQ(failed.error().message, "broken");
     EXPECT_TRUE(ask({"/", "", "", "", ""}));
 }
 
-TEST_F(ComputeBoxTest, KillsTheProcessOfAnAbandonedAnswer) {
+TEST_F(ComputeSupervisorTest, KillsTheProcessOfAnAbandonedAnswer) {
     const pid_t process = process_of_next();
     Sink sink(3);
-    const auto left = box_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.sink = &sink}, {}, timings_);
+    const auto left =
+        supervisor_->compute({"stream", "", "", "", std::string(200'000, 'x')}, {.sink = &sink}, {}, timings_);
     ASSERT_FALSE(left);
     EXPECT_EQ(left.error().code, ErrorCode::Stopped);
-    EXPECT_EQ(box_->counts().crashes, 0U);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
     EXPECT_TRUE(wait_for_end(process));
     EXPECT_NE(process_of_next(), process);
 }
 
-TEST_F(ComputeBoxTest, TransfersBodiesOfAnySize) {
+TEST_F(ComputeSupervisorTest, TransfersBodiesOfAnySize) {
     for (const std::size_t size : {0, 1, 16'384, 16'385, 30'000'000}) {
         const auto answer = ask({"/", "", "type", "", std::string(size, 'x')});
         ASSERT_TRUE(answer);
@@ -239,7 +240,7 @@ TEST_F(ComputeBoxTest, TransfersBodiesOfAnySize) {
     }
 }
 
-TEST_F(ComputeBoxTest, TransfersErrors) {
+TEST_F(ComputeSupervisorTest, TransfersErrors) {
     const auto refused = ask({"refuse", "", "", "", ""});
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error().code, ErrorCode::Unusable);
@@ -248,41 +249,41 @@ TEST_F(ComputeBoxTest, TransfersErrors) {
     const auto thrown = ask({"throw", "", "", "", ""});
     EXPECT_EQ(thrown.error().code, ErrorCode::Internal);
     EXPECT_EQ(thrown.error().message, "thrown");
-    EXPECT_EQ(box_->counts().crashes, 0U);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, ReportsEveryProgressStep) {
+TEST_F(ComputeSupervisorTest, ReportsEveryProgressStep) {
     std::vector<int> steps;
     const Control control{{}, [&](const Progress& progress) { steps.push_back(progress.iteration); }};
     EXPECT_TRUE(ask({"/", "", "", "", ""}, control));
     EXPECT_EQ(steps, (std::vector<int>{1, 2, 3}));
 }
 
-TEST_F(ComputeBoxTest, LendsThreads) {
+TEST_F(ComputeSupervisorTest, LendsThreads) {
 #ifdef __SANITIZE_THREAD__
     GTEST_SKIP() << "the thread sanitizer ends forked processes that create a thread after another one has ended";
 #endif
-    box_->lend(3);
+    supervisor_->lend(3);
     meet(3);
     EXPECT_EQ(timings_.threads, 3U);
     EXPECT_GT(timings_.processor, 0);
     meet(2);
     EXPECT_EQ(timings_.threads, 2U) << "there were only two tasks";
-    box_->lend(1);
+    supervisor_->lend(1);
     meet(1);
     EXPECT_EQ(timings_.threads, 1U) << "an idle process must use fewer threads from now on";
-    box_->lend(2);
+    supervisor_->lend(2);
     meet(2);
     EXPECT_EQ(timings_.threads, 2U);
 }
 
-TEST_F(ComputeBoxTest, LendsThreadsToARunningComputation) {
-    const Control control{{}, [&](const Progress&) { box_->lend(2); }};
+TEST_F(ComputeSupervisorTest, LendsThreadsToARunningComputation) {
+    const Control control{{}, [&](const Progress&) { supervisor_->lend(2); }};
     meet(2, control);
     EXPECT_EQ(timings_.threads, 2U);
 }
 
-TEST_F(ComputeBoxTest, ReusesProcesses) {
+TEST_F(ComputeSupervisorTest, ReusesProcesses) {
     const pid_t first = process_of_next();
     EXPECT_EQ(process_of_next(), first);
     std::jthread([&] {
@@ -295,7 +296,7 @@ TEST_F(ComputeBoxTest, ReusesProcesses) {
     EXPECT_EQ(process_of_next(), first);
 }
 
-TEST_F(ComputeBoxTest, FailsOnlyTheComputationThatCrashes) {
+TEST_F(ComputeSupervisorTest, FailsOnlyTheComputationThatCrashes) {
     std::stop_source stop;
     std::jthread other([&] {
         const auto answer = ask({"wait", "", "", "", ""}, {stop.get_token(), [](const Progress&) {}});
@@ -304,38 +305,38 @@ TEST_F(ComputeBoxTest, FailsOnlyTheComputationThatCrashes) {
     });
     api::Timings timings;
     for (int i = 1; i <= 3; ++i) {
-        const auto crashed = box_->compute({"abort", "", "", "", ""}, {}, {}, timings);
+        const auto crashed = supervisor_->compute({"abort", "", "", "", ""}, {}, {}, timings);
         ASSERT_FALSE(crashed);
         EXPECT_EQ(crashed.error().code, ErrorCode::Internal);
         EXPECT_EQ(crashed.error().message, "the process that computed it was killed by signal 6 (Aborted)");
-        EXPECT_EQ(box_->counts().crashes, static_cast<std::uint64_t>(i));
-        EXPECT_TRUE(box_->compute({"/", "", "", "", ""}, {}, {}, timings));
+        EXPECT_EQ(supervisor_->counts().crashes, static_cast<std::uint64_t>(i));
+        EXPECT_TRUE(supervisor_->compute({"/", "", "", "", ""}, {}, {}, timings));
     }
     stop.request_stop();
 }
 
-TEST_F(ComputeBoxTest, RetriesAComputationWhoseProcessWasKilled) {
+TEST_F(ComputeSupervisorTest, RetriesAComputationWhoseProcessWasKilled) {
     std::string file = (std::filesystem::path(testing::TempDir()) / "killed-XXXXXX").string();
     ASSERT_NE(mkdtemp(file.data()), nullptr);
     const auto answer = ask({"die", file + "/once", "", "", "body"});
     ASSERT_TRUE(answer) << answer.error().message;
     EXPECT_EQ(answer->body, "body");
-    EXPECT_EQ(box_->counts().crashes, 1U);
+    EXPECT_EQ(supervisor_->counts().crashes, 1U);
     std::filesystem::remove_all(file);
     const auto twice = ask({"die again", "", "", "", ""});
     EXPECT_EQ(twice.error().message, "the process that computed it was killed by signal 9 (Killed)");
-    EXPECT_EQ(box_->counts().crashes, 3U);
+    EXPECT_EQ(supervisor_->counts().crashes, 3U);
 }
 
-TEST_F(ComputeBoxTest, ReplacesIdleProcessesThatDied) {
+TEST_F(ComputeSupervisorTest, ReplacesIdleProcessesThatDied) {
     const pid_t process = process_of_next();
     kill(process, SIGKILL);
     ASSERT_TRUE(test::wait_until("a killed process to be reaped", [&] { return kill(process, 0) != 0; }));
     EXPECT_NE(process_of_next(), process);
-    EXPECT_EQ(box_->counts().crashes, 0U);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, KillsProcessesThatDoNotStop) {
+TEST_F(ComputeSupervisorTest, KillsProcessesThatDoNotStop) {
     std::stop_source stop;
     const Control control{stop.get_token(), {}};
     const pid_t process = process_of_next();
@@ -344,27 +345,27 @@ TEST_F(ComputeBoxTest, KillsProcessesThatDoNotStop) {
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
     EXPECT_TRUE(wait_for_end(process));
-    EXPECT_EQ(box_->counts().crashes, 0U);
-    EXPECT_EQ(box_->counts().overdue, 1U);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
+    EXPECT_EQ(supervisor_->counts().overdue, 1U);
 }
 
-TEST_F(ComputeBoxTest, KillsUnwantedComputationsSoon) {
-    box_ = start(std::chrono::hours(1));
+TEST_F(ComputeSupervisorTest, KillsUnwantedComputationsSoon) {
+    supervisor_ = start(std::chrono::hours(1));
     const pid_t process = process_of_next();
     std::stop_source stop, unwanted;
     std::jthread leaving([&] {
         stop.request_stop();
         unwanted.request_stop();
     });
-    const auto answer = box_->compute({"endless", "", "", "", ""}, {.unwanted = unwanted.get_token()},
-                                      {stop.get_token(), {}}, timings_);
+    const auto answer = supervisor_->compute({"endless", "", "", "", ""}, {.unwanted = unwanted.get_token()},
+                                             {stop.get_token(), {}}, timings_);
     ASSERT_FALSE(answer);
     EXPECT_EQ(answer.error().code, ErrorCode::Stopped);
     EXPECT_FALSE(is_there(process)) << "its memory must have been released";
-    EXPECT_EQ(box_->counts().crashes, 0U);
+    EXPECT_EQ(supervisor_->counts().crashes, 0U);
 }
 
-TEST_F(ComputeBoxTest, DoesNotStopTheNextComputationByALateStop) {
+TEST_F(ComputeSupervisorTest, DoesNotStopTheNextComputationByALateStop) {
     for (int i = 0; i < 200; ++i) {
         std::stop_source stop;
         std::jthread late([&] { stop.request_stop(); });
@@ -374,9 +375,9 @@ TEST_F(ComputeBoxTest, DoesNotStopTheNextComputationByALateStop) {
     }
 }
 
-TEST_F(ComputeBoxTest, KillsItsProcessesOnDestruction) {
+TEST_F(ComputeSupervisorTest, KillsItsProcessesOnDestruction) {
     const pid_t process = process_of_next();
-    box_.reset();
+    supervisor_.reset();
     EXPECT_TRUE(wait_for_end(process));
 }
 

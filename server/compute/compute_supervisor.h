@@ -30,7 +30,7 @@ struct Order;
 /// Idle processes are reused. If none has the nice value that a computation needs, the fork server, a separate program,
 /// forks one. If a process is killed from outside, for example because the machine ran out of memory, its computation
 /// is repeated once. Thread-safe.
-class ComputeBox {
+class ComputeSupervisor {
 public:
     /// Passes an order to decode a file from a computation process to the decoder. The decoder sends the result
     /// directly to the computation process.
@@ -46,13 +46,13 @@ public:
     };
 
     /// Starts the fork server. Error: Internal.
-    static Result<std::unique_ptr<ComputeBox>> start(SupervisedProgram::Launch launch, const Options& options,
-                                                     Relay relay, SupervisedProgram::Report report);
+    static Result<std::unique_ptr<ComputeSupervisor>> start(SupervisedProgram::Launch launch, const Options& options,
+                                                            Relay relay, SupervisedProgram::Report report);
 
-    ~ComputeBox();
+    ~ComputeSupervisor();
 
-    ComputeBox(const ComputeBox&) = delete;
-    ComputeBox& operator=(const ComputeBox&) = delete;
+    ComputeSupervisor(const ComputeSupervisor&) = delete;
+    ComputeSupervisor& operator=(const ComputeSupervisor&) = delete;
 
     /// Waits until the fork server is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return fork_server_->wait_until_ready(stop); }
@@ -88,8 +88,8 @@ private:
     struct Process;
     class Conversation;
 
-    ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads, const Options& options,
-               Relay relay);
+    ComputeSupervisor(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads, const Options& options,
+                      Relay relay);
 
     Result<Process> take_process(int nice, const std::stop_token& stop);
     Result<Process> make_process(int nice, const std::stop_token& stop);

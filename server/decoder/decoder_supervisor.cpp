@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/decoder/decoder_box.h"
+#include "server/decoder/decoder_supervisor.h"
 
 #include <mutex>
 #include <optional>
@@ -10,8 +10,8 @@
 
 namespace ccdt::server {
 
-Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch launch,
-                                                      SupervisedProgram::Report report) {
+Result<std::unique_ptr<DecoderSupervisor>> DecoderSupervisor::start(SupervisedProgram::Launch launch,
+                                                                    SupervisedProgram::Report report) {
     // Helpers that are started later report the same confinement.
     const auto confinement = std::make_shared<Confinement>();
     const auto greet = [confinement, once = std::make_shared<std::once_flag>()](int socket) {
@@ -22,10 +22,10 @@ Result<std::unique_ptr<DecoderBox>> DecoderBox::start(SupervisedProgram::Launch 
     };
     auto helper = SupervisedProgram::start("decoder", std::move(launch), greet, std::move(report));
     if (!helper) return tl::unexpected(std::move(helper.error()));
-    return std::unique_ptr<DecoderBox>(new DecoderBox(*std::move(helper), confinement));
+    return std::unique_ptr<DecoderSupervisor>(new DecoderSupervisor(*std::move(helper), confinement));
 }
 
-bool DecoderBox::relay(const Order& order, const std::stop_token& stop) {
+bool DecoderSupervisor::relay(const Order& order, const std::stop_token& stop) {
     const auto until = SupervisedProgram::Clock::now() + std::chrono::milliseconds(order.text.patience_ms);
     for (SupervisedProgram::Socket lost;;) {
         const auto socket = helper_->wait_for_socket(lost, until, stop);

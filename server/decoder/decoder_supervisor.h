@@ -21,12 +21,12 @@ struct Order;
 /// A helper process forks a child for each file. If the helper ends, it is restarted. DecoderClient creates the orders.
 /// decoder_helper.h describes the processes; decoder_confinement.h and decoder_sandbox.h describe their confinement.
 /// Thread-safe.
-class DecoderBox {
+class DecoderSupervisor {
 public:
     /// Starts the helper. The destructor ends the helper and all its children. Error: Internal.
     /// @param launch  starts a process that calls run_decoder_helper
-    static Result<std::unique_ptr<DecoderBox>> start(SupervisedProgram::Launch launch,
-                                                     SupervisedProgram::Report report);
+    static Result<std::unique_ptr<DecoderSupervisor>> start(SupervisedProgram::Launch launch,
+                                                            SupervisedProgram::Report report);
 
     /// Waits until the helper is ready for the first time. Errors: as SupervisedProgram::wait_until_ready.
     Result<void> wait_until_ready(const std::stop_token& stop = {}) { return helper_->wait_until_ready(stop); }
@@ -52,7 +52,7 @@ public:
     const Confinement& confinement() const { return *confinement_; }
 
 private:
-    DecoderBox(std::unique_ptr<SupervisedProgram> helper, std::shared_ptr<const Confinement> confinement)
+    DecoderSupervisor(std::unique_ptr<SupervisedProgram> helper, std::shared_ptr<const Confinement> confinement)
         : helper_(std::move(helper)), confinement_(std::move(confinement)) {}
 
     const std::unique_ptr<SupervisedProgram> helper_;

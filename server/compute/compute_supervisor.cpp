@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/compute/compute_box.h"
+#include "server/compute/compute_supervisor.h"
 
 #include <algorithm>
 #include <array>
@@ -102,7 +102,7 @@ private:
 }  // namespace
 
 /// The server's sockets to a computation process. The process ends when the server closes them.
-struct ComputeBox::Process {
+struct ComputeSupervisor::Process {
     UniqueFd channel;
     UniqueFd events;
     int nice = 0;
@@ -115,13 +115,13 @@ struct ComputeBox::Process {
 };
 
 /// Sends one request to a computation process, and receives the replies until the computation has ended.
-class ComputeBox::Conversation {
+class ComputeSupervisor::Conversation {
 public:
     using Outcome = tl::expected<Result<api::Answer>, NoReply>;
 
-    Conversation(ComputeBox& box, Process& process, const Delivery& delivery, const Control& control,
+    Conversation(ComputeSupervisor& supervisor, Process& process, const Delivery& delivery, const Control& control,
                  api::Timings& timings)
-        : box_(box),
+        : supervisor_(supervisor),
           process_(process),
           delivery_(delivery),
           control_(control),
@@ -208,7 +208,7 @@ private:
 
     Outcome finish(const Reply& reply) {
         timings_ = reply.timings;
-        box_.decoder_deaths_ += reply.decoder_deaths;
+        supervisor_.decoder_deaths_ += reply.decoder_deaths;
         if (reply.kind == Reply::Kind::Failure)
             return failure(static_cast<ErrorCode>(reply.code), reader_.take_text(0), reader_.take_text(1));
         api::Answer answer = answer_of(reply);
@@ -243,7 +243,7 @@ private:
         eventfd_read(stopped_.get(), &discarded);
         const Call stop{.kind = Call::Kind::Stop, .number = call.number, .limits = {}, .sizes = {}};
         if (!end_at_) static_cast<void>(send_texts(process_.channel.get(), {text_of(stop)}));
-        const auto& [limits, to_stop, to_leave] = box_.options_;
+        const auto& [limits, to_stop, to_leave] = supervisor_.options_;
         const Clock::duration longest = delivery_.unwanted.stop_requested() ? to_leave : Clock::duration(to_stop);
         end_at_ = std::min(end_at_.value_or(Clock::time_point::max()), Clock::now() + longest);
     }
@@ -258,7 +258,7 @@ private:
         }
         if (size != sizeof(order.text)) return;
         order.take(std::move(files));
-        box_.relay_(order, control_.stop);
+        supervisor_.relay_(order, control_.stop);
     }
 
     /// Waits for the fork server's report that the process has ended, for at most kPatience.
@@ -276,7 +276,7 @@ private:
         return tl::unexpected(NoReply{.overdue = false, .death = death_});
     }
 
-    ComputeBox& box_;
+    ComputeSupervisor& supervisor_;
     Process& process_;
     const Delivery& delivery_;
     const Control& control_;
@@ -289,8 +289,9 @@ private:
     std::optional<ChildEnd> death_;
 };
 
-Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch launch, const Options& options,
-                                                      Relay relay, SupervisedProgram::Report report) {
+Result<std::unique_ptr<ComputeSupervisor>> ComputeSupervisor::start(SupervisedProgram::Launch launch,
+                                                                    const Options& options, Relay relay,
+                                                                    SupervisedProgram::Report report) {
     const auto greet = [](int socket) {
         std::byte ready{};
         return receive_message(socket, {&ready, 1}) == 1;
@@ -299,22 +300,22 @@ Result<std::unique_ptr<ComputeBox>> ComputeBox::start(SupervisedProgram::Launch 
     if (!threads) return tl::unexpected(std::move(threads.error()));
     auto fork_server = SupervisedProgram::start("worker", std::move(launch), greet, std::move(report));
     if (!fork_server) return tl::unexpected(std::move(fork_server.error()));
-    return std::unique_ptr<ComputeBox>(
-        new ComputeBox(*std::move(fork_server), *std::move(threads), options, std::move(relay)));
+    return std::unique_ptr<ComputeSupervisor>(
+        new ComputeSupervisor(*std::move(fork_server), *std::move(threads), options, std::move(relay)));
 }
 
-ComputeBox::ComputeBox(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads, const Options& options,
-                       Relay relay)
+ComputeSupervisor::ComputeSupervisor(std::unique_ptr<SupervisedProgram> fork_server, SharedNumber threads,
+                                     const Options& options, Relay relay)
     : options_(options), relay_(std::move(relay)), threads_(std::move(threads)), fork_server_(std::move(fork_server)) {}
 
-ComputeBox::~ComputeBox() = default;
+ComputeSupervisor::~ComputeSupervisor() = default;
 
-ComputeBox::Counts ComputeBox::counts() const {
+ComputeSupervisor::Counts ComputeSupervisor::counts() const {
     return {crashes_, overdue_, fork_server_->restarts(), fork_server_->silences(), decoder_deaths_};
 }
 
-Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Delivery& delivery, const Control& control,
-                                        api::Timings& timings) {
+Result<api::Answer> ComputeSupervisor::compute(const ComputeRequest& request, const Delivery& delivery,
+                                               const Control& control, api::Timings& timings) {
     const Call call{
         .compressed = delivery.compressed ? 1U : 0U, .number = ++computations_, .limits = options_.limits, .sizes = {}};
     const int nice = getpriority(PRIO_PROCESS, static_cast<id_t>(gettid()));
@@ -339,7 +340,7 @@ Result<api::Answer> ComputeBox::compute(const ComputeRequest& request, const Del
     }
 }
 
-Result<ComputeBox::Process> ComputeBox::take_process(int nice, const std::stop_token& stop) {
+Result<ComputeSupervisor::Process> ComputeSupervisor::take_process(int nice, const std::stop_token& stop) {
     while (true) {
         std::optional<Process> idle;
         {
@@ -354,7 +355,7 @@ Result<ComputeBox::Process> ComputeBox::take_process(int nice, const std::stop_t
     return make_process(nice, stop);
 }
 
-Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_token& stop) {
+Result<ComputeSupervisor::Process> ComputeSupervisor::make_process(int nice, const std::stop_token& stop) {
     const auto until = Clock::now() + kPatience;
     for (SupervisedProgram::Socket lost;;) {
         const auto fork_server = fork_server_->wait_for_socket(lost, until, stop);
@@ -375,7 +376,7 @@ Result<ComputeBox::Process> ComputeBox::make_process(int nice, const std::stop_t
     }
 }
 
-void ComputeBox::give_back(Process process) {
+void ComputeSupervisor::give_back(Process process) {
     const std::lock_guard lock(mutex_);
     idle_[process.nice].push_back(std::move(process));
 }
