@@ -13,14 +13,14 @@
 namespace ccdt::api {
 namespace {
 
-std::size_t columns_of(const PixelSet& set) {
+std::size_t columns_of(const ChosenPixels& set) {
     return static_cast<std::size_t>(set.width);
 }
 
 /// Writes the coordinates of the pixels, row by row.
 /// @param separator  between two pixels
-Result<void> write_pixels(const PixelSet& set, std::string_view begin, std::string_view separator, std::string_view end,
-                          Body& body, const std::stop_token& stop) {
+Result<void> write_pixels(const ChosenPixels& set, std::string_view begin, std::string_view separator,
+                          std::string_view end, Body& body, const std::stop_token& stop) {
     std::string& out = body.text();
     bool is_first = true;
     for (int y = 0; y < set.height; ++y) {
@@ -36,7 +36,7 @@ Result<void> write_pixels(const PixelSet& set, std::string_view begin, std::stri
     return {};
 }
 
-Result<void> write_json(const PixelSet& set, Body& body, const std::stop_token& stop) {
+Result<void> write_json(const ChosenPixels& set, Body& body, const std::stop_token& stop) {
     body.text() += "{\"points\":[";
     auto written = write_pixels(set, "[", ",", "]", body, stop);
     body.text() += "],\"sites\":" + std::to_string(set.count) + ",\"seed\":" + std::to_string(set.seed) +
@@ -45,20 +45,20 @@ Result<void> write_json(const PixelSet& set, Body& body, const std::stop_token& 
     return written;
 }
 
-Result<void> write_csv(const PixelSet& set, Body& body, const std::stop_token& stop) {
+Result<void> write_csv(const ChosenPixels& set, Body& body, const std::stop_token& stop) {
     body.text() += "x,y\r\n";
     return write_pixels(set, "", "", "\r\n", body, stop);
 }
 
 /// Writes a picture of 1 bit per pixel, in which the pixels of the set are white.
-Result<void> write_png(const PixelSet& set, Body& body, const std::stop_token& stop) {
+Result<void> write_png(const ChosenPixels& set, Body& body, const std::stop_token& stop) {
     constexpr std::array kColours = {kBlack, kWhite};
     const DevicePixels pixels{set.width, set.height, 1, true, kColours, set.chosen};
     return write_device_png(pixels, {}, stop).map([&](std::string&& file) { body.text() = std::move(file); });
 }
 
 /// Writes an array of booleans [height, width].
-Result<void> write_npy(const PixelSet& set, Body& body, const std::stop_token& stop) {
+Result<void> write_npy(const ChosenPixels& set, Body& body, const std::stop_token& stop) {
     const std::string header = npy_header("|b1", static_cast<std::size_t>(set.height), columns_of(set));
     body.expect(header.size() + set.chosen.size());
     body.text() += header;

@@ -13,7 +13,7 @@
 namespace ccdt::api {
 
 /// A set of pixels, as an answer has it.
-struct PixelSet {
+struct ChosenPixels {
     int width = 0;
     int height = 0;
     std::span<const std::uint8_t> chosen;  ///< [width * height] row by row, 1 for the pixels of the set
@@ -27,7 +27,7 @@ struct PixelFormat {
     FileFormat file;
     double bytes_per_site;   ///< memory of a pixel of the set in the answer
     double bytes_per_pixel;  ///< memory of any pixel in the answer
-    Result<void> (*write)(const PixelSet& set, Body& body, const std::stop_token& stop);
+    Result<void> (*write)(const ChosenPixels& set, Body& body, const std::stop_token& stop);
 };
 
 /// Returns the formats, in the server's order of preference: lists in JSON and CSV, and masks in PNG and NPY.

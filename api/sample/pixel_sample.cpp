@@ -12,7 +12,7 @@
 #include "api/input/run_options.h"
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
-#include "core/dither/pixel_set.h"
+#include "core/dither/pixel_choice.h"
 
 namespace ccdt::api {
 namespace {
@@ -275,7 +275,7 @@ Result<Answer> run_pixels(const PixelRequest& request, const Limits& limits, con
     answer.media_type = request.format->file.content_type();
     answer.sites = request.sites;
     Body body(answer, sink, control.stop);
-    const PixelSet set{width, height, chosen, request.sites, request.seed, answer.partial};
+    const ChosenPixels set{width, height, chosen, request.sites, request.seed, answer.partial};
     auto written = request.format->write(set, body, stop_of_writing(control, request.on_deadline));
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());

@@ -27,7 +27,7 @@ struct PixelRequest {
     std::size_t sites = 0;
     DensityInput density;
     std::vector<CellBlock> included;  ///< pixels that are always in the set, within the raster; blocks may overlap
-    std::string_view including = {};  ///< JSON Pointer to the option that included most pixels, for errors
+    std::string_view including = {};  ///< JSON Pointer to `include`, or to `calibration` if only that is given
     std::uint64_t seed = 0;
     const PixelFormat* format = nullptr;  ///< never null in a parsed request
     OnStop on_deadline = OnStop::Error;   ///< a partial answer is spread less evenly

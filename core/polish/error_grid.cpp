@@ -119,7 +119,9 @@ void ErrorGrid::measure(std::span<const Point> sites) {
     for (const Point p : sites) {
         const auto [column, row, fraction] = place(p);
         for_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y), 1.0,
-                 [&](std::size_t j, std::size_t i, double share) { values_[number(column, row + j) + i] += share; });
+                 [&, column = column, row = row](std::size_t j, std::size_t i, double share) {
+                     values_[number(column, row + j) + i] += share;
+                 });
     }
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = values_[i] > 0 ? 1 - wanted_[i] / values_[i] : 0;
 }
@@ -127,7 +129,7 @@ void ErrorGrid::measure(std::span<const Point> sites) {
 double ErrorGrid::at(Point site) const {
     const auto [column, row, fraction] = place(site);
     return sum_taps(b_spline<kDegree>(fraction.x), b_spline<kDegree>(fraction.y),
-                    [&](std::size_t j) { return &values_[number(column, row + j)]; });
+                    [&, column = column, row = row](std::size_t j) { return &values_[number(column, row + j)]; });
 }
 
 }  // namespace ccdt

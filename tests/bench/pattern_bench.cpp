@@ -13,7 +13,7 @@
 #include "core/analysis/nonuniform_transform.h"
 #include "core/baselines/odt.h"
 #include "core/ccdt/ccdt.h"
-#include "core/dither/pixel_set.h"
+#include "core/dither/pixel_choice.h"
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/order/progressive_order.h"
 #include "core/parallel/thread_executor.h"
@@ -324,7 +324,7 @@ void ProgressiveTone(benchmark::State& state) {
 
 /// Measures the choice of one of `range(0)` pixels of 512 x 512, by two threads: the distance of nearest neighbours
 /// relative to a hexagonal grid, and the power below half the principal frequency relative to random points.
-void PixelSet(benchmark::State& state) {
+void PixelChoice(benchmark::State& state) {
     constexpr int kSide = 512;
     constexpr std::size_t kPixels = std::size_t{kSide} * kSide;
     const std::vector<std::uint8_t> included(kPixels, 0);
@@ -354,7 +354,7 @@ BENCHMARK(CountryPattern)->ArgsProduct({{0, 1, 2}, {0, 1, 2, 3}})->Iterations(1)
 BENCHMARK(InksPattern)->ArgsProduct({{0, 1, 2}, {0, 1}})->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(ProgressivePattern)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(ProgressiveTone)->Arg(1)->Iterations(1)->Unit(benchmark::kMillisecond);
-BENCHMARK(PixelSet)->ArgsProduct({{2, 3, 4, 6, 8, 10, 16, 64, 256}})->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK(PixelChoice)->ArgsProduct({{2, 3, 4, 6, 8, 10, 16, 64, 256}})->UseRealTime()->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench

@@ -7,12 +7,10 @@
 namespace ccdt::fuzz {
 namespace {
 
-using std::string_view_literals::operator""sv;
-
 constexpr api::Limits kLimits = {.max_sites = 64, .max_pixels = 2'048};
 
 /// The first bytes of a JPEG of 2 x 1 pixels. The picture itself is made by decode_of().
-constexpr std::string_view kImage = "\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1"sv;
+constexpr std::string_view kImage("\xff\xd8\xff\xc0\0\x0b\x08\0\1\0\2\1", 12);
 
 /// Checks the rows of pixel values.
 void check_rows(const api::DeviceRequest& request, std::string_view body) {

@@ -54,13 +54,13 @@ std::string fields(const Result<PixelRequest>& request) {
 }
 
 TEST(PixelSample, HasTheSameSetInAllFormats) {
-    constexpr int kWidth = 16, kHeight = 12;
+    constexpr std::size_t kWidth = 16, kHeight = 12;
     const Points list = points(R"("sites":40,"seed":3)");
     ASSERT_EQ(list.size(), 40U);
     std::string csv = "x,y\r\n", mask(kWidth * kHeight, '\0');
     for (const auto& [x, y] : list) {
         csv += std::to_string(x) + ',' + std::to_string(y) + "\r\n";
-        mask[static_cast<std::size_t>(y * kWidth + x)] = '\1';
+        mask[static_cast<std::size_t>(y) * kWidth + static_cast<std::size_t>(x)] = '\1';
     }
     EXPECT_EQ(answer(R"("sites":40,"seed":3,"format":"csv")")->body, csv);
     const std::string npy = answer(R"("sites":40,"seed":3,"format":"npy")")->body;

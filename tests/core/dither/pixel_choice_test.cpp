@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/dither/pixel_set.h"
+#include "core/dither/pixel_choice.h"
 
 #include <gtest/gtest.h>
 
@@ -127,7 +127,7 @@ TEST(PixelShares, RejectCountsThatCannotBeReached) {
     EXPECT_EQ(error_of(2, {1, 1, 0, 0}), "");
 }
 
-TEST(PixelSet, HasExactlyTheNumberOfPixels) {
+TEST(PixelChoice, HasExactlyTheNumberOfPixels) {
     int sets = 0;
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 97}, {64, 1}, {2, 2}, {31, 17}, {128, 128}, {300, 77}}) {
         for (const double divisor : {1.0, 1.001, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, 64.0, 1e9}) {
@@ -152,7 +152,7 @@ TEST(PixelSet, HasExactlyTheNumberOfPixels) {
     EXPECT_GT(sets, 300);  // the rest has too few pixels with a density, or too many that are included
 }
 
-TEST(PixelSet, IsTheSameForAnyNumberOfThreads) {
+TEST(PixelChoice, IsTheSameForAnyNumberOfThreads) {
     constexpr int kWidth = 401, kHeight = 333;
     const Density density = falling(64, 64);
     const auto choose = [&](Executor& executor) {
@@ -167,7 +167,7 @@ TEST(PixelSet, IsTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(PixelSet, DependsOnTheSeed) {
+TEST(PixelChoice, DependsOnTheSeed) {
     EXPECT_EQ(uniform(64, 500, 1), uniform(64, 500, 1));
     // Two random sets have an eighth of their pixels in common.
     const Pixels first = uniform(64, 512, 1), second = uniform(64, 512, 2);
@@ -176,7 +176,7 @@ TEST(PixelSet, DependsOnTheSeed) {
     EXPECT_LT(common, 128U);
 }
 
-TEST(PixelSet, IsSpreadEvenly) {
+TEST(PixelChoice, IsSpreadEvenly) {
     constexpr int kSide = 256;
     for (const int divisor : {2, 3, 4, 6, 8, 10, 16, 64}) {
         const Pixels chosen = uniform(kSide, area(kSide, kSide) / static_cast<std::size_t>(divisor), 1);
@@ -185,7 +185,7 @@ TEST(PixelSet, IsSpreadEvenly) {
     }
 }
 
-TEST(PixelSet, HasFewNeighbours) {
+TEST(PixelChoice, HasFewNeighbours) {
     constexpr int kSide = 256;
     EXPECT_EQ(adjacent_pairs(uniform(kSide, area(kSide, kSide) / 6, 1), kSide), 0U);
     EXPECT_EQ(adjacent_pairs(uniform(kSide, area(kSide, kSide) / 8, 1), kSide), 0U);
@@ -193,7 +193,7 @@ TEST(PixelSet, HasFewNeighbours) {
     EXPECT_LT(adjacent_pairs(uniform(kSide, area(kSide, kSide) / 4, 1), kSide), area(kSide, kSide) / 400);
 }
 
-TEST(PixelSet, FollowsTheSharesInAllParts) {
+TEST(PixelChoice, FollowsTheSharesInAllParts) {
     constexpr int kSide = 192, kBlock = 24;
     const Density density = falling(kSide, kSide);
     const auto shares = pixel_shares(density, Pixels(area(kSide, kSide), 0), kSide, kSide, 9'000);
@@ -212,7 +212,7 @@ TEST(PixelSet, FollowsTheSharesInAllParts) {
     }
 }
 
-TEST(PixelSet, IsExactAfterAStop) {
+TEST(PixelChoice, IsExactAfterAStop) {
     std::stop_source source;
     source.request_stop();
     const auto shares = pixel_shares(falling(100, 80), centre(100, 80, 10, 10), 100, 80, 1'000);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/dither/pixel_set.h"
+#include "core/dither/pixel_choice.h"
 
 #include <algorithm>
 #include <array>
@@ -92,7 +92,7 @@ private:
 };
 
 /// Returns the blur of the error in a set of pixels. A wide blur spreads sparse pixels evenly, but lets dense ones
-/// touch. Benchmark PixelSet measures the evenness.
+/// touch. Benchmark PixelChoice measures the evenness.
 /// @param share  mean share of the pixels that are chosen at random
 double blur_of(double share) {
     constexpr double kBlurPerSpacing = 0.2, kNarrowest = 0.75;
