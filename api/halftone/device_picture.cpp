@@ -228,7 +228,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
     const std::vector<Light> seen = light_of(request.device.seen), sent = light_of(request.device.sent);
     const std::vector<std::uint8_t> given = exact_pixels(light, sent, executor);
     const std::vector<std::uint8_t> values =
-        dither(light, given, frame.width, frame.height, seen, control.stop, executor);
+        dither(light, given, frame.width, frame.height, seen, 0, control.stop, executor);
     timings.optimise = watch.lap();
     answer.partial = control.stop.stop_requested();
     if (answer.partial && request.on_deadline == OnStop::Error) return tl::unexpected(check_stop(control.stop).error());

@@ -42,10 +42,10 @@ VisualError<Channels>::VisualError(std::span<const Colour> residual, int width, 
         self_ += kWeights[index(l)] * kernel_[kReach] * kernel_[kReach];
         for (int y = 0; y <= kPhaseMask; ++y) {
             for (int x = 0; x <= kPhaseMask; ++x) {
-                for (int neighbour = 0; neighbour < 9; ++neighbour) {
-                    const int columns = ((x + neighbour % 3 - 1) >> l) - (x >> l);
-                    const int rows = ((y + neighbour / 3 - 1) >> l) - (y >> l);
-                    mutual_[index(y)][index(x)][index(neighbour)] +=
+                for (int near = 0; near < kNearSide * kNearSide; ++near) {
+                    const int columns = ((x + near % kNearSide - kNear) >> l) - (x >> l);
+                    const int rows = ((y + near / kNearSide - kNear) >> l) - (y >> l);
+                    mutual_[index(y)][index(x)][index(near)] +=
                         kWeights[index(l)] * kernel_[index(kReach + columns)] * kernel_[index(kReach + rows)];
                 }
             }

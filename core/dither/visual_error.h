@@ -35,6 +35,9 @@ public:
     static constexpr int kLevels = 4;
     static constexpr int kReach = 6;  ///< of A, in squares
 
+    /// Largest distance in pixels, along an axis, between two pixels whose changes mutual() relates.
+    static constexpr int kNear = 3;
+
     /// Largest distance in pixels, along an axis, at which a change of one pixel changes stored values.
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
 
@@ -54,10 +57,10 @@ public:
     /// Returns the coefficient of the square of the change of one pixel.
     float self() const { return self_; }
 
-    /// Returns the coefficient of the product of the changes of a pixel and one of its eight neighbours.
-    /// @param dx, dy  from -1 to 1
+    /// Returns half the coefficient of the product of the changes of a pixel and one near it.
+    /// @param dx, dy  from -kNear to kNear
     float mutual(int x, int y, int dx, int dy) const {
-        return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(3 * (dy + 1) + dx + 1)];
+        return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(kNearSide * (dy + kNear) + dx + kNear)];
     }
 
     /// Changes the residual of a pixel.
@@ -66,7 +69,7 @@ public:
     }
 
 private:
-    static constexpr int kSide = 2 * kReach + 1;
+    static constexpr int kSide = 2 * kReach + 1, kNearSide = 2 * kNear + 1;
     static constexpr int kPhaseMask = (1 << (kLevels - 1)) - 1;
     /// Weights of levels. Larger weights of coarse levels make shadows more exact, and fine detail less.
     static constexpr std::array<float, kLevels> kWeights = {1, 0.05f, 0.05f, 0.1f};
@@ -101,8 +104,8 @@ private:
 
     Kernel kernel_{};  ///< A is the product of this kernel along both axes, and of the weight
     float self_ = 0;
-    /// [y & kPhaseMask][x & kPhaseMask][neighbour]
-    std::array<std::array<std::array<float, 9>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};
+    /// [y & kPhaseMask][x & kPhaseMask][kNearSide * (dy + kNear) + dx + kNear]
+    std::array<std::array<std::array<float, kNearSide * kNearSide>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};
     std::array<Level, kLevels> levels_;
 };
 
