@@ -27,7 +27,7 @@ class DirectSearch {
 public:
     using Colour = VisualError<Channels>::Colour;
 
-    DirectSearch(std::span<const DeviceColours::Opponent> wanted, std::span<const std::uint8_t> given,
+    DirectSearch(double blur, std::span<const DeviceColours::Opponent> wanted, std::span<const std::uint8_t> given,
                  std::vector<std::uint8_t> chosen, int width, int height, const DeviceColours& device,
                  Executor& executor)
         : given_(given),
@@ -35,7 +35,7 @@ public:
           width_(width),
           height_(height),
           colours_(device.count()),
-          error_(residual(wanted, chosen_, device, executor), width, height, executor) {
+          error_(blur, residual(wanted, chosen_, device, executor), width, height, executor) {
         for (std::size_t a = 0; a < colours_; ++a) {
             for (std::size_t b = 0; b < colours_; ++b) {
                 Difference& difference = differences_[a][b];
@@ -144,16 +144,16 @@ std::vector<std::uint8_t> search(DirectSearch<Channels> search, int width, int h
 
 }  // namespace
 
-std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponent> wanted,
+std::vector<std::uint8_t> search_directly(double blur, std::span<const DeviceColours::Opponent> wanted,
                                           std::span<const std::uint8_t> given, std::vector<std::uint8_t> chosen,
                                           int width, int height, const DeviceColours& device,
                                           const std::stop_token& stop, Executor& executor) {
     assert(wanted.size() == index(width) * index(height));
     assert(given.size() == wanted.size() && chosen.size() == wanted.size());
     if (device.is_grey())
-        return search<1>({wanted, given, std::move(chosen), width, height, device, executor}, width, height, stop,
+        return search<1>({blur, wanted, given, std::move(chosen), width, height, device, executor}, width, height, stop,
                          executor);
-    return search<4>({wanted, given, std::move(chosen), width, height, device, executor}, width, height, stop,
+    return search<4>({blur, wanted, given, std::move(chosen), width, height, device, executor}, width, height, stop,
                      executor);
 }
 

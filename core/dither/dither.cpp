@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/dither/device_colours.h"
@@ -14,6 +15,7 @@
 #include "core/dither/direct_search.h"
 #include "core/dither/printed_spot.h"
 #include "core/dither/spot_search.h"
+#include "core/dither/visual_error.h"
 #include "core/halftone/colour_table.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/srgb.h"
@@ -126,7 +128,10 @@ std::vector<std::uint8_t> dither(const LightPlanes& light, std::span<const std::
     });
     if (spot) return choose_spots(wanted, given, width, height, device, dark, *spot, stop, executor);
     std::vector<std::uint8_t> chosen = diffuse_error(wanted, given, width, height, device);
-    return search_directly(wanted, given, std::move(chosen), width, height, device, stop, executor);
+    const std::span<const double> blurs = device.is_grey() ? std::span<const double>(kGreyBlurs) : kColourBlurs;
+    for (const double blur : blurs)
+        chosen = search_directly(blur, wanted, given, std::move(chosen), width, height, device, stop, executor);
+    return chosen;
 }
 
 }  // namespace ccdt

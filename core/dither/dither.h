@@ -16,8 +16,8 @@ namespace ccdt {
 ///
 /// The range of the picture is mapped to that of the device: black becomes the device's darkest colour, white its
 /// lightest one, and what lies between is linear in light. Colours that no mixture can make become the most similar
-/// ones (DeviceGamut). Then error diffusion chooses the colours of the pixels, and a search makes the visible error
-/// smaller (diffuse_error(), search_directly()).
+/// ones (DeviceGamut). Then error diffusion chooses the colours of the pixels, and searches make the visible error
+/// smaller, for one eye after the other (diffuse_error(), search_directly()).
 ///
 /// If the darker one of two colours is printed as round spots, the search compares the picture with the print
 /// (search_spots()). Black becomes the darkest print, which has gaps between spots if their diameter is less than

@@ -70,7 +70,7 @@ std::span<const Square> squares_of_change(int dx, int dy) {
 class PrintedPicture {
 public:
     PrintedPicture(int width, int height, const PrintedSpot& spot)
-        : spot_(spot),
+        : spot_(&spot),
           stride_(index(width) + 2 * kReach),
           dark_(stride_ * (index(height) + 2 * kReach), PrintedSpot::kOutside) {
         for (int y = 0; y < height; ++y) std::fill_n(at(0, y), width, PrintedSpot::Neighbourhood{0});
@@ -79,12 +79,12 @@ public:
     bool is_dark(int x, int y) const { return (*at(x, y) & PrintedSpot::bit(0, 0)) != 0; }
 
     /// Returns the covered share of a square.
-    float share(int x, int y) const { return spot_.share(*at(x, y)); }
+    float share(int x, int y) const { return spot_->share(*at(x, y)); }
 
     /// Returns how much more of a square near (x, y) a change would cover; 0 for a square outside the picture.
     float change(int x, int y, const Square& square) const {
         const PrintedSpot::Neighbourhood dark = *at(x + square.column, y + square.row);
-        return spot_.share(dark ^ square.changed) - spot_.share(dark);
+        return spot_->share(dark ^ square.changed) - spot_->share(dark);
     }
 
     void toggle(int x, int y) {
@@ -95,7 +95,7 @@ private:
     PrintedSpot::Neighbourhood* at(int x, int y) { return &dark_[index(y + kReach) * stride_ + index(x + kReach)]; }
     const PrintedSpot::Neighbourhood* at(int x, int y) const { return const_cast<PrintedPicture*>(this)->at(x, y); }
 
-    const PrintedSpot& spot_;
+    const PrintedSpot* spot_;
     std::size_t stride_;
     std::vector<PrintedSpot::Neighbourhood> dark_;  ///< with a margin of kReach squares
 };
@@ -106,13 +106,13 @@ public:
     using Colour = VisualError<1>::Colour;
 
     /// @param print  picture with which the search begins
-    SpotSearch(std::span<const float> wanted, std::span<const std::uint8_t> given, PrintedPicture print, int width,
-               int height, Executor& executor)
+    SpotSearch(double blur, std::span<const float> wanted, std::span<const std::uint8_t> given, PrintedPicture print,
+               int width, int height, Executor& executor)
         : given_(given),
           print_(std::move(print)),
           width_(width),
           height_(height),
-          error_(residual(wanted, print_, width, executor), width, height, executor) {}
+          error_(blur, residual(wanted, print_, width, executor), width, height, executor) {}
 
     /// Makes the best change of a pixel, if one makes the visible error smaller.
     /// @returns  whether the picture has changed
@@ -135,13 +135,7 @@ public:
         return best.is_found;
     }
 
-    std::vector<std::uint8_t> result() const {
-        std::vector<std::uint8_t> dark(given_.size());
-        for (int y = 0; y < height_; ++y) {
-            for (int x = 0; x < width_; ++x) dark[pixel(x, y)] = print_.is_dark(x, y) ? 1 : 0;
-        }
-        return dark;
-    }
+    PrintedPicture take_result() { return std::move(print_); }
 
 private:
     /// [Square::number()] gradients of the visible error.
@@ -247,9 +241,16 @@ std::vector<std::uint8_t> search_spots(std::span<const float> wanted, std::span<
                                        int height, const PrintedSpot& spot, const std::stop_token& stop,
                                        Executor& executor) {
     assert(wanted.size() == index(width) * index(height) && given.size() == wanted.size());
-    SpotSearch search(wanted, given, diffused(wanted, given, width, height, spot), width, height, executor);
-    TileSweep(width, height).run([&](int x, int y) { return search.visit(x, y); }, stop, executor);
-    return search.result();
+    PrintedPicture print = diffused(wanted, given, width, height, spot);
+    for (const double blur : kGreyBlurs) {
+        SpotSearch search(blur, wanted, given, std::move(print), width, height, executor);
+        TileSweep(width, height).run([&](int x, int y) { return search.visit(x, y); }, stop, executor);
+        print = search.take_result();
+    }
+    std::vector<std::uint8_t> dark(wanted.size());
+    for (std::size_t i = 0; i < dark.size(); ++i)
+        dark[i] = print.is_dark(static_cast<int>(i % index(width)), static_cast<int>(i / index(width))) ? 1 : 0;
+    return dark;
 }
 
 }  // namespace ccdt

@@ -16,7 +16,8 @@ namespace ccdt {
 ///
 /// Error diffusion begins: a dark pixel counts as the area that its spot covers and that earlier spots do not. Then
 /// changes of a pixel, and exchanges of two neighbouring pixels, reduce the visible error (VisualError) of the print,
-/// as in search_directly(). A change of one pixel changes the print in the squares of up to nine pixels.
+/// as in search_directly(), for one eye after the other. A change of one pixel changes the print in the squares of up
+/// to nine pixels.
 ///
 /// @param wanted  [width * height] share of each square that ink should cover
 /// @param given   [width * height] 0 (light), 1 (dark), or kAnyColour

@@ -17,7 +17,7 @@ namespace ccdt {
 /// Tiles are visited in parallel. A sweep skips blocks of pixels around which the previous sweep has changed nothing.
 class TileSweep {
 public:
-    static constexpr int kTile = 128;  ///< side of a tile, in pixels
+    static constexpr int kTile = 160;  ///< side of a tile, in pixels
 
     TileSweep(int width, int height)
         : width_(width),

@@ -11,13 +11,12 @@ namespace {
 
 /// Returns the autocorrelation of a Gaussian that is cut off at half the reach.
 template <std::size_t Side>
-std::array<float, Side> autocorrelation() {
-    constexpr double kSigma = 1.5;
+std::array<float, Side> autocorrelation(double blur) {
     constexpr int kReach = static_cast<int>(Side) / 2, kRadius = kReach / 2;
     std::array<double, 2 * kRadius + 1> gaussian{};
     double sum = 0;
     for (int i = -kRadius; i <= kRadius; ++i) {
-        gaussian[static_cast<std::size_t>(i + kRadius)] = std::exp(-i * i / (2 * kSigma * kSigma));
+        gaussian[static_cast<std::size_t>(i + kRadius)] = std::exp(-i * i / (2 * blur * blur));
         sum += gaussian[static_cast<std::size_t>(i + kRadius)];
     }
     std::array<float, Side> result{};
@@ -35,8 +34,9 @@ std::array<float, Side> autocorrelation() {
 }  // namespace
 
 template <std::size_t Channels>
-VisualError<Channels>::VisualError(std::span<const Colour> residual, int width, int height, Executor& executor)
-    : kernel_(autocorrelation<index(kSide)>()) {
+VisualError<Channels>::VisualError(double blur, std::span<const Colour> residual, int width, int height,
+                                   Executor& executor)
+    : kernel_(autocorrelation<index(kSide)>(blur)) {
     for (int l = 0; l < kLevels; ++l) {
         fill(l, residual, width, height, executor);
         self_ += kWeights[index(l)] * kernel_[kReach] * kernel_[kReach];

@@ -12,16 +12,24 @@
 
 namespace ccdt {
 
+/// Standard deviations of the blurs of eyes, in pixels. A search runs for one eye after the other.
+///
+/// An eye that resolves more detail makes finer patterns, from which the search for the next eye finds a much better
+/// picture. The last eyes are those that count; in colours, the eye sees less detail.
+inline constexpr std::array<double, 4> kGreyBlurs = {1.1, 1.6, 1.3, 1.5};
+inline constexpr std::array<double, 2> kColourBlurs = {1.5, 1.9};
+
 /// Error that an eye sees of a picture on a device, and its exact changes when pixels change.
 ///
 /// Let r be the residual, the device's picture minus the wanted one. Level l sums r over squares of 2^l x 2^l pixels
-/// and blurs these sums with a Gaussian G of 1.5 squares. The error is
+/// and blurs these sums with a Gaussian G, which has the same standard deviation in squares for all levels. The error
+/// is
 ///
 ///     E = sum over levels l of weight_l |G * r_l|^2.
 ///
-/// Level 0 is an eye that resolves about three pixels. Since sums grow with the squares, coarser levels weigh long
-/// waves with about the square of their wavelength, as transport does. They prevent the tone of deep shadows from
-/// drifting, where level 0 alone sees only single dots.
+/// Level 0 is the eye; a blur of 1.5 pixels resolves about three pixels. Since sums grow with the squares, coarser
+/// levels weigh long waves with about the square of their wavelength, as transport does. They prevent the tone of deep
+/// shadows from drifting, where level 0 alone sees only single dots.
 ///
 /// The class stores A * r_l for each level, where A is the autocorrelation of G times the weight. A change d of one
 /// pixel then changes E by 2 d . gradient() + |d|^2 self(), and changes the stored values in a small window only.
@@ -33,7 +41,7 @@ public:
     using Colour = std::array<float, Channels>;
 
     static constexpr int kLevels = 4;
-    static constexpr int kReach = 6;  ///< of A, in squares
+    static constexpr int kReach = 8;  ///< of A, in squares
 
     /// Largest distance in pixels, along an axis, between two pixels whose changes mutual() relates.
     static constexpr int kNear = 3;
@@ -41,8 +49,9 @@ public:
     /// Largest distance in pixels, along an axis, at which a change of one pixel changes stored values.
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
 
+    /// @param blur      standard deviation of G
     /// @param residual  [width * height]
-    VisualError(std::span<const Colour> residual, int width, int height, Executor& executor);
+    VisualError(double blur, std::span<const Colour> residual, int width, int height, Executor& executor);
 
     /// Returns half the derivative of E with respect to the residual of a pixel.
     Colour gradient(int x, int y) const {

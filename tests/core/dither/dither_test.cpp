@@ -83,7 +83,7 @@ TEST(Dither, LooksMoreLikeThePictureThanErrorDiffusion) {
     const Chosen given(wanted.size(), kAnyColour);
     const Chosen diffused = diffuse_error(opponent, given, kWidth, kHeight, device);
     const Chosen found = dithered(grey, kWidth, kHeight, kBlackAndWhite);
-    constexpr double kGain = 3.5;  // decibels
+    constexpr double kGain = 3.7;  // decibels
     EXPECT_LT(seen_error(wanted, found, kWidth, kHeight),
               seen_error(wanted, diffused, kWidth, kHeight) * std::pow(10, -kGain / 20));
 }
@@ -189,7 +189,7 @@ TEST(DirectSearch, KeepsAPictureThatNoChangeImproves) {
     // The search ends when few pixels change, so it is called until none does.
     constexpr int kMaxCalls = 20;
     for (int call = 0; call < kMaxCalls; ++call) {
-        Chosen next = search_directly(wanted, given, chosen, kWidth, kHeight, device);
+        Chosen next = search_directly(1.5, wanted, given, chosen, kWidth, kHeight, device);
         if (next == chosen) return;
         chosen = std::move(next);
     }

@@ -14,6 +14,7 @@ namespace {
 using Error = VisualError<4>;
 using Colour = Error::Colour;
 
+constexpr double kBlur = 1.5;
 constexpr int kWidth = 37, kHeight = 29;
 
 std::vector<Colour> noise() {
@@ -27,7 +28,7 @@ std::vector<Colour> noise() {
 
 TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
     std::vector<Colour> residual = noise();
-    Error changed(residual, kWidth, kHeight, inline_executor());
+    Error changed(kBlur, residual, kWidth, kHeight, inline_executor());
     Random random(4, 0);
     for (int i = 0; i < 200; ++i) {
         const int x = static_cast<int>(kWidth * random.uniform()), y = static_cast<int>(kHeight * random.uniform());
@@ -35,7 +36,7 @@ TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
         changed.change(x, y, by);
         for (std::size_t c = 0; c < by.size(); ++c) residual[static_cast<std::size_t>(y * kWidth + x)][c] += by[c];
     }
-    const Error expected(residual, kWidth, kHeight, inline_executor());
+    const Error expected(kBlur, residual, kWidth, kHeight, inline_executor());
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             for (std::size_t c = 0; c < 4; ++c)
@@ -45,7 +46,7 @@ TEST(VisualError, ChangesLikeAnErrorThatIsComputedAnew) {
 }
 
 TEST(VisualError, HasTheSecondDerivativesThatItStates) {
-    Error error(noise(), kWidth, kHeight, inline_executor());
+    Error error(kBlur, noise(), kWidth, kHeight, inline_executor());
     for (const auto& [x, y] : {std::pair{0, 0}, {7, 8}, {15, 16}, {20, 3}, {kWidth - 1, kHeight - 1}}) {
         const Error before = error;
         const Colour by{1, 0.5f, -0.25f, 0};
@@ -64,7 +65,7 @@ TEST(VisualError, HasTheSecondDerivativesThatItStates) {
 }
 
 TEST(VisualError, IsZeroWithoutResidual) {
-    const Error error(std::vector<Colour>(kWidth * kHeight, Colour{}), kWidth, kHeight, inline_executor());
+    const Error error(kBlur, std::vector<Colour>(kWidth * kHeight, Colour{}), kWidth, kHeight, inline_executor());
     EXPECT_EQ(error.gradient(5, 5), Colour{});
 }
 
