@@ -17,6 +17,7 @@
 #include "api/run/stopwatch.h"
 #include "core/dither/dither.h"
 #include "core/dither/frame.h"
+#include "core/dither/printed_spot.h"
 #include "core/halftone/crop.h"
 #include "core/halftone/pixel_ranges.h"
 
@@ -29,6 +30,8 @@ constexpr DeviceFormat kBmpPixels{{"bmp", "BMP", "bmp", "image/bmp", ""}, write_
 constexpr DeviceFormat kRawPixels{{"raw", "Packed pixels", "bin", "application/octet-stream", ""}, write_packed_rows};
 constexpr DeviceFormat kEscposPixels{{"escpos", "ESC/POS", "bin", "application/x-escpos", ""}, write_escpos};
 constexpr const DeviceFormat* kFormats[] = {&kPngPixels, &kBmpPixels, &kRawPixels, &kEscposPixels};
+
+constexpr Interval kSpots = {.min = kMinSpot, .max = kMaxSpot};
 
 struct Draft {
     DeviceRequest request;
@@ -48,7 +51,7 @@ Result<bool> read_bit_order(const Input& input) {
     return read_choice<bool>(input, kOrders);
 }
 
-constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+constexpr std::array<OptionRule<Draft>, 14> kRules = {{
     {"device", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.device, read_device(i)); }},
     {"palette", [](const Input& i, const Limits&, Draft& d) { return assign(d.palette, read_device_colours(i)); }},
     {"width", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.width, read_side(i)); }},
@@ -58,6 +61,7 @@ constexpr std::array<OptionRule<Draft>, 13> kRules = {{
     {"background",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.background, read_colour(i)); }},
     {"levels", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.levels, read_levels(i)); }},
+    {"spot", [](const Input& i, const Limits&, Draft& d) { return assign(d.request.spot, read_number(i, kSpots)); }},
     {"width_mm", [](const Input& i, const Limits&, Draft& d) { return read_width_mm(i, d.drawing); }},
     {"bit_order",
      [](const Input& i, const Limits&, Draft& d) { return assign(d.request.pixels.lsb_first, read_bit_order(i)); }},
@@ -95,6 +99,11 @@ Result<void> check_formats(const DeviceRequest& request, const HalftoneInput& in
         return malformed(cause, "cannot be combined: ESC/POS printers need a device of two colours, such as 1bit");
     }
     return {};
+}
+
+Result<void> check_spot(const DeviceRequest& request, const HalftoneInput& input) {
+    if (request.spot == 0 || request.device.sent.size() == 2) return {};
+    return malformed(input_of("spot", input), "needs a device of two colours, such as 1bit");
 }
 
 Result<void> check_sides(const DeviceRequest& request, const HalftoneInput& input) {
@@ -197,6 +206,7 @@ Result<DeviceRequest> parse_device(const HalftoneInput& input, std::string_view 
     errors.add(settle_format(accept, device_formats(), draft.request.format));
     errors.add(settle_colours(draft, input));
     if (draft.request.format != nullptr) errors.add(check_formats(draft.request, input));
+    errors.add(check_spot(draft.request, input));
     errors.add(check_sides(draft.request, input));
     if (auto settled = errors.result(); !settled) return tl::unexpected(settled.error());
     auto request = with_image(Result<DeviceRequest>(std::move(draft.request)), input);
@@ -226,7 +236,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
     const std::vector<Light> seen = light_of(request.device.seen), sent = light_of(request.device.sent);
     const std::vector<std::uint8_t> given = exact_pixels(light, sent, executor);
     const std::vector<std::uint8_t> values =
-        dither(light, given, frame.width, frame.height, seen, control.stop, executor);
+        dither(light, given, frame.width, frame.height, seen, request.spot, control.stop, executor);
     timings.optimise = watch.lap();
     answer.partial = control.stop.stop_requested();
     if (answer.partial && request.on_deadline == OnStop::Error) return tl::unexpected(check_stop(control.stop).error());
@@ -246,12 +256,13 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
 Cost cost_of(const DeviceRequest& request, const Limits& limits) {
     // Bytes per pixel of the answer: the wanted light and its copy, residuals, the levels of VisualError, and indices.
     constexpr double kBytes = 110;
-    constexpr double kTime = 0.9 * kMicrosecond, kTimePerColour = 0.05 * kMicrosecond;
+    constexpr double kTime = 1.7 * kMicrosecond, kTimePerColour = 0.05 * kMicrosecond, kTimeOfSpots = 9 * kMicrosecond;
     constexpr double kPlanes = 3 * 16;  // bytes per pixel of the picture, its copy with levels, and its turned copy
     const double size =
         std::min(pixels_of(frame_of(request, size_of_picture(request))), static_cast<double>(limits.max_pixels));
-    const Estimate search{size * kBytes,
-                          size * (kTime + kTimePerColour * static_cast<double>(request.device.sent.size()))};
+    const double time = kTime + kTimePerColour * static_cast<double>(request.device.sent.size()) +
+                        (request.spot > 0 ? kTimeOfSpots : 0);
+    const Estimate search{size * kBytes, size * time};
     return total_cost(decoding_cost(request.image, kPlanes) + search);
 }
 

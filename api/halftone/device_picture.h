@@ -44,6 +44,7 @@ struct DeviceRequest {
     int quarters = 0;  ///< number of quarter turns clockwise, done before the picture is scaled
     Colour background = kWhite;
     Levels levels;
+    double spot = 0;  ///< diameter of printed spots in pixels; 0: pixels are squares
     PixelOptions pixels;
     const DeviceFormat* format = nullptr;  ///< never null in a parsed request
     OnStop on_deadline = OnStop::Error;    ///< a partial answer shows the picture less accurately

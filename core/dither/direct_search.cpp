@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cassert>
 #include <cstddef>
 #include <utility>
 
 #include "core/dither/error_diffusion.h"
+#include "core/dither/tile_sweep.h"
 #include "core/halftone/pixel_ranges.h"
 
 namespace ccdt {
@@ -35,11 +35,7 @@ public:
           height_(height),
           colours_(device.count()),
           keeps_counts_(options.keeps_counts),
-          executor_(executor),
-          error_(residual(wanted, chosen_, device, executor), width, height, options.blur, executor),
-          blocks_((width + kBlock - 1) / kBlock),
-          is_due_(index(blocks_) * index((height + kBlock - 1) / kBlock), 1),
-          is_due_next_(is_due_.size(), 0) {
+          error_(residual(wanted, chosen_, device, executor), width, height, options.blur, executor) {
         for (std::size_t a = 0; a < colours_; ++a) {
             for (std::size_t b = 0; b < colours_; ++b) {
                 Difference& difference = differences_[a][b];
@@ -51,34 +47,20 @@ public:
         }
     }
 
-    /// Visits all blocks once, except those around which nothing has changed since their last visit.
-    ///
-    /// In each of four phases, every second tile of every second row of tiles is visited in parallel. These tiles are
-    /// so far apart that changes in one do not affect the data that another one reads.
-    /// @returns  number of changes
-    std::size_t sweep(const std::stop_token& stop) {
-        static_assert(kTile >= 2 * VisualError<Channels>::kReachInPixels);
-        const int columns = (width_ + kTile - 1) / kTile, rows = (height_ + kTile - 1) / kTile;
-        std::atomic<std::size_t> changes = 0;
-        for (int phase = 0; phase < 4; ++phase) {
-            const int left = phase % 2, top = phase / 2;
-            const int across = (columns - left + 1) / 2, down = (rows - top + 1) / 2;
-            executor_.run(index(across) * index(down), [&](std::size_t task) {
-                const int column = static_cast<int>(task) % across, row = static_cast<int>(task) / across;
-                changes += visit_tile((2 * column + left) * kTile, (2 * row + top) * kTile, stop);
-            });
-        }
-        is_due_.swap(is_due_next_);
-        std::ranges::fill(is_due_next_, std::uint8_t{0});
-        return changes;
+    /// Makes the best change of a pixel, if one makes the visible error smaller.
+    /// @returns  whether the picture has changed
+    bool visit(int x, int y) {
+        static_assert(TileSweep::kTile >= 2 * (VisualError<Channels>::kReachInPixels + 1));
+        if (given_[pixel(x, y)] != kAnyColour) return false;
+        const Change best = best_change(x, y);
+        if (best.colour == kAnyColour) return false;
+        apply(x, y, best);
+        return true;
     }
 
     std::vector<std::uint8_t> take_result() { return std::move(chosen_); }
 
 private:
-    static constexpr int kTile = 128;  ///< side of a tile, in pixels
-    static constexpr int kBlock = 8;   ///< side of a block, in pixels; blocks are skipped as a whole
-
     struct Difference {
         Colour colour{};
         float square = 0;
@@ -108,33 +90,6 @@ private:
         float sum = 0;
         for (std::size_t c = 0; c < Channels; ++c) sum += a[c] * b[c];
         return sum;
-    }
-
-    std::size_t visit_tile(int left, int top, const std::stop_token& stop) {
-        const int right = std::min(left + kTile, width_), bottom = std::min(top + kTile, height_);
-        std::size_t changes = 0;
-        for (int y = top; y < bottom && !stop.stop_requested(); y += kBlock) {
-            for (int x = left; x < right; x += kBlock) {
-                if (is_due_[index(y / kBlock) * index(blocks_) + index(x / kBlock)] == 0) continue;
-                changes += visit_block(x, y, std::min(x + kBlock, right), std::min(y + kBlock, bottom));
-            }
-        }
-        return changes;
-    }
-
-    std::size_t visit_block(int left, int top, int right, int bottom) {
-        std::size_t changes = 0;
-        for (int y = top; y < bottom; ++y) {
-            for (int x = left; x < right; ++x) {
-                if (given_[pixel(x, y)] != kAnyColour) continue;
-                const Change best = best_change(x, y);
-                if (best.colour == kAnyColour) continue;
-                apply(x, y, best);
-                ++changes;
-            }
-        }
-        if (changes > 0) mark_around(left / kBlock, top / kBlock);
-        return changes;
     }
 
     Change best_change(int x, int y) const {
@@ -172,35 +127,19 @@ private:
         error_.change(x + change.dx, y + change.dy, differences_[change.colour][own].colour);
     }
 
-    /// Marks a block and its neighbours to be visited in the next sweep.
-    void mark_around(int column, int row) {
-        const int rows = static_cast<int>(is_due_.size()) / blocks_;
-        for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows - 1); ++y) {
-            for (int x = std::max(column - 1, 0); x <= std::min(column + 1, blocks_ - 1); ++x)
-                is_due_next_[index(y) * index(blocks_) + index(x)] = 1;
-        }
-    }
-
     std::span<const std::uint8_t> given_;
     std::vector<std::uint8_t> chosen_;
     int width_, height_;
     std::size_t colours_;
     bool keeps_counts_;
-    Executor& executor_;
     VisualError<Channels> error_;
-    int blocks_;                             ///< number of blocks in a row
-    std::vector<std::uint8_t> is_due_;       ///< [blocks] whether a block is visited in this sweep
-    std::vector<std::uint8_t> is_due_next_;  ///< [blocks] whether a block is visited in the next sweep
     std::array<std::array<Difference, kMaxDeviceColours>, kMaxDeviceColours> differences_{};
 };
 
 template <std::size_t Channels>
-std::vector<std::uint8_t> search(DirectSearch<Channels> search, std::size_t pixels, const std::stop_token& stop) {
-    constexpr int kMaxSweeps = 30;
-    constexpr std::size_t kPixelsPerChange = 2000;  // search ends if a sweep changes fewer pixels
-    for (int sweep = 0; sweep < kMaxSweeps && !stop.stop_requested(); ++sweep) {
-        if (search.sweep(stop) <= pixels / kPixelsPerChange) break;
-    }
+std::vector<std::uint8_t> search(DirectSearch<Channels> search, int width, int height, const std::stop_token& stop,
+                                 Executor& executor) {
+    TileSweep(width, height).run([&](int x, int y) { return search.visit(x, y); }, stop, executor);
     return search.take_result();
 }
 
@@ -214,9 +153,10 @@ std::vector<std::uint8_t> search_directly(std::span<const DeviceColours::Opponen
     assert(wanted.size() == index(width) * index(height));
     assert(given.size() == wanted.size() && chosen.size() == wanted.size());
     if (device.is_grey())
-        return search<1>({wanted, given, std::move(chosen), width, height, device, options, executor}, wanted.size(),
-                         stop);
-    return search<4>({wanted, given, std::move(chosen), width, height, device, options, executor}, wanted.size(), stop);
+        return search<1>({wanted, given, std::move(chosen), width, height, device, options, executor}, width, height,
+                         stop, executor);
+    return search<4>({wanted, given, std::move(chosen), width, height, device, options, executor}, width, height, stop,
+                     executor);
 }
 
 }  // namespace ccdt

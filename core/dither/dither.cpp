@@ -6,10 +6,16 @@
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "core/dither/device_colours.h"
 #include "core/dither/device_gamut.h"
 #include "core/dither/direct_search.h"
+#include "core/dither/printed_spot.h"
+#include "core/dither/spot_search.h"
+#include "core/dither/visual_error.h"
 #include "core/halftone/colour_table.h"
 #include "core/halftone/pixel_ranges.h"
 #include "core/halftone/srgb.h"
@@ -20,6 +26,11 @@ namespace {
 
 float luminance_of_colour(const Light& light) {
     return luminance_of(light.red, light.green, light.blue);
+}
+
+/// Returns a mixture of two colours. The share is that of the second one.
+Light mixture(const Light& a, const Light& b, float share) {
+    return {std::lerp(a.red, b.red, share), std::lerp(a.green, b.green, share), std::lerp(a.blue, b.blue, share)};
 }
 
 /// Maps the colours of pictures to colours that mixtures of a device's colours can make.
@@ -63,21 +74,64 @@ private:
     ColourTable<Excess> excess_;
 };
 
+/// Returns the number of the darkest colour.
+std::size_t darkest(std::span<const Light> colours) {
+    return static_cast<std::size_t>(std::ranges::min_element(colours, {}, luminance_of_colour) - colours.begin());
+}
+
+/// Chooses the colours of pixels for a device with two colours, of which the darker one prints spots.
+/// @param wanted  [width * height] mixtures of the lighter colour and the darkest print, which are those of `device`
+std::vector<std::uint8_t> choose_spots(std::span<const DeviceColours::Opponent> wanted,
+                                       std::span<const std::uint8_t> given, int width, int height,
+                                       const DeviceColours& device, std::size_t dark, const PrintedSpot& spot,
+                                       const std::stop_token& stop, Executor& executor) {
+    const auto product = [](const DeviceColours::Opponent& a, const DeviceColours::Opponent& b) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    };
+    const std::size_t light = 1 - dark;
+    DeviceColours::Opponent axis{};
+    for (std::size_t c = 0; c < axis.size(); ++c) axis[c] = device[dark][c] - device[light][c];
+    const float scale = spot.solid() / product(axis, axis);
+    std::vector<float> covered(wanted.size());
+    std::vector<std::uint8_t> is_dark(given.begin(), given.end());
+    for_pixels(executor, wanted.size(), [&](std::size_t i) {
+        covered[i] = scale * (product(wanted[i], axis) - product(device[light], axis));
+        if (given[i] != kAnyColour) is_dark[i] = given[i] == dark ? 1 : 0;
+    });
+    std::vector<std::uint8_t> chosen = search_spots(covered, is_dark, width, height, spot, stop, executor);
+    for (std::uint8_t& pixel : chosen) pixel = static_cast<std::uint8_t>(pixel == 1 ? dark : light);
+    return chosen;
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> dither(const LightPlanes& light, std::span<const std::uint8_t> given, int width, int height,
-                                 std::span<const Light> colours, const std::stop_token& stop, Executor& executor) {
-    const DeviceColours device(colours);
+                                 std::span<const Light> colours, double diameter, const std::stop_token& stop,
+                                 Executor& executor) {
     assert(light.front().size() == given.size());
+    assert(diameter == 0 || colours.size() == 2);
+    const std::size_t dark = darkest(colours);
+    std::vector<Light> seen(colours.begin(), colours.end());
+    std::optional<PrintedSpot> spot;
+    if (diameter > 0) {
+        spot.emplace(diameter);
+        seen[dark] = mixture(colours[1 - dark], colours[dark], spot->solid());
+    }
+    const DeviceColours device(seen);
     std::vector<DeviceColours::Opponent> wanted(given.size());
-    RangeMap map(colours);
+    RangeMap map(seen);
     for_pixels(executor, wanted.size(), [&](std::size_t i) {
         const Light own = light_at(light, i);
         wanted[i] = given[i] != kAnyColour ? device[given[i]]
                                            : DeviceColours::opponent(device.is_grey() ? map.grey(own) : map(own));
     });
+    if (spot) return choose_spots(wanted, given, width, height, device, dark, *spot, stop, executor);
     std::vector<std::uint8_t> chosen = diffuse_error(wanted, given, width, height, device);
-    return search_directly(wanted, given, std::move(chosen), width, height, device, {}, stop, executor);
+    const std::span<const double> blurs = device.is_grey() ? std::span<const double>(kGreyBlurs) : kColourBlurs;
+    for (const double blur : blurs)
+        chosen =
+            search_directly(wanted, given, std::move(chosen), width, height, device, {.blur = blur}, stop, executor);
+    return chosen;
 }
 
 }  // namespace ccdt

@@ -9,14 +9,14 @@ namespace ccdt {
 
 namespace {
 
-/// Returns the autocorrelation of a Gaussian that is cut off at 3 squares and has the sum 1.
+/// Returns the autocorrelation of a Gaussian that is cut off at 4 squares and has the sum 1.
 template <std::size_t Side>
-std::array<float, Side> autocorrelation(double sigma) {
+std::array<float, Side> autocorrelation(double blur) {
     constexpr int kReach = static_cast<int>(Side) / 2, kRadius = kReach / 2;
     std::array<double, 2 * kRadius + 1> gaussian{};
     double sum = 0;
     for (int i = -kRadius; i <= kRadius; ++i) {
-        gaussian[static_cast<std::size_t>(i + kRadius)] = std::exp(-i * i / (2 * sigma * sigma));
+        gaussian[static_cast<std::size_t>(i + kRadius)] = std::exp(-i * i / (2 * blur * blur));
         sum += gaussian[static_cast<std::size_t>(i + kRadius)];
     }
     std::array<float, Side> result{};
@@ -42,10 +42,10 @@ VisualError<Channels>::VisualError(std::span<const Colour> residual, int width, 
         self_ += kWeights[index(l)] * kernel_[kReach] * kernel_[kReach];
         for (int y = 0; y <= kPhaseMask; ++y) {
             for (int x = 0; x <= kPhaseMask; ++x) {
-                for (int neighbour = 0; neighbour < 9; ++neighbour) {
-                    const int columns = ((x + neighbour % 3 - 1) >> l) - (x >> l);
-                    const int rows = ((y + neighbour / 3 - 1) >> l) - (y >> l);
-                    mutual_[index(y)][index(x)][index(neighbour)] +=
+                for (int near = 0; near < kNearSide * kNearSide; ++near) {
+                    const int columns = ((x + near % kNearSide - kNear) >> l) - (x >> l);
+                    const int rows = ((y + near / kNearSide - kNear) >> l) - (y >> l);
+                    mutual_[index(y)][index(x)][index(near)] +=
                         kWeights[index(l)] * kernel_[index(kReach + columns)] * kernel_[index(kReach + rows)];
                 }
             }

@@ -15,6 +15,13 @@ namespace ccdt {
 /// Blur of an eye that resolves about three pixels: standard deviation, in pixels.
 inline constexpr double kEyeBlur = 1.5;
 
+/// Standard deviations of blurs, in pixels. A search runs for one blur after the other.
+///
+/// A narrow blur makes finer patterns, from which the search with the next blur finds a much better picture. The last
+/// blur is that of the eye; in colours, the eye sees less detail.
+inline constexpr std::array<double, 4> kGreyBlurs = {1.1, 1.6, 1.3, kEyeBlur};
+inline constexpr std::array<double, 2> kColourBlurs = {1.5, 1.9};
+
 /// Visible error of a picture on a device, updated exactly when pixels change.
 ///
 /// Let r be the residual: the device's picture minus the wanted picture. Level l holds r_l, the sums of r over squares
@@ -37,13 +44,16 @@ public:
     using Colour = std::array<float, Channels>;
 
     static constexpr int kLevels = 4;
-    static constexpr int kReach = 6;  ///< half the width of the kernel of a level, in squares
+    static constexpr int kReach = 8;  ///< half the width of the kernel of a level, in squares
+
+    /// Largest distance in pixels, along an axis, between two pixels whose changes mutual() relates.
+    static constexpr int kNear = 3;
 
     /// Largest distance in pixels, along an axis, at which a change of one pixel changes stored values.
     static constexpr int kReachInPixels = (kReach + 1) << (kLevels - 1);
 
     /// @param residual  [width * height]
-    /// @param blur      standard deviation of G in squares, at most kEyeBlur
+    /// @param blur      standard deviation of G, in squares
     VisualError(std::span<const Colour> residual, int width, int height, double blur, Executor& executor);
 
     /// Returns half the derivative of the error with respect to the residual of a pixel.
@@ -59,10 +69,10 @@ public:
     /// Returns the coefficient of |d|^2 in the change of the error, for a change d of one pixel.
     float self() const { return self_; }
 
-    /// Returns half the coefficient of d . d' in the change of the error, for changes d and d' of neighbouring pixels.
-    /// @param dx, dy  from -1 to 1
+    /// Returns half the coefficient of d . d' in the change of the error, for changes d and d' of two pixels.
+    /// @param dx, dy  from -kNear to kNear
     float mutual(int x, int y, int dx, int dy) const {
-        return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(3 * (dy + 1) + dx + 1)];
+        return mutual_[index(y & kPhaseMask)][index(x & kPhaseMask)][index(kNearSide * (dy + kNear) + dx + kNear)];
     }
 
     /// Changes the residual of a pixel.
@@ -71,7 +81,7 @@ public:
     }
 
 private:
-    static constexpr int kSide = 2 * kReach + 1;
+    static constexpr int kSide = 2 * kReach + 1, kNearSide = 2 * kNear + 1;
     static constexpr int kPhaseMask = (1 << (kLevels - 1)) - 1;
     /// Weights of levels. Larger weights of coarse levels make shadows more exact, and fine detail less.
     static constexpr std::array<float, kLevels> kWeights = {1, 0.05f, 0.05f, 0.1f};
@@ -106,8 +116,8 @@ private:
 
     Kernel kernel_{};  ///< autocorrelation of the Gaussian along one axis
     float self_ = 0;
-    /// [y & kPhaseMask][x & kPhaseMask][neighbour] results of mutual().
-    std::array<std::array<std::array<float, 9>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};
+    /// [y & kPhaseMask][x & kPhaseMask][kNearSide * (dy + kNear) + dx + kNear] results of mutual().
+    std::array<std::array<std::array<float, kNearSide * kNearSide>, kPhaseMask + 1>, kPhaseMask + 1> mutual_{};
     std::array<Level, kLevels> levels_;
 };
 

@@ -9,6 +9,7 @@ from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
 from harness import PICTURES, ServerCase, data_uri, file_of, flat, linear, pixels, post_json
+from seen import LIGHT, blurred, lightness
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
 CAMERA = (PICTURES / "camera.png").read_bytes()
@@ -34,6 +35,22 @@ def unpacked(body, width, height, bits):
     shifts = numpy.arange(8 - bits, -1, -bits)
     values = rows[:, :, None] >> shifts & (1 << bits) - 1
     return values.reshape(height, -1)[:, :width]
+
+
+def printed(dark, diameter):
+    """Returns the share of each pixel's square that spots of the dark pixels cover, by samples in the squares."""
+    height, width = dark.shape
+    framed = numpy.pad(dark, 1)
+    places = (numpy.arange(24) + 0.5) / 24 - 0.5
+    shares = numpy.zeros(dark.shape)
+    for down in places:
+        for right in places:
+            covered = numpy.zeros(dark.shape, bool)
+            for y, x in numpy.ndindex(3, 3):
+                if numpy.hypot(down - (y - 1), right - (x - 1)) <= diameter / 2:
+                    covered |= framed[y:y + height, x:x + width]
+            shares += covered
+    return shares / len(places) ** 2
 
 
 class Devices(ServerCase):
@@ -69,7 +86,36 @@ class Devices(ServerCase):
         picture = numpy.where(picture <= 0.04045, picture / 12.92, ((picture + 0.055) / 1.055) ** 2.4)
         drawn = pixels(self.halftone(CAMERA, "?device=1bit").body, "L") / 255.0
         error = gaussian_filter(drawn - picture, 1.5)
-        self.assertGreater(-10 * numpy.log10((error ** 2).mean()), 38.5)  # Floyd and Steinberg: 36.7 dB
+        self.assertGreater(-10 * numpy.log10((error ** 2).mean()), 39.5)  # Floyd and Steinberg: 36.7 dB
+
+    def test_printed_spots_have_the_tones_of_the_picture(self):
+        for name, picture in (("camera", CAMERA), ("astronaut", ASTRONAUT)):
+            wanted = LIGHT[pixels(picture, "RGB")] @ (0.2126, 0.7152, 0.0722)
+            for spot in (1.5, 2):
+                dark = pixels(self.halftone(picture, f"?device=1bit&spot={spot}").body, "L") == 0
+                seen = 1 - printed(dark, spot)
+                error = numpy.abs(lightness(blurred(seen, 3)) - lightness(blurred(wanted, 3))).mean()
+                self.assertLess(error, 0.5, f"{name} {spot}")
+            dark = pixels(self.halftone(picture, "?device=1bit").body, "L") == 0
+            uncorrected = 1 - printed(dark, 1.5)
+            error = numpy.abs(lightness(blurred(uncorrected, 3)) - lightness(blurred(wanted, 3))).mean()
+            self.assertGreater(error, 5, name)
+
+    def test_large_spots_make_no_chessboard_of_a_middle_grey(self):
+        def share_of_chessboard(query):
+            black = pixels(self.halftone(file_of(flat(188, 96, 96)), "?device=1bit" + query).body, "L") == 0
+            across, down = black[:, 1:] != black[:, :-1], black[1:] != black[:-1]
+            return (across[1:-1, 1:] & across[1:-1, :-1] & down[1:, 1:-1] & down[:-1, 1:-1]).mean()
+
+        self.assertGreater(share_of_chessboard(""), 0.6)
+        for spot in (1.4, 1.5, 2):
+            self.assertLess(share_of_chessboard(f"&spot={spot}"), 0.3, spot)
+
+    def test_spots_of_custom_colours_are_those_of_the_darker_colour(self):
+        query = "?device=custom&width=90&spot=1.5&palette="
+        one = pixels(self.halftone(CAMERA, query + "%23fff,%23024").body, "RGB")
+        other = pixels(self.halftone(CAMERA, query + "%23024,%23fff").body, "RGB")
+        numpy.testing.assert_array_equal(one, other)
 
     def test_exact_colours_stay_untouched(self):
         picture = Image.new("RGB", (160, 60), "white")
@@ -147,6 +193,8 @@ class Devices(ServerCase):
                 ("device=1bit&fit=cover&width=10", ("fit", "height")),
                 ("device=1bit&format=svg", ("format", "escpos")),
                 ("device=1bit&bit_order=lsb", ("bit_order", "raw")),
+                ("device=bwr&spot=1.5", ("spot", "two colours")),
+                ("device=1bit&spot=2.5", ("spot", "2")),
                 ("device=bwr&format=escpos", ("format", "two colours"))):
             with self.subTest(query):
                 self.assert_problem(self.ask("/halftone?" + query, data=CAMERA), 400, *words)

@@ -89,7 +89,7 @@ def halftones(formats):
         yield f"sites=60&{inks}&format=json", picture
     for device, form in itertools.product(("1bit", "gray4", "bwr", "spectra6"), ("png", "bmp", "raw")):
         yield f"device={device}&width=120&height=80&format={form}", "astronaut"
-    for options in ("format=escpos", "fit=cover", "rotate=90&background=%23f00", "levels=0.1,0.9,1.2"):
+    for options in ("format=escpos", "fit=cover", "rotate=90&background=%23f00", "levels=0.1,0.9,1.2", "spot=1.5"):
         yield f"device=1bit&width=120&height=80&{options}", "camera"
     yield "", "camera"
     yield "dots=ink", "camera"

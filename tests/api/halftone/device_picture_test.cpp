@@ -57,6 +57,18 @@ TEST(DevicePicture, RejectsOptionsOfDots) {
     }
 }
 
+TEST(DevicePicture, RejectsSpotsOfDevicesWithMoreColours) {
+    EXPECT_EQ(parse({{"device", "1bit"}, {"spot", "1.5"}})->spot, 1.5);
+    EXPECT_EQ(parse({{"device", "custom"}, {"palette", "#fff,#024"}, {"spot", "2"}})->spot, 2);
+    for (const Options& options :
+         {Options{{"device", "gray4"}, {"spot", "1.5"}}, Options{{"device", "1bit"}, {"spot", "0.9"}}}) {
+        const auto request = parse(options);
+        ASSERT_FALSE(request);
+        EXPECT_EQ(request.error().code, ErrorCode::Malformed);
+        EXPECT_EQ(request.error().field, "spot");
+    }
+}
+
 TEST(DevicePicture, RejectsMorePixelsThanAllowed) {
     const auto request = parse({{"device", "1bit"}, {"width", "2000"}}, {.max_pixels = 300'000});
     ASSERT_FALSE(request);
@@ -72,7 +84,7 @@ TEST(DevicePicture, ReportsAllErrorsOfARequest) {
     EXPECT_EQ(request.error().others.front().field, "rotate");
 }
 
-TEST(DevicePicture, EstimatesMoreForMorePixelsAndColours) {
+TEST(DevicePicture, EstimatesMoreForMorePixelsColoursAndSpots) {
     const auto cost = [](const Options& options) { return cost_of(*parse(options), {}); };
     const Cost small = cost({{"device", "1bit"}, {"width", "200"}});
     const Cost large = cost({{"device", "1bit"}, {"width", "2000"}});
@@ -80,6 +92,7 @@ TEST(DevicePicture, EstimatesMoreForMorePixelsAndColours) {
     EXPECT_LT(small.memory, large.memory);
     EXPECT_LT(small.seconds, large.seconds);
     EXPECT_LT(large.seconds, colourful.seconds);
+    EXPECT_LT(large.seconds, cost({{"device", "1bit"}, {"width", "2000"}, {"spot", "1.5"}}).seconds);
 }
 
 }  // namespace

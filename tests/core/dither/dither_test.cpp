@@ -50,7 +50,7 @@ LightPlanes gradients(int width, int height) {
 
 Chosen dithered(const LightPlanes& light, int width, int height, const std::vector<Light>& colours,
                 Executor& executor = inline_executor()) {
-    return dither(light, Chosen(area(width, height), kAnyColour), width, height, colours, {}, executor);
+    return dither(light, Chosen(area(width, height), kAnyColour), width, height, colours, 0, {}, executor);
 }
 
 /// Returns the root mean square of the difference of two grey pictures, after a blur of 1.5 pixels.
@@ -83,7 +83,7 @@ TEST(Dither, LooksMoreLikeThePictureThanErrorDiffusion) {
     const Chosen given(wanted.size(), kAnyColour);
     const Chosen diffused = diffuse_error(opponent, given, kWidth, kHeight, device);
     const Chosen found = dithered(grey, kWidth, kHeight, kBlackAndWhite);
-    constexpr double kGain = 3.5;  // decibels
+    constexpr double kGain = 3.7;  // decibels
     EXPECT_LT(seen_error(wanted, found, kWidth, kHeight),
               seen_error(wanted, diffused, kWidth, kHeight) * std::pow(10, -kGain / 20));
 }
@@ -131,6 +131,28 @@ TEST(Dither, GivesTheSameResultOnAnyNumberOfThreads) {
     }
 }
 
+TEST(Dither, PrintsSpotsOfTheDarkerColour) {
+    constexpr int kSide = 48;
+    const std::vector<Light> blue_first = {{0.1f, 0.1f, 0.6f}, {0.9f, 0.8f, 0.7f}};
+    const LightPlanes light = gradients(kSide, kSide);
+    const Chosen given(kSide * kSide, kAnyColour);
+    const Chosen chosen = dither(light, given, kSide, kSide, blue_first, 1.5);
+    Chosen reverse = dither(light, given, kSide, kSide, std::vector<Light>{blue_first[1], blue_first[0]}, 1.5);
+    for (std::uint8_t& pixel : reverse) pixel = static_cast<std::uint8_t>(1 - pixel);
+    EXPECT_EQ(chosen, reverse);
+    const Chosen squares = dither(light, given, kSide, kSide, blue_first);
+    EXPECT_LT(std::ranges::count(chosen, 0), 0.8 * static_cast<double>(std::ranges::count(squares, 0)));
+}
+
+TEST(Dither, MapsBlackToTheDarkestPrint) {
+    constexpr int kSide = 16;
+    const LightPlanes black = flat(0, 0, 0, kSide * kSide);
+    for (const double diameter : {1.0, 1.3}) {  // there are gaps between spots
+        const Chosen chosen = dither(black, Chosen(kSide * kSide, kAnyColour), kSide, kSide, kBlackAndWhite, diameter);
+        EXPECT_EQ(std::ranges::count(chosen, 0), kSide * kSide) << diameter;
+    }
+}
+
 TEST(Dither, AcceptsThinPictures) {
     for (const auto& [width, height] : {std::pair{1, 1}, {1, 300}, {300, 1}, {2, 2}, {9, 3}}) {
         const Chosen chosen = dithered(gradients(width, height), width, height, kSixColours);
@@ -151,7 +173,7 @@ TEST(Dither, StopsEarly) {
     source.request_stop();
     const LightPlanes light = gradients(kSide, kSide);
     const Chosen chosen =
-        dither(light, Chosen(kSide * kSide, kAnyColour), kSide, kSide, kSixColours, source.get_token());
+        dither(light, Chosen(kSide * kSide, kAnyColour), kSide, kSide, kSixColours, 0, source.get_token());
     EXPECT_NE(chosen, dithered(light, kSide, kSide, kSixColours));
 }
 

@@ -50,8 +50,8 @@ TEST(VisualError, HasTheSecondDerivativesThatItStates) {
         const Error before = error;
         const Colour by{1, 0.5f, -0.25f, 0};
         error.change(x, y, by);
-        for (int dy = -1; dy <= 1; ++dy) {
-            for (int dx = -1; dx <= 1; ++dx) {
+        for (int dy = -Error::kNear; dy <= Error::kNear; ++dy) {
+            for (int dx = -Error::kNear; dx <= Error::kNear; ++dx) {
                 if (x + dx < 0 || y + dy < 0 || x + dx >= kWidth || y + dy >= kHeight) continue;
                 const float coefficient = dx == 0 && dy == 0 ? error.self() : error.mutual(x, y, dx, dy);
                 for (std::size_t c = 0; c < 3; ++c) {
