@@ -77,6 +77,7 @@ export class Devices extends PicturePanel {
     this.fields.offer("fit", width !== undefined && height !== undefined);
     const colours = this.#colours;
     this.fields.allow("format", "escpos", colours.sent.length === 2);
+    this.moreFields.offer("spot", colours.sent.length === 2);
     for (const name of ["bit_order", "invert_bits"]) this.fields.offer(name, this.#format === "raw");
     this.moreFields.offer("width_mm", measuredFormats.includes(this.#format));
     this.view.offer("seen", isMeasured(colours));
