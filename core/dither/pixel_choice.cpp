@@ -153,7 +153,7 @@ std::vector<std::uint8_t> choose_pixels(std::span<const double> shares, int widt
     };
     std::vector<std::uint8_t> chosen = HierarchicalChoice(shares, width, seed).run(height);
     const double random = sum_of_random([](std::size_t) { return 1.0; });
-    if (random == 0) return chosen;
+    if (random == 0 || stop.stop_requested()) return chosen;
     const double share = sum_of_random([&](std::size_t i) { return shares[i]; }) / random;
     return search_directly(wanted, given, std::move(chosen), width, height, device,
                            {.keeps_counts = true, .blur = blur_of(share)}, stop, executor);
