@@ -130,7 +130,7 @@ Result<std::vector<double>> pixel_shares(const Density& density, std::span<const
     for (std::size_t full = number_of(is_full), before = count; full < count && full != before;) {
         const double rest =
             sum_of_pixels(executor, shares.size(), [&](std::size_t i) { return is_full(i) ? 0 : shares[i]; });
-        limit = rest / static_cast<double>(count - full);
+        limit = std::min(limit, rest / static_cast<double>(count - full));  // rounding could raise it
         before = std::exchange(full, number_of(is_full));
     }
     for_pixels(executor, shares.size(), [&](std::size_t i) { shares[i] = is_full(i) ? 1 : shares[i] / limit; });
