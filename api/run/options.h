@@ -13,7 +13,7 @@ namespace ccdt::api {
 /// Limits on a request.
 struct Limits {
     std::size_t max_sites = 2'000'000;
-    std::size_t max_pixels = 64'000'000;  ///< maximum number of pixels of a decoded picture, and of a drawing in pixels
+    std::size_t max_pixels = 64'000'000;  ///< maximum number of pixels of a decoded picture, a drawing or a raster
 };
 
 /// Estimated cost of computing an answer.

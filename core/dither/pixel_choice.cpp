@@ -130,7 +130,7 @@ Result<std::vector<double>> pixel_shares(const Density& density, std::span<const
     for (std::size_t full = number_of(is_full), before = count; full < count && full != before;) {
         const double rest =
             sum_of_pixels(executor, shares.size(), [&](std::size_t i) { return is_full(i) ? 0 : shares[i]; });
-        limit = rest / static_cast<double>(count - full);
+        limit = std::min(limit, rest / static_cast<double>(count - full));  // rounding could raise it
         before = std::exchange(full, number_of(is_full));
     }
     for_pixels(executor, shares.size(), [&](std::size_t i) { shares[i] = is_full(i) ? 1 : shares[i] / limit; });
@@ -153,7 +153,7 @@ std::vector<std::uint8_t> choose_pixels(std::span<const double> shares, int widt
     };
     std::vector<std::uint8_t> chosen = HierarchicalChoice(shares, width, seed).run(height);
     const double random = sum_of_random([](std::size_t) { return 1.0; });
-    if (random == 0) return chosen;
+    if (random == 0 || stop.stop_requested()) return chosen;
     const double share = sum_of_random([&](std::size_t i) { return shares[i]; }) / random;
     return search_directly(wanted, given, std::move(chosen), width, height, device,
                            {.keeps_counts = true, .blur = blur_of(share)}, stop, executor);

@@ -115,6 +115,15 @@ TEST(PixelShares, IntegrateADensityOverPixels) {
     EXPECT_NEAR((*tall)[2], 3.0 / 8, 1e-12);
 }
 
+TEST(PixelShares, AreFoundIfRoundingMovesTheLimit) {
+    // Pixels of the bottom rows have the density of the limit, those of the middle row have half of it.
+    const std::vector<double> density = {0, 0, 0, 9e307};
+    const auto shares = pixel_shares(*Density::grid(2, 2, std::span<const double>(density)), Pixels(40, 0), 8, 5, 10);
+    EXPECT_NEAR(std::accumulate(shares->begin(), shares->end(), 0.0), 10, 1e-12);
+    EXPECT_NEAR((*shares)[20], 0.5, 1e-12);
+    EXPECT_NEAR((*shares)[39], 1, 1e-12);
+}
+
 TEST(PixelShares, RejectCountsThatCannotBeReached) {
     const std::vector<double> density = {1, 0, 2, 1};
     const auto error_of = [&](std::size_t count, const Pixels& included) {
