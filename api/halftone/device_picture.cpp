@@ -256,7 +256,7 @@ Result<Answer> run_device(const DeviceRequest& request, const Limits& limits, co
 Cost cost_of(const DeviceRequest& request, const Limits& limits) {
     // Bytes per pixel of the answer: the wanted light and its copy, residuals, the levels of VisualError, and indices.
     constexpr double kBytes = 110;
-    constexpr double kTime = 1.7 * kMicrosecond, kTimePerColour = 0.05 * kMicrosecond, kTimeOfSpots = 9 * kMicrosecond;
+    constexpr double kTime = 1.7 * kMicrosecond, kTimePerColour = 0.05 * kMicrosecond, kTimeOfSpots = 5 * kMicrosecond;
     constexpr double kPlanes = 3 * 16;  // bytes per pixel of the picture, its copy with levels, and its turned copy
     const double size =
         std::min(pixels_of(frame_of(request, size_of_picture(request))), static_cast<double>(limits.max_pixels));

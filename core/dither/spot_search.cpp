@@ -119,13 +119,15 @@ public:
     bool visit(int x, int y) {
         static_assert(TileSweep::kTile >= 2 * (VisualError<1>::kReachInPixels + kReach));
         if (given_[pixel(x, y)] != kAnyColour) return false;
+        const bool is_dark = print_.is_dark(x, y);
         const Gradients gradients = gradients_around(x, y);
         Change best;
         for (int dy = -std::min(y, 1); dy <= std::min(height_ - 1 - y, 1); ++dy) {
             for (int dx = -std::min(x, 1); dx <= std::min(width_ - 1 - x, 1); ++dx) {
                 const bool is_exchange = dx != 0 || dy != 0;
-                if (is_exchange && (given_[pixel(x + dx, y + dy)] != kAnyColour ||
-                                    print_.is_dark(x + dx, y + dy) == print_.is_dark(x, y)))
+                // Exchanges are considered at the dark pixel only.
+                if (is_exchange &&
+                    (!is_dark || print_.is_dark(x + dx, y + dy) || given_[pixel(x + dx, y + dy)] != kAnyColour))
                     continue;
                 const float error = error_of(x, y, squares_of_change(dx, dy), gradients, best.error);
                 if (error < best.error) best = {error, true, dx, dy};
