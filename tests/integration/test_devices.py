@@ -8,7 +8,7 @@ import numpy
 from PIL import Image, ImageDraw
 from scipy.ndimage import gaussian_filter
 
-from harness import PICTURES, ServerCase, data_uri, file_of, flat, linear, pixels, post_json
+from harness import PICTURES, ServerCase, data_uri, execute, file_of, flat, linear, pixels, post_json
 from seen import LIGHT, blurred, lightness
 
 ASTRONAUT = (PICTURES / "astronaut.png").read_bytes()
@@ -67,6 +67,16 @@ class Devices(ServerCase):
         for device, bits in (("1bit", 1), ("gray4", 2), ("gray16", 4), ("bwr", 2), ("spectra6", 4)):
             answer = self.halftone(CAMERA, f"?device={device}&width=64&height=48&fit=cover")
             self.assertEqual(answer.body[24], bits, device)
+
+    def test_imagemagick_reads_the_same_pixels_as_pillow(self):
+        for device in COLOURS:
+            for form in ("png", "bmp"):
+                with self.subTest(device=device, format=form):
+                    answer = self.halftone(ASTRONAUT, f"?device={device}&width=61&height=47&fit=cover&format={form}")
+                    read = execute(["convert", f"{form}:-", "-depth", "8", "rgb:-"], input=answer.body,
+                                   capture_output=True, check=True)
+                    seen = numpy.frombuffer(read.stdout, numpy.uint8).reshape(47, 61, 3)
+                    numpy.testing.assert_array_equal(seen, numpy.asarray(opened(answer).convert("RGB")))
 
     def test_palette_of_a_custom_device_keeps_its_order(self):
         answer = self.halftone(ASTRONAUT, "?device=custom&palette=%23ffffff,%23000000,%23e02020&width=50&format=raw")
