@@ -61,7 +61,8 @@ double kinds_of_dots(const HalftoneRequest& request) {
     return static_cast<double>(std::min(kinds, kMaxInkKinds));
 }
 
-/// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned.
+/// Returns the maximum number of cells in which dots on both sides of the tonal scale are planned. Dot cells are larger
+/// than the cells of the grounds, but by how much follows from the tones of the picture. So both are assumed equal.
 double planned_cells(const HalftoneRequest& request, double sites) {
     // Assumes that dots draw a quarter of the picture, like rough_radius().
     constexpr double kShare = 0.25;

@@ -8,6 +8,7 @@ Pillow and ImageMagick are found where the system has them. The others are in a 
     git clone https://github.com/OpenDisplay/epaper-dithering   # version 0.6.4, which is in Python
     npx esbuild epdoptimize/src/index.ts --bundle --format=cjs --outfile=epdoptimize.cjs
 """
+import importlib
 import json
 import pathlib
 import shutil
@@ -108,12 +109,12 @@ def programs_of_node(values, palette, peers):
 def epaper_dithering(values, palette, peers):
     sys.path.append(str(pathlib.Path(peers, "epaper-dithering/packages/python/src")))
     try:
-        from epaper_dithering import ColorPalette, DitherMode, dither_image  # pylint: disable=import-outside-toplevel
+        library = importlib.import_module("epaper_dithering")  # optional, in no package of Debian
     except ImportError:
         return
     colours = {str(number): tuple(colour) for number, colour in enumerate(palette)}
-    for mode in (DitherMode.FLOYD_STEINBERG, DitherMode.BURKES, DitherMode.STUCKI):
-        picture = dither_image(picture_of(values), ColorPalette(colours, "0"), mode, tone_compression=0)
+    for mode in (library.DitherMode.FLOYD_STEINBERG, library.DitherMode.BURKES, library.DitherMode.STUCKI):
+        picture = library.dither_image(picture_of(values), library.ColorPalette(colours, "0"), mode, tone_compression=0)
         yield "epaper-dithering " + mode.name.lower(), picture
 
 
