@@ -152,7 +152,7 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
                             const TwoSidedOptions& options, const std::stop_token& stop, Executor& executor) {
     assert(options.sites || options.radius);
     assert(picture.coverage.size() == inks.inks.size());
-    constexpr int kMaxRepairs = 2;
+    constexpr int kMaxRepairs = 1;
     std::vector<std::vector<float>> bare = std::move(picture.coverage);
     for (std::vector<float>& ink : bare) for_pixels(executor, ink.size(), [&](std::size_t i) { ink[i] = 1 - ink[i]; });
     const double radius = mean_radius(bare, options, executor);
