@@ -90,6 +90,15 @@ CellGrid dot_cells_of(const CellGrid& cells, double radius) {
     return {static_cast<int>(std::ceil(cells.columns / side)), static_cast<int>(std::ceil(cells.rows / side))};
 }
 
+/// Returns the standard deviation, in dot cells, of the blur that sharpening compensates. Besides the blur by dots, it
+/// contains that of the means over dot cells, and that of the constant density in a dot cell, each with the variance of
+/// a box.
+/// @param radius  mean radius of the dots, in dot cells
+double blur_of(const TwoSidedPlan& plan, double detail, double radius) {
+    constexpr double kBoxes = 2.0 / 12;
+    return detail * std::sqrt(radius * radius + (plan.dot_cells == plan.cells ? 0 : kBoxes));
+}
+
 /// Returns the means of a picture's light over the dot cells of a plan.
 std::vector<float> in_dot_cells(const TwoSidedPlan& plan, std::vector<float> light, Executor& executor) {
     if (plan.dot_cells == plan.cells) return light;
@@ -138,7 +147,7 @@ TwoSidedPlan plan_two_sided(std::vector<std::vector<float>> light, const CellGri
         TwoSidedChannel& channel = plan.channels[c];
         channel.light = in_dot_cells(plan, std::move(light[c]), executor);
         sharp.push_back(sharpened(channel.light, plan.dot_cells.columns, plan.dot_cells.rows,
-                                  options.detail * own_radius, executor));
+                                  blur_of(plan, options.detail, own_radius), executor));
         share.push_back(flip_share(sharp.back(), channel.white, plan.dot_cells, executor));
         clear_thin_ground(channel.white, plan.dot_cells, own_radius, share.back(), executor);
     }
@@ -181,7 +190,8 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
     }
     if (stop.stop_requested()) return plan;
     const double own_radius = radius / std::sqrt(plan.dot_cell_area());  // in dot cells
-    add_mixed_kinds(plan, inks, std::move(picture.light), own_radius, options.detail * own_radius, stop, executor);
+    add_mixed_kinds(plan, inks, std::move(picture.light), own_radius, blur_of(plan, options.detail, own_radius), stop,
+                    executor);
     if (stop.stop_requested()) return plan;
     set_scale(plan, options, executor);
     return plan;
