@@ -129,8 +129,9 @@ struct Decoded {
     PictureSize size() const { return {side * picture.width, side * picture.height}; }
     CellGrid cells() const { return {picture.width, picture.height}; }
 
-    /// Returns whether the averaged squares give the same dots as the pixels of the file. This requires that the
-    /// separation needs no finer cells than the squares, and that the lost detail does not change the number of dots.
+    /// Returns whether the decoded picture has enough detail for the dots. If each of its pixels is the mean of a
+    /// square of pixels in the file, the separation must not need cells smaller than these squares, and the lost detail
+    /// must not change the number of dots.
     /// @param wanted  cells of the separation
     /// @param ink     area that dots cover, in pixels of the file
     bool does_for(const CellGrid& wanted, const HalftoneRequest& request, double ink, const Limits& limits) const {

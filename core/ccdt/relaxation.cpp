@@ -308,7 +308,8 @@ void Relaxation::list_block(std::size_t number, bool first_time) {
         std::span(record_memory_).subspan(record_memory_of(begin), record_memory_of(end) - record_memory_of(begin)));
 }
 
-/// Determines the levels of a block's sites, unless their neighbours are unchanged. Collects the sites above level 0.
+/// Determines the level of each site of a level-0 block (see levels_). Keeps levels that are known, if the neighbours
+/// of the site are unchanged. Lists the sites above level 0, which move with a larger block.
 void Relaxation::find_levels(std::size_t number, bool first_time) {
     const SiteBlocks& blocks = mesh_.blocks();
     Group& group = groups_[0][number];

@@ -220,8 +220,9 @@ private:
     double plain_weight_ = 0;  ///< weight of the triangles around plain sites
     TriangleGoals goals_;
 
-    std::vector<std::uint8_t> kinds_;         ///< [sites] kind of each site, as long as there are records
-    std::vector<std::uint8_t> levels_;        ///< [sites] level of the site's group
+    std::vector<std::uint8_t> kinds_;  ///< [sites] kind of each site, as long as there are records
+    /// [sites] level of a site: that of the smallest block that contains the site and all its free neighbours
+    std::vector<std::uint8_t> levels_;
     std::vector<std::vector<Group>> groups_;  ///< [levels][blocks] groups of sites
     /// Memory for the records of all level-0 blocks. It is allocated and freed in one piece, because freed pieces of
     /// the size of a block would be too small for later allocations.

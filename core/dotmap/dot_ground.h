@@ -71,8 +71,8 @@ public:
     Result<std::vector<FeatureDot>> draw(std::uint64_t seed, const std::function<Point(Point)>& rounded,
                                          Executor& executor, const std::stop_token& stop) const;
 
-    /// Draws random positions anywhere in a feature until `accept` returns true. Errors: Unusable if no position is
-    /// accepted.
+    /// Draws random positions anywhere in a feature until `accept` returns true for one of them. Errors: Unusable if
+    /// the feature is too thin, or if none of a limited number of positions is accepted.
     /// @param interior  sampler of the feature; created here if empty
     Result<void> draw_again(std::uint32_t feature, std::uint64_t seed, const std::function<bool(Point)>& accept,
                             std::optional<InteriorSampler>& interior) const;

@@ -17,10 +17,11 @@ namespace ccdt {
 /// Overlapping features each keep their dots. Each class is evenly distributed, and dots of different classes keep
 /// apart.
 ///
-/// All dots of a class are the sites of one triangulation, of the union of all features that have such dots. Each dot
-/// has a disc as large as its share of the feature. The target of a triangle follows from the discs of its corners. A
-/// move that would leave a feature slides along its border instead. Long waves of density error are removed across
-/// borders between similar densities; at other borders, they are removed on each side separately.
+/// Each class has one triangulation. It covers the union of all features that have dots of this class, and its sites
+/// are these dots. Each dot has a disc whose diameter is the distance that neighbours should have at this place. The
+/// target of a triangle follows from the discs of its corners. A move that would leave a feature slides along its
+/// border instead. Long waves of density error are removed across borders between similar densities; at other borders,
+/// they are removed on each side separately.
 ///
 /// @param features  all with the same number of classes; together they have at least one dot
 /// @param box       box over which the density is stretched

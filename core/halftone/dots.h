@@ -37,7 +37,8 @@ struct DotOptions {
     int samples = 0;
 };
 
-/// Largest number of samples on a canvas for which samples_for() chooses more than one sample per pixel.
+/// Limit on the samples of a whole canvas: samples_for() chooses more than one sample per pixel only if the canvas then
+/// has at most this many samples.
 inline constexpr double kMaxSamples = 16e6;
 
 /// Returns a number of samples along each side of a pixel that gives dots the coverage of exact discs. Chooses at least

@@ -556,8 +556,9 @@ private:
     float without_wanted(std::uint32_t i) const { return (*crowd_)(i) + kSurplusWeight * surplus_->actual(i); }
     float excess(std::uint32_t i, float left) const { return without_wanted(i) - left * wanted_[i]; }
 
-    /// Returns the point in [begin, end) with the largest excess. bounds_ stores excesses without the wanted part of
-    /// the surplus. During a step these values only decrease, so old values are upper bounds.
+    /// Returns the point in [begin, end) with the largest excess. The excess of a point is the crowding by near points
+    /// plus the weighted surplus. `bounds_` stores earlier values of the excess without the wanted part of the surplus.
+    /// A step only removes points, so these values never increase, and outdated ones are still upper bounds.
     /// @param left  number of points that remain in the domain
     std::uint32_t most_crowded(std::uint32_t begin, std::uint32_t end, float left) {
         Ints found;

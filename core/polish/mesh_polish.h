@@ -66,8 +66,9 @@ public:
     /// vertex of the border. This function also finds such pairs, and the next calls of push_apart() move them apart.
     bool find_nearer(const Triangulation& mesh, double least);
 
-    /// Returns the pairs of near sites that find_nearer() has found for the same `least`. Omits a pair if one of its
-    /// sites is the first site of another pair. Drops cached data of the mesh, since the caller may relocate sites.
+    /// Returns the pairs of near sites that find_nearer() has found for the same `least`, in ascending order. Omits
+    /// a pair if one of its sites is the first site of an earlier pair in the result. Drops cached data of the mesh,
+    /// since the caller may relocate sites.
     std::vector<std::array<std::uint32_t, 2>> near_pairs(const Triangulation& mesh, double least);
 
     /// Removes long waves of density error. In polygons, does so only if the density is smooth and there are no fixed

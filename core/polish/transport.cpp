@@ -312,8 +312,9 @@ inline std::size_t Transport::cell_of(Point p) const {
            index(p.x * over_sides_.x, grid.columns());
 }
 
-/// Returns the weight of an octave for sites of a level. The weights of all octaves add up to 1.
-/// @param level  an element of levels_
+/// Returns the weight with which sites count in an octave. The spacing of the sites usually lies between two octaves,
+/// which then share the weight. The weights of all octaves add up to 1.
+/// @param level  an element of levels_: the fractional octave of the sites, multiplied by kLevels
 double Transport::part(std::uint16_t level, std::size_t octave) {
     const double distance = std::abs(level / kLevels - static_cast<double>(octave));
     return std::max(0.0, 1 - distance);

@@ -108,7 +108,7 @@ private:
     std::vector<Octave> octaves_;
     /// [coefficients of octave 0] potential of the wanted density alone; empty if the wanted density is uniform
     std::variant<std::vector<float>, std::vector<std::complex<float>>> targets_;
-    /// [cells of octave 0] octave of the sites in the cell, multiplied by kLevels.
+    /// [cells of octave 0] fractional octave of the sites in the cell, multiplied by kLevels
     std::vector<std::uint16_t> levels_;
     std::vector<std::uint16_t> spacings_;  ///< [cells of octave 0] spacing relative to octave 0, encoded by shortened()
     std::optional<LocalSpacing> denser_;   ///< present if sites are denser anywhere than octave 0 resolves

@@ -32,8 +32,8 @@ struct Order;
 /// is repeated once. Thread-safe.
 class ComputeSupervisor {
 public:
-    /// Passes an order to decode a file from a computation process to the decoder. The decoder sends the result
-    /// directly to the computation process.
+    /// Forwards an order to the decoder. A computation process gives such an order to have a file decoded. The decoder
+    /// sends the result directly to this process.
     using Relay = std::function<void(const Order& order, const std::stop_token& stop)>;
 
     struct Options {

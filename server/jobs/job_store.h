@@ -119,7 +119,7 @@ public:
     /// Reads a job; none if it does not exist or has expired.
     virtual Result<std::optional<Job>> find(const std::string& id) = 0;
 
-    /// Reads a piece of a result. All pieces together have `Job::result_bytes`.
+    /// Reads a piece of a result. The sizes of all pieces add up to `Job::result_bytes`.
     /// @param number  from 0; less than the number of pieces
     /// @returns       none if the job or its result does not exist
     virtual Result<std::optional<std::string>> piece(const std::string& id, std::size_t number) = 0;
