@@ -32,6 +32,7 @@ void report_status(const UniqueFd& socket, int status) {
 /// negative, the child runs until the supervisor ends. The first file of an order is the socket of the child. The
 /// supervisor writes to the second file, if any, when it has prepared for the next order.
 [[noreturn]] void supervise(UniqueFd orders) {
+    const pid_t supervisor = getpid();
     ForkedChildren children(std::move(orders), report_status);
     UniqueFd prepared;
     const auto prepare = [&] { report_status(prepared, kPrepared); };
@@ -40,7 +41,7 @@ void report_status(const UniqueFd& socket, int status) {
         const pid_t process = children.fork();
         if (process == 0 && order < 0) {
             prctl(PR_SET_PDEATHSIG, SIGKILL);
-            pause();
+            if (getppid() == supervisor) pause();  // otherwise the supervisor has ended before the call
         }
         if (process == 0) _exit(order);
         children.add(process, std::move((*files)[0]));
