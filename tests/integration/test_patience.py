@@ -171,7 +171,9 @@ class ConnectionClasses(unittest.TestCase):
             # Connections count until the server has noticed that their clients left. All four must be free.
             wait_until(lambda: "ccdt_connections_open 1\n" in ask(server, "/metrics").body.decode())
             with crowd(server, 4, post(b"/sample", endless)):
-                wait_until(lambda: ask(server, "/openapi.json").status != 200)
+                # The server has read all four requests: a connection that is about to be closed takes no place.
+                wait_until(lambda: "ccdt_queue_requests 4\n" in ask(server, "/metrics").body.decode())
+                self.assertEqual(ask(server, "/openapi.json").status, 503)
                 for _ in range(20):
                     for path in ("/health", "/health/live", "/metrics"):
                         answer = ask(server, path)
