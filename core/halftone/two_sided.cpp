@@ -170,8 +170,9 @@ TwoSidedPlan plan_two_sided(InkPicture picture, const InkSet& inks, const CellGr
     TwoSidedPlan plan;
     for (int repairs = 0; repairs <= kMaxRepairs; ++repairs) {
         plan = with_grounds(bare, cells, radius, options.detail, false, executor);
+        if (stop.stop_requested() || repairs == kMaxRepairs) break;
         find_white_shares(plan, executor);
-        if (stop.stop_requested() || repairs == kMaxRepairs || !grounds.replace_grounds(bare, plan)) break;
+        if (!grounds.replace_grounds(bare, plan)) break;
     }
     bare.clear();
     plan.is_nested = false;
