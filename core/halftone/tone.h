@@ -44,7 +44,7 @@ std::size_t default_sites(double ink, double fineness, std::size_t limit);
 /// Returns a radius of dots for a drawing, in pixels of the drawing. For a drawing of a million pixels, the radius is
 /// 3. It grows with the fourth root of the number of pixels, so that a larger drawing has both more dots and larger
 /// dots. If the detail of the picture is finer than in photographs, the radius is smaller, down to half of this value.
-/// It is at least 1.
+/// The radius is at least 1.
 ///
 /// @param pixels    number of pixels of the drawing, > 0
 /// @param fineness  fineness of the picture, in [0, 1]

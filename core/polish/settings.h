@@ -9,9 +9,9 @@ namespace ccdt {
 enum class Quality {
     Draft,     ///< no polish: triangles of equal capacity, as in the paper
     Standard,  ///< pushes near neighbours apart and removes long waves
-    Best,      ///< as Standard, with more rounds: takes a few times as long
-    /// As Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of uniform
-    /// density that is wide enough, with one ink and no fixed points.
+    Best,      ///< works like Standard with more rounds: takes a few times as long
+    /// Works like Best, then removes all power from the low frequencies (Stealth). The last step needs a torus of
+    /// uniform density that is wide enough, with one ink and no fixed points.
     Stealthy,
 };
 

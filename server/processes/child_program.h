@@ -48,8 +48,8 @@ std::string describe_end(int status);
 /// Starts a program in the folder of the calling program. A new process group shields it from terminal signals.
 ///
 /// The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other standard streams are /dev/null.
-/// Its signals have the default actions. Its environment lacks the variables CCDT_*, which may contain secrets. May be
-/// called from any thread.
+/// Signals have the default actions in the child. The environment of the child lacks the variables CCDT_*, which may
+/// contain secrets. The function may be called from any thread.
 /// @param name       file name of the program
 /// @param socket     closed in the calling process
 /// @param arguments  without the program's name
