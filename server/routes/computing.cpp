@@ -391,7 +391,7 @@ HttpResult<Computing::AcceptedPointer> Computing::convert_shapefile(const Accept
 HttpResult<Computing::Forecast> Computing::forecast(const AcceptedPointer& accepted, const Incoming& incoming,
                                                     Clock::time_point deadline) {
     const auto find = [accepted, &limits = config_.limits] {
-        return accepted->operation.parse(accepted->request, limits).map([&](const ParsedPointer& parsed) {
+        return accepted->operation.parse(accepted->request, limits).map([&](const api::ParsedPointer& parsed) {
             return Forecast{cost_of_answering(accepted->operation, accepted->request, *parsed),
                             parsed->accepts_partial()};
         });

@@ -2,37 +2,17 @@
 #pragma once
 
 #include <array>
-#include <memory>
 #include <string_view>
 
-#include "api/image/image_codec.h"
-#include "api/output/body.h"
+#include "api/operation/parsed_request.h"
 #include "api/run/options.h"
-#include "core/ccdt/ccdt.h"
 #include "core/result.h"
 #include "server/work/compute_request.h"
 
 namespace ccdt::server {
 
-/// A parsed, valid request. May point into the body that was parsed.
-class ParsedRequest {
-public:
-    virtual ~ParsedRequest() = default;
-
-    /// Cost of computing the answer, including the memory of the request itself.
-    virtual api::Cost cost() const = 0;
-
-    /// Whether the client accepts a partial answer at the deadline.
-    virtual bool accepts_partial() const = 0;
-
-    /// Computes the answer: see Compute.
-    virtual Result<api::Answer> run(const api::Decode& decode, const Control& control, api::Timings& timings,
-                                    api::BodySink* sink) const = 0;
-};
-using ParsedPointer = std::unique_ptr<const ParsedRequest>;
-
 /// A row of the table of operations. All differences between operations are members here, or functions of the
-/// ParsedRequest that `parse` returns.
+/// api::ParsedRequest that `parse` returns.
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
@@ -42,12 +22,12 @@ struct Operation {
     std::string_view form_part;
 
     /// Errors: those of the parser of the operation.
-    Result<ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
+    Result<api::ParsedPointer> (*parse)(const ComputeRequest& request, const api::Limits& limits);
 };
 
-Result<ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits);
-Result<ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits);
-Result<ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
+Result<api::ParsedPointer> parse_halftone(const ComputeRequest& request, const api::Limits& limits);
+Result<api::ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits);
+Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
     {"/halftone", true, false, true, "image", parse_halftone},
@@ -76,6 +56,7 @@ bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request
 api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request);
 
 /// Estimates the cost of parsing a copy of the request and computing the answer.
-api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request, const ParsedRequest& parsed);
+api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request,
+                            const api::ParsedRequest& parsed);
 
 }  // namespace ccdt::server

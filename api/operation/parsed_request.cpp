@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/operation/parsed_request.h"
+
+#include <utility>
+
+#include "api/analyze/analyze.h"
+#include "api/halftone/device_picture.h"
+#include "api/halftone/halftone.h"
+#include "api/halftone/halftone_cost.h"
+#include "api/sample/pixel_sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_cost.h"
+#include "api/sample/sample_parser.h"
+#include "api/sample/threshold_mask.h"
+
+namespace ccdt::api {
+namespace {
+
+Cost cost_within(const AnalyzeRequest& request, const Limits& /*limits*/) {
+    return cost_of(request);
+}
+Cost cost_within(const auto& request, const Limits& limits) {
+    return cost_of(request, limits);
+}
+
+bool allows_partial(const AnalyzeRequest& /*request*/) {
+    return false;
+}
+bool allows_partial(const auto& request) {
+    return request.on_deadline == OnStop::Partial;
+}
+
+Result<Answer> compute(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                       const Control& control, Timings& timings, BodySink* sink) {
+    return run_halftone(request, limits, decode, control, timings, sink);
+}
+Result<Answer> compute(const DeviceRequest& request, const Limits& limits, const Decode& decode, const Control& control,
+                       Timings& timings, BodySink* /*sink*/) {
+    return run_device(request, limits, decode, control, timings);
+}
+Result<Answer> compute(const SampleRequest& request, const Limits& limits, const Decode& decode, const Control& control,
+                       Timings& timings, BodySink* sink) {
+    if (request.threshold_mask) return run_mask(*request.threshold_mask, control, timings);
+    return run_sample(request, limits, decode, control, timings, sink);
+}
+Result<Answer> compute(const PixelRequest& request, const Limits& limits, const Decode& decode, const Control& control,
+                       Timings& timings, BodySink* sink) {
+    return run_pixels(request, limits, decode, control, timings, sink);
+}
+Result<Answer> compute(const AnalyzeRequest& request, const Limits& /*limits*/, const Decode& /*decode*/,
+                       const Control& control, Timings& timings, BodySink* /*sink*/) {
+    return run_analyze(request, control, timings);
+}
+
+/// A parsed request of one type. The overloaded functions above implement its members for each type.
+template <class Request>
+class Parsed : public ParsedRequest {
+public:
+    Parsed(Request request, const Limits& limits) : request_(std::move(request)), limits_(limits) {}
+
+    Cost cost() const override {
+        const auto computing = cost_within(request_, limits_);
+        return {size_of(request_) + computing.memory, computing.seconds, computing.answer};
+    }
+
+    bool accepts_partial() const override { return allows_partial(request_); }
+
+    Result<Answer> run(const Decode& decode, const Control& control, Timings& timings, BodySink* sink) const override {
+        return compute(request_, limits_, decode, control, timings, sink);
+    }
+
+private:
+    const Request request_;
+    const Limits limits_;
+};
+
+template <class Request>
+Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
+    if (!request) return tl::unexpected(std::move(request.error()));
+    return std::make_unique<const Parsed<Request>>(*std::move(request), limits);
+}
+
+}  // namespace
+
+Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
+                                             const std::vector<TextOption>& options, std::string_view accept,
+                                             const Limits& limits) {
+    const auto input =
+        kind == HalftoneBody::Json ? read_halftone_json(body, options, limits) : read_halftone(body, options, limits);
+    if (!input) return tl::unexpected(input.error());
+    if (input->has("device")) return pack(parse_device(*input, accept, limits), limits);
+    return pack(parse_halftone(*input, accept, limits), limits);
+}
+
+Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
+                                           std::string_view accept, const Limits& limits) {
+    const auto document = JsonDocument::parse(body);
+    if (!document) return tl::unexpected(document.error());
+    const JsonValue root = document->root();
+    if (asks_for_pixels(root)) return pack(parse_pixels(root, options, accept, limits), limits);
+    return pack(parse_sample(root, options, accept, limits), limits);
+}
+
+Result<ParsedPointer> parse_analyze_request(std::string_view body, std::string_view accept, const Limits& limits) {
+    return pack(parse_analyze(body, accept, limits), limits);
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "api/image/image_codec.h"
+#include "api/output/body.h"
+#include "api/run/options.h"
+#include "core/ccdt/ccdt.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// A parsed, valid request of any kind. May point into the body that was parsed.
+class ParsedRequest {
+public:
+    virtual ~ParsedRequest() = default;
+
+    /// Cost of computing the answer, including the memory of the request itself.
+    virtual Cost cost() const = 0;
+
+    /// Whether the request accepts a partial answer when the computation is stopped.
+    virtual bool accepts_partial() const = 0;
+
+    /// Computes the answer.
+    ///
+    /// When `control` requests a stop, the computation ends within one pass over the sites. The result is then the
+    /// error Stopped or, if the request allows it, a partial answer.
+    /// @param sink  receives a large body in pieces; null: the body is returned whole
+    /// Errors: those of the kind of request. After an error, delivered pieces of the body must be discarded. `timings`
+    /// receives the durations of all stages that ran.
+    virtual Result<Answer> run(const Decode& decode, const Control& control, Timings& timings,
+                               BodySink* sink) const = 0;
+};
+using ParsedPointer = std::unique_ptr<const ParsedRequest>;
+
+/// Kinds of bodies of requests for halftones.
+enum class HalftoneBody {
+    Picture,  ///< the file of a picture
+    Json,     ///< a JSON object with the picture as base64, and options
+};
+
+/// Parses a request for a halftone or for the pixels of a device.
+/// @param options  options in addition to those of the body
+/// @param accept   accepted media types, as in an HTTP header; used if no option gives the format
+/// Errors: those of parse_halftone() and parse_device().
+Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
+                                             const std::vector<TextOption>& options, std::string_view accept,
+                                             const Limits& limits);
+
+/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON. The other parameters
+/// are those of parse_halftone_request(). Errors: those of parse_sample() and parse_pixels().
+Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
+                                           std::string_view accept, const Limits& limits);
+
+/// Parses a request for an analysis of points. The body is JSON. Errors: those of parse_analyze().
+Result<ParsedPointer> parse_analyze_request(std::string_view body, std::string_view accept, const Limits& limits);
+
+}  // namespace ccdt::api
