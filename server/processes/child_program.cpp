@@ -118,18 +118,28 @@ std::string ChildProgram::wait() {
     return reaped > 0 ? describe_end(status) : "ended";
 }
 
-Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {
+Result<std::string> find_sibling(const std::string& name) {
     std::error_code error;
     const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
     if (error) return cannot_start(name, error.value());
-    const std::string file = own.parent_path() / name;
+    const std::string beside = own.parent_path() / name;
+    const std::string installed = own.parent_path().parent_path() / "lib/ccdt" / name;
+    for (const std::string& file : {beside, installed}) {
+        if (access(file.c_str(), X_OK) == 0) return file;
+    }
+    return cannot_start(beside + " or " + installed, errno);
+}
+
+Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {
+    const auto file = find_sibling(name);
+    if (!file) return tl::unexpected(file.error());
     std::vector<char*> argv{const_cast<char*>(name.c_str())};
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_t process = 0;
-    const int failed = posix_spawn(&process, file.c_str(), SpawnActions(socket.get()).get(), SpawnAttributes().get(),
+    const int failed = posix_spawn(&process, file->c_str(), SpawnActions(socket.get()).get(), SpawnAttributes().get(),
                                    argv.data(), environment_to_inherit().data());
-    if (failed != 0) return cannot_start(file, failed);
+    if (failed != 0) return cannot_start(*file, failed);
     return ChildProgram(process);
 }
 

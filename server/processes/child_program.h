@@ -45,7 +45,13 @@ private:
 /// @param status  as set by waitpid()
 std::string describe_end(int status);
 
-/// Starts a program in the folder of the calling program. A new process group shields it from terminal signals.
+/// Finds a program of this project. It lies in the folder of the calling program, as after a build, or in the folder
+/// `../lib/ccdt` relative to it, as after an installation. Links to the calling program are resolved.
+/// @param name  file name of the program
+/// Errors: Internal; the message names both paths.
+Result<std::string> find_sibling(const std::string& name);
+
+/// Starts a program that find_sibling() finds. A new process group shields it from terminal signals.
 ///
 /// The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other standard streams are /dev/null.
 /// Signals have the default actions in the child. The environment of the child lacks the variables CCDT_*, which may
