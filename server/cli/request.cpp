@@ -37,6 +37,13 @@ std::string base64(std::string_view bytes) {
     return text;
 }
 
+/// Replaces the subject of a message about a body, which is a file or a value here.
+std::string with_subject(std::string_view subject, std::string message) {
+    constexpr std::string_view kBody = "the body";
+    if (message.starts_with(kBody)) message.replace(0, kBody.size(), subject);
+    return message;
+}
+
 /// Appends the value of an option as JSON. The parser of the API judges whether its type is right.
 Result<void> append_value(std::string& body, const Arguments::Given& given) {
     const auto& [option, value] = given;
@@ -46,8 +53,7 @@ Result<void> append_value(std::string& body, const Arguments::Given& given) {
     }
     if (option->takes_json && begins_like_json(value)) {
         if (const auto parsed = api::JsonDocument::parse(value); !parsed)
-            return failure(ErrorCode::Malformed, option->member + " is not JSON: " + parsed.error().message,
-                           option->member);
+            return failure(parsed.error().code, with_subject(option->member, parsed.error().message), option->member);
         body += value;
         return {};
     }
@@ -172,7 +178,7 @@ bool is_text(const api::FileFormat& format) {
 DescribedError describe_error(const Error& error, std::span<const Option> options) {
     // The limits of the service are flags of the program.
     constexpr std::string_view kLimit = "this server's limit (";
-    std::string message = error.message;
+    std::string message = with_subject("the input", error.message);
     if (const auto at = message.find(kLimit); at != std::string::npos) {
         message.replace(at, kLimit.size(), "the limit (--");
         constexpr std::string_view kOfBodies = "--max-body, memory";

@@ -150,6 +150,7 @@ public:
             if (answered) continue;
             const int failure = report(task.input, answered.error());
             if (status == 0) status = failure;
+            if (failure == kWrongUsage) break;  // an option that is wrong for one input is wrong for all
         }
         return status;
     }
@@ -160,9 +161,21 @@ private:
         errors.insert(errors.end(), failed.error.others.begin(), failed.error.others.end());
         for (const Error& error : errors) {
             auto [option, message] = describe_error(error, options_);
-            messages_.report_error({failed.status, input, std::move(option), std::move(message)});
+            if (!option.empty()) add_value(option, message);
+            const bool is_about_input = option.empty() || failed.status != kWrongUsage;
+            messages_.report_error({failed.status, is_about_input ? input : "", std::move(option), std::move(message)});
         }
         return failed.status;
+    }
+
+    /// Completes a message such as "--sites must be a number" by the value that is not valid.
+    void add_value(std::string_view option, std::string& message) const {
+        constexpr std::size_t kLongest = 64;
+        const std::string* const value = arguments_.find(option.substr(2));
+        if (value == nullptr || value->size() > kLongest || !message.starts_with(std::string(option) + " must be ") ||
+            message.find(", not ") != std::string::npos)
+            return;
+        message += ", not '" + *value + "'";
     }
 
     tl::expected<void, Failed> answer(const Task& task) {
@@ -188,7 +201,7 @@ private:
             return failed(output.has_failed() ? kOutputFailed : status_of(computed.error(), options_),
                           computed.error());
         const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-        for (const std::string& notes : {computed->warnings, computed->repaired}) report_notes(task.input, notes);
+        report_notes(task.input, computed->warnings, computed->repaired);
         messages_.report_result(
             {task.input, task.output, computed->media_type, output.written(), computed->sites, taken.count()});
         return {};
@@ -232,12 +245,19 @@ private:
         return answer;
     }
 
-    /// Prints warnings or repairs.
-    /// @param notes  list of objects with the member `detail`, as JSON; may be empty
-    void report_notes(const std::string& input, const std::string& notes) {
-        const auto list = api::JsonDocument::parse(notes);
+    /// Prints all warnings, and one line about repairs, of which there may be many.
+    /// @param warnings, repairs  lists of objects with the member `detail`, as JSON; empty if there are none
+    void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
+        if (const auto list = api::JsonDocument::parse(warnings)) {
+            for (const api::JsonValue note : list->root()) messages_.warn(input, note.find("detail").value().text());
+        }
+        const auto list = api::JsonDocument::parse(repairs);
         if (!list) return;
-        for (const api::JsonValue note : list->root()) messages_.warn(input, note.find("detail").value().text());
+        const std::size_t others = list->root().size() - 1;
+        const std::string first = (*list->root().begin()).find("detail").value().text();
+        messages_.warn(input, "the area was repaired: " + first +
+                                  (others == 0 ? "" : "; and " + std::to_string(others) + " other faults") +
+                                  "; --invalid=reject refuses it");
     }
 
     const Command& command_;
