@@ -25,9 +25,9 @@ std::string command_names(bool all) {
     return joined(names);
 }
 
-/// Whether the value of an option may name a file.
+/// Whether the value of an option names a file, either directly or after an `@`.
 bool takes_file(const Option& option) {
-    return option.takes_json || option.name == "output";
+    return option.is_json() || option.name == "output";
 }
 
 /// Returns the flags of an option, which may also be negated, or the option itself.
@@ -45,20 +45,29 @@ std::string quoted(std::string_view text) {
 }
 
 std::string bash_case(const Command& command) {
-    std::string text = "        " + std::string(command.name) + ")\n            case $option in\n";
+    const std::string line = "                ";
     std::vector<std::string> names;
+    std::string of_words, of_json, of_others;
+    const auto add = [](std::string& pattern, const Option& option) {
+        pattern.append(pattern.empty() ? "" : "|").append("--").append(option.name);
+    };
     for (const Option& option : options_of(command)) {
         for (std::string& form : forms_of(option)) names.push_back(std::move(form));
-        const std::string letter = option.letter == 0 ? "" : std::string("|-") + option.letter;
-        if (option.is_flag()) continue;
-        text += "                --" + option.name + letter + ") ";
         if (!option.words.empty())
-            text += "words=" + quoted(joined(option.words)) + " ;;\n";
-        else
-            text += takes_file(option) ? "return ;;\n" : "compopt +o default +o bashdefault; return ;;\n";
+            of_words += line + "--" + option.name + ") words=" + quoted(joined(option.words)) + " ;;\n";
+        else if (option.is_json())
+            add(of_json, option);
+        else if (!option.is_flag() && !takes_file(option))
+            add(of_others, option);
     }
-    return text + "                *) [[ $current == -* ]] && words=" + quoted(joined(names)) +
-           " ;;\n            esac ;;\n";
+    return "        " + std::string(command.name) + ")\n            case $option in\n" + of_words + line +
+           "--output|-o) return ;;\n" +
+           (of_json.empty() ? ""
+                            : line + of_json + ")\n" + line +
+                                  "    mapfile -t COMPREPLY < <(compgen -P @ -f -- \"${current#@}\")\n" + line +
+                                  "    return ;;\n") +
+           line + of_others + ") compopt +o default +o bashdefault; return ;;\n" + line +
+           "*) [[ $current == -* ]] && words=" + quoted(joined(names)) + " ;;\n            esac ;;\n";
 }
 
 /// Bash splits words at equals signs. If there are no candidates, it completes names of files.
@@ -109,7 +118,7 @@ std::string zsh_case(const Command& command) {
             if (!option.words.empty())
                 action += '(' + joined(option.words) + ')';
             else if (takes_file(option))
-                action += "_files";
+                action += option.is_json() ? "{compset -P @; _files}" : "_files";
         }
         for (const std::string& form : forms_of(option))
             text += " \\\n                " + quoted(form + (option.is_flag() ? "" : "=") + help + action);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "server/flags/manual_page.h"
 
+#include <utility>
+
 namespace ccdt::server {
 namespace {
 
@@ -49,24 +51,32 @@ void ManualPage::add_line(std::string_view text) {
 
 void ManualPage::begin_section(std::string_view title) {
     text_ += ".SH " + argument(title) + '\n';
+    after_heading_ = true;
 }
 
 void ManualPage::begin_subsection(std::string_view title) {
     text_ += ".SS " + argument(title) + '\n';
+    after_heading_ = true;
+}
+
+void ManualPage::begin_paragraph() {
+    if (!std::exchange(after_heading_, false)) text_ += ".PP\n";
 }
 
 void ManualPage::add_paragraph(std::string_view text) {
-    text_ += ".PP\n";
+    begin_paragraph();
     add_line(text);
 }
 
 void ManualPage::add_command(std::string_view line) {
-    text_ += ".PP\n.nf\n";
+    begin_paragraph();
+    text_ += ".nf\n";
     add_line(line);
     text_ += ".fi\n";
 }
 
 void ManualPage::add_option(std::string_view option, std::string_view value, std::string_view description) {
+    after_heading_ = false;
     text_ += ".TP\n";
     if (value.empty())
         text_ += ".B " + argument(option) + '\n';

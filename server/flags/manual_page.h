@@ -29,8 +29,10 @@ public:
 
 private:
     void add_line(std::string_view text);
+    void begin_paragraph();
 
     std::string text_;
+    bool after_heading_ = false;  ///< whether the next paragraph begins by itself
 };
 
 }  // namespace ccdt::server
