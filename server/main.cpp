@@ -126,6 +126,9 @@ int run(std::span<const char* const> arguments) {
         case CommandLine::Action::Help:
             std::fputs(usage().c_str(), stdout);
             return EXIT_SUCCESS;
+        case CommandLine::Action::Manual:
+            std::fputs(manual().c_str(), stdout);
+            return EXIT_SUCCESS;
         case CommandLine::Action::Version:
             std::puts("ccdt-server " CCDT_VERSION);
             return EXIT_SUCCESS;

@@ -273,6 +273,7 @@ TEST(Config, IgnoresEmptyVariables) {
 TEST(Config, ShowsHelpDespiteOtherErrors) {
     EXPECT_EQ(parse({"--help"}, {{"PORT", "x"}})->action, CommandLine::Action::Help);
     EXPECT_EQ(parse({"--version"})->action, CommandLine::Action::Version);
+    EXPECT_EQ(parse({"--manual"})->action, CommandLine::Action::Manual);
 }
 
 TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
@@ -343,6 +344,7 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "--log-format",
                              "CCDT_LOG_FORMAT",
                              "--help",
+                             "--manual",
                              "--version"})
         EXPECT_NE(text.find(word), std::string::npos) << word;
 }
