@@ -70,14 +70,14 @@ def pillow_picture(image: Any, name: str) -> Picture:
 
     from PIL import ImageOps
 
+    profile = image.info.get("icc_profile")
     image = ImageOps.exif_transpose(image)
-    if not image.info.get("icc_profile"):
-        if image.mode in ("L", "LA", "RGB", "RGBA", "1", "I;16"):
-            return array_picture(np.asarray(image), name)
-        if image.mode == "P":
-            return array_picture(np.asarray(image.convert("RGBA")), name)
+    if image.mode == "P":
+        image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+    if image.mode in ("L", "LA", "RGB", "RGBA", "1", "I;16") and not profile:
+        return array_picture(np.asarray(image), name)
     file = io.BytesIO()
-    image.save(file, "TIFF", icc_profile=image.info.get("icc_profile"))
+    image.save(file, "TIFF", icc_profile=profile)
     return file.getvalue()
 
 
