@@ -93,7 +93,7 @@ class Setup(unittest.TestCase):
     def test_modules_come_from_listed_packages(self):
         files = list((ROOT / "tests").rglob("*.py"))
         taken = {module for path in files for module in imports(path)}
-        modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names)
+        modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names) - {"ccdt"}
         self.assertIn("numpy", modules)
         packages = {module: package_of(module) for module in modules}
         self.assertEqual({module: package for module, package in packages.items()
