@@ -102,7 +102,9 @@ std::size_t threads_of(const Control& control) {
 }  // namespace
 
 void raise(const ccdt::Error& error) {
-    raise(code_of(error.code), error.message, error.field);
+    std::string message = error.message;
+    for (const ccdt::Error& other : error.others) message.append("; ").append(other.message);
+    raise(code_of(error.code), message, error.field);
 }
 
 void raise(FailureCode code, const std::string& message, std::string field) {

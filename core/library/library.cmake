@@ -4,9 +4,6 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-set(ccdt_cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ccdt)
-set(ccdt_library_folder ${CMAKE_CURRENT_LIST_DIR})
-
 # Adds a shared library that exports the interface of version 1 only.
 #   ccdt_add_shared_library(NAME OUTPUT INTERFACE PART...)
 # NAME is the name of the target, after `ccdt::`, for other projects. INTERFACE is an object library with the exported
@@ -15,12 +12,12 @@ function(ccdt_add_shared_library name output interface)
     set(target ccdt_${name}_shared)
     add_library(${target} SHARED $<TARGET_OBJECTS:${interface}>)
     add_library(ccdt::${name} ALIAS ${target})
-    set(map ${ccdt_library_folder}/exports.map)
+    set(map ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/exports.map)
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME ${output} LINKER_LANGUAGE CXX
         VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR} LINK_DEPENDS ${map})
     target_link_libraries(${target} PRIVATE ccdt_build ${ARGN})
     target_link_options(${target} PRIVATE -Wl,--version-script=${map} -Wl,--as-needed)
-    target_include_directories(${target} INTERFACE $<TARGET_PROPERTY:${interface},INTERFACE_INCLUDE_DIRECTORIES>)
+    target_include_directories(${target} INTERFACE $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>)
     target_compile_features(${target} INTERFACE cxx_std_20)
     install(TARGETS ${target} EXPORT ccdt-targets
         LIBRARY COMPONENT library NAMELINK_COMPONENT development INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
@@ -42,7 +39,7 @@ endfunction()
 #   ccdt_install_pc(TEMPLATE LIBRARY...)
 # Programs that link the static library also need the LIBRARYs.
 function(ccdt_install_pc template)
-    file(RELATIVE_PATH CCDT_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+    string(REGEX REPLACE "[^/]+" ".." CCDT_PREFIX ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
     list(TRANSFORM ARGN PREPEND "-l")
     list(JOIN ARGN " " CCDT_LIBRARIES)
     cmake_path(GET template STEM LAST_ONLY file)
@@ -53,14 +50,15 @@ endfunction()
 
 # Installs the CMake package `ccdt`. Must be called after all libraries have been added.
 function(ccdt_install_package)
-    configure_package_config_file(${ccdt_library_folder}/ccdt-config.cmake.in
-        ${CMAKE_CURRENT_BINARY_DIR}/ccdt-config.cmake INSTALL_DESTINATION ${ccdt_cmake_folder})
+    set(folder ${CMAKE_INSTALL_LIBDIR}/cmake/ccdt)
+    configure_package_config_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/ccdt-config.cmake.in
+        ${CMAKE_CURRENT_BINARY_DIR}/ccdt-config.cmake INSTALL_DESTINATION ${folder})
     write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/ccdt-config-version.cmake
         COMPATIBILITY SameMajorVersion)
     install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ccdt-config.cmake
         ${CMAKE_CURRENT_BINARY_DIR}/ccdt-config-version.cmake
-        DESTINATION ${ccdt_cmake_folder} COMPONENT development)
+        DESTINATION ${folder} COMPONENT development)
     foreach(set ccdt-targets ccdt-static-targets)
-        install(EXPORT ${set} NAMESPACE ccdt:: DESTINATION ${ccdt_cmake_folder} COMPONENT development)
+        install(EXPORT ${set} NAMESPACE ccdt:: DESTINATION ${folder} COMPONENT development)
     endforeach()
 endfunction()

@@ -16,11 +16,11 @@ struct Progress {
 
 /// Lets a caller stop, observe and parallelise a computation. Results do not depend on the number of threads.
 struct Control {
-    std::stop_token stop;  ///< polled at least once per pass over the points, so that a stop takes little time
+    std::stop_token stop = {};  ///< polled at least once per pass over the points, so that a stop takes little time
 
     /// Called several times while points move, on the thread that called the library; may be empty. An exception that
     /// it throws ends the computation and reaches the caller.
-    std::function<void(const Progress&)> progress;
+    std::function<void(const Progress&)> progress = {};
 
     unsigned threads = 0;  ///< number of threads, the caller's included; 0: one for each processor
 };
