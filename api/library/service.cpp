@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -30,10 +31,14 @@ using Options = std::vector<api::TextOption>;
 /// Converts a zipped shapefile to GeoJSON. Removes the option `object`, which selects a shapefile of the archive.
 std::string geojson_of(std::string_view archive, Options& options) {
     constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // as in the service
-    const auto found = std::ranges::partition(options, [](const auto& option) { return option.name != "object"; });
-    if (found.size() > 1) raise(FailureCode::Malformed, "object is given twice", "object");
-    const std::string object = found.empty() ? "" : found.front().value;
-    options.erase(found.begin(), found.end());
+    const auto found = std::ranges::find(options, "object", &api::TextOption::name);
+    std::string object;
+    if (found != options.end()) {
+        object = std::move(found->value);
+        options.erase(found);
+    }
+    if (std::ranges::find(options, "object", &api::TextOption::name) != options.end())
+        raise(FailureCode::Malformed, "object is given twice", "object");
     std::string text;
     const auto take = [&](std::string_view piece) {
         if (piece.size() > kMaxBytes - text.size()) return false;
@@ -115,11 +120,8 @@ std::string_view media_type_of(Operation operation, const std::filesystem::path&
     const auto matches = [&](const api::FileFormat* format) { return suffix == '.' + std::string(format->extension); };
     const auto found = std::ranges::find_if(formats, matches);
     if (found != formats.end()) return (*found)->media_type;
-    std::vector<std::string> suffixes;
-    for (const auto* format : formats) suffixes.push_back('.' + std::string(format->extension));
-    std::ranges::sort(suffixes);
-    const auto repeated = std::ranges::unique(suffixes);
-    suffixes.erase(repeated.begin(), repeated.end());
+    std::set<std::string> suffixes;
+    for (const auto* format : formats) suffixes.insert('.' + std::string(format->extension));
     std::string list;
     for (const std::string& each : suffixes) list.append(list.empty() ? "" : ", ").append(each);
     raise(FailureCode::NotAcceptable,

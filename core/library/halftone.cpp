@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <numeric>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -18,6 +17,7 @@
 #include "core/halftone/dot_plan.h"
 #include "core/halftone/ground_outline.h"
 #include "core/halftone/picture.h"
+#include "core/halftone/pixel_ranges.h"
 #include "core/halftone/reduction.h"
 #include "core/halftone/separation.h"
 #include "core/halftone/srgb.h"
@@ -231,7 +231,8 @@ private:
     /// Draws ink dots or paper dots, all of one size.
     void draw_one(Halftone& result) {
         std::vector<float> coverage = grey_coverage();
-        const double drawn = std::reduce(coverage.begin(), coverage.end(), 0.0);
+        const double drawn = ccdt::sum_of_pixels(execution_.executor(), coverage.size(),
+                                                 [&](std::size_t i) { return static_cast<double>(coverage[i]); });
         if (!(drawn > 0)) refuse();
         choose_cells(drawn);
         Coverage cover;
@@ -296,6 +297,7 @@ private:
         }
         const auto placed = place(densities, sites);
         std::vector<std::vector<ccdt::Point>> points;
+        points.reserve(placed.size());
         for (const auto& kind : placed) points.push_back(kind.points);
         const ccdt::Point size{static_cast<double>(picture_.width), static_cast<double>(picture_.height)};
         const auto sized = ccdt::size_dots_in_pixels(plan, size, std::move(points), true, execution_.control().stop,

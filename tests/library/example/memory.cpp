@@ -144,6 +144,18 @@ void show_halftones(const Pixels& pixels) {
     begin("colour");
     print(ccdt::halftone(picture, 900, {.colour = true}));
 
+    // Green as grey, opaque and with an alpha that rises from left to right.
+    std::vector<std::uint8_t> grey, transparent;
+    for (std::size_t i = 0; i < pixels.colours.size() / 3; ++i) {
+        grey.push_back(pixels.colours[3 * i + 1]);
+        transparent.insert(transparent.end(),
+                           {grey.back(), static_cast<std::uint8_t>(i % static_cast<std::size_t>(pixels.width))});
+    }
+    begin("grey");
+    print(ccdt::halftone({pixels.width, pixels.height, 1, grey}, 900));
+    begin("transparent");
+    print(ccdt::halftone({pixels.width, pixels.height, 2, transparent}, 900));
+
     // The same picture as floats in linear light, and with an opaque alpha.
     std::vector<float> light;
     for (std::size_t i = 0; i < pixels.colours.size(); ++i) {
