@@ -16,7 +16,7 @@ from harness import NODE, ROOT, execute
 
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
-           "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
+           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -64,6 +64,8 @@ class Setup(unittest.TestCase):
     def test_the_version_is_the_same_everywhere(self):
         version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
         self.assertEqual(json.loads((ROOT / "api" / "openapi.json").read_text())["info"]["version"], version)
+        package = ROOT / "server" / "page" / "package" / "package.json"
+        self.assertEqual(json.loads(package.read_text())["version"], version)
         chart = (ROOT / "docker" / "chart" / "Chart.yaml").read_text()
         self.assertIn(f"\nversion: {version}\n", chart)
         self.assertIn(f"\nappVersion: {version}\n", chart)
