@@ -113,6 +113,13 @@ api::OfferedPictures offered_pictures(const Config& config) {
     return config.signing.empty() ? api::OfferedPictures::Unsigned : api::OfferedPictures::Signed;
 }
 
+/// Returns the folder of a setting; none if the setting is empty.
+/// @param noun  see FileFolder
+std::optional<FileFolder> folder_of(const std::string& path, const char* noun) {
+    if (path.empty()) return std::nullopt;
+    return std::optional<FileFolder>(std::in_place, path, noun);
+}
+
 Response json_response(std::string body) {
     Response response;
     response.media_type = kJson;
@@ -162,7 +169,7 @@ Routes::Routes(const Config& config, Parts parts)
       warn_(std::move(parts.warn)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), std::move(parts.read_shapefile),
                  parts.jobs, parts.answers),
-      pictures_(config.pictures.empty() ? std::nullopt : std::optional<PictureFolder>(config.pictures)),
+      pictures_(folder_of(config.pictures, "picture")),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 

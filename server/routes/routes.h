@@ -10,12 +10,12 @@
 
 #include "server/access/access_control.h"
 #include "server/config/config.h"
+#include "server/files/file_folder.h"
 #include "server/http/connection.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/monitoring/metrics.h"
-#include "server/pictures/picture_folder.h"
 #include "server/routes/computing.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
@@ -121,7 +121,7 @@ private:
     const Obstacle obstacle_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
-    const std::optional<PictureFolder> pictures_;  ///< none: GET /halftone/{name} is disabled
+    const std::optional<FileFolder> pictures_;  ///< none: GET /halftone/{name} is disabled
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

@@ -19,9 +19,9 @@
 #include "server/config/descriptor_plan.h"
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_supervisor.h"
+#include "server/files/file_folder.h"
 #include "server/http/sockets.h"
 #include "server/jobs/redis_job_store.h"
-#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/redis/redis_client.h"
@@ -75,7 +75,7 @@ Found check_signing(const Config& config) {
 
 Found check_pictures(const Config& config) {
     if (config.pictures.empty()) return {State::Good, "no pictures by name"};
-    const auto checked = PictureFolder(config.pictures).check();
+    const auto checked = FileFolder(config.pictures, "picture").check();
     return checked ? Found{State::Good, "from " + config.pictures} : wrong(checked.error());
 }
 

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "server/config/descriptor_plan.h"
+#include "server/files/file_folder.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
-#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/work/thread_share.h"
@@ -47,7 +47,7 @@ Result<std::unique_ptr<AccessControl>> start_access_control(const Config& config
 
 /// Checks the folder of pictures, if one is configured.
 Result<void> check_pictures(const Config& config) {
-    return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
+    return config.pictures.empty() ? Result<void>() : FileFolder(config.pictures, "picture").check();
 }
 
 /// Opens the job store.
