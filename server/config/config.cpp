@@ -273,6 +273,11 @@ constexpr auto kSettings = std::to_array<Setting>({
          draft.config.pictures = text;
          return std::string(text.empty() ? "a folder's name" : "");
      }},
+    {"--docs", "CCDT_DOCS", "FOLDER", "folder of the documentation that GET /docs/ serves (none)",
+     [](Draft& draft, std::string_view text) {
+         draft.config.docs = text;
+         return std::string(text.empty() ? "a folder's name" : "");
+     }},
     {"--signing-key-file", "CCDT_SIGNING_KEY_FILE", "FILE",
      "lines of name:key, with which the URLs of pictures must be signed; SIGHUP reloads the file",
      [](Draft& draft, std::string_view text) {

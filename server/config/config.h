@@ -50,6 +50,7 @@ struct Config {
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     std::string api_key_file;                                   ///< file of API keys; empty: no key is needed
     std::string pictures;                                       ///< folder of pictures requested by name; empty: none
+    std::string docs;                                           ///< folder served under /docs/; empty: none
     AccessControl::SigningKeys signing;                         ///< empty: pictures by name need no signature
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
     LogFormat log_format = LogFormat::Text;

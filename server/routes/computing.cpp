@@ -221,7 +221,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     return defer(*accepted, incoming);
 }
 
-HttpResult<Response> Computing::answer(const Operation& operation, PictureFile picture, std::string options,
+HttpResult<Response> Computing::answer(const Operation& operation, OpenFile picture, std::string options,
                                        const Incoming& incoming) {
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     auto lease = reserve_memory(picture.size());
