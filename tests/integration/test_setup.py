@@ -16,7 +16,8 @@ from harness import NODE, ROOT, execute
 
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
-           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot")
+           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot",
+           "docker/owners", "docker/sbom", "docker/release")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -69,6 +70,8 @@ class Setup(unittest.TestCase):
         chart = (ROOT / "docker" / "chart" / "Chart.yaml").read_text()
         self.assertIn(f"\nversion: {version}\n", chart)
         self.assertIn(f"\nappVersion: {version}\n", chart)
+        released = re.search(r"^## \[(\d\S*)\] - \d{4}-\d\d-\d\d$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+        self.assertEqual(released[1], version, "the first released version in CHANGELOG.md")
 
     def test_the_list_has_its_sections(self):
         self.assertEqual(set(sections()), {"build", "run", "test", "fuzz", "tools"})
