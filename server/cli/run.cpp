@@ -2,8 +2,8 @@
 #include "server/cli/run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "api/json/json_document.h"
@@ -27,6 +26,7 @@
 #include "server/cli/messages.h"
 #include "server/cli/request.h"
 #include "server/cli/status.h"
+#include "server/processes/signals.h"
 
 namespace ccdt::server {
 namespace {
@@ -282,8 +282,9 @@ Messages::Style style_of(std::span<const char* const> arguments) {
 
 int run_command(const Command& command, std::span<const char* const> arguments) {
     const auto options = options_of(command);
-    // A broken pipe at standard output ends the program, but not one at standard error.
-    std::signal(SIGPIPE, SIG_IGN);
+    // A broken pipe at standard output ends the program, but not one at standard error. A file that exceeds a limit of
+    // its size (ulimit -f) is an error like a full disk.
+    ignore_signals(std::array{SIGPIPE, SIGXFSZ});
     Interruption interruption;
     Messages messages(style_of(arguments), interruption);
     try {
