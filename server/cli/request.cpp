@@ -138,9 +138,9 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 Result<void> read_value_files(Arguments& arguments) {
     for (auto& [option, value] : arguments.given) {
         if (!option->takes_json || !value.starts_with('@')) continue;
-        auto content = read_file(value.substr(1));
+        auto content = read_file(value.substr(1), arguments.memory);
         if (!content)
-            return failure(ErrorCode::Unsupported, value.substr(1) + ": " + content.error().message, option->member);
+            return failure(content.error().code, value.substr(1) + ": " + content.error().message, option->member);
         value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + base64(*content) + R"("})";
     }
     return {};

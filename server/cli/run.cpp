@@ -143,7 +143,8 @@ public:
             if (auto started = decoding_.start(); !started) return report({}, {kFailed, started.error()});
         }
         if (auto checked = check_outputs(command_, arguments_, *tasks); !checked) return report({}, checked.error());
-        if (auto read = read_value_files(arguments_); !read) return report({}, {kInputFailed, read.error()});
+        if (auto read = read_value_files(arguments_); !read)
+            return report({}, {status_of(read.error(), options_), read.error()});
         int status = 0;
         for (const Task& task : *tasks) {
             const auto answered = answer(task);
@@ -182,8 +183,8 @@ private:
         const auto start = std::chrono::steady_clock::now();
         std::optional<std::string> input;
         if (!task.input.empty()) {
-            auto read = read_file(task.input);
-            if (!read) return failed(kInputFailed, read.error());
+            auto read = read_file(task.input, arguments_.memory);
+            if (!read) return failed(status_of(read.error(), options_), read.error());
             input = *std::move(read);
         }
         Arguments arguments = arguments_;

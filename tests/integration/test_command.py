@@ -14,6 +14,8 @@ import tempfile
 import time
 import unittest
 
+from PIL import Image
+
 from harness import PATIENCE, PICTURES, POLYGONS, ROOT, ServerCase, data_uri, execute, pixels, post_json, wait_until
 
 PROGRAM = pathlib.Path(os.environ["CCDT_COMMAND"])
@@ -83,7 +85,7 @@ class Answers(ServerCase, Folder):
 
     def test_maps_and_shapefiles_equal_those_of_the_service(self):
         for name, query in (("Switzerland-10m.geojson", "sites=200&format=geojson&coordinates=lonlat"),
-                            ("southern-Africa-110m.topojson", "sites=90&properties=*&format=csv"),
+                            ("southern-Africa-110m.topojson", "sites=90&properties=*&format=csv&object=countries"),
                             ("two-countries.zip", "sites=120&format=svg&object=two-countries"),
                             ("two-countries.zip", "sites=people&per=1&properties=name&format=csv")):
             with self.subTest(name, query=query):
@@ -271,6 +273,7 @@ class Errors(Folder):
                 (2, ("analyze", "-", "--max-frequency=17"), "--max-frequency must be a number from 1 to 16, not '17'"),
                 (1, ("sample", *domain, "--sites=30", "--max-sites=20"), "--sites is 30; the limit (--max-sites) is 20"),
                 (1, ("sample", *domain, "--sites=3000", "--memory=1KiB"), "the limit (--memory) is 0 MiB"),
+                (1, ("analyze", ROOT / "LICENSE", "--memory=1KiB"), "more bytes than the limit (--memory), 1024"),
                 (1, ("halftone", PICTURE, "--max-pixels=1000"), "the limit (--max-pixels) is 1000"),
                 (3, ("halftone", ROOT / "LICENSE"), "the supported formats are PNG"),
                 (3, ("sample", ROOT / "LICENSE", "--sites=3"), "the input is not valid JSON"),
@@ -413,6 +416,25 @@ class Documents(Folder):
         self.assertEqual(self.assert_done(run("--version")), b"ccdt " + version + b"\n")
         for arguments in (("completion", "csh"), ("help", "draw"), ("manual", "halftone", "sample")):
             self.assertEqual(run(*arguments).returncode, 2, arguments)
+
+
+class Examples(Folder):
+    def test_in_the_readmes_work(self):
+        Image.open(PICTURE).convert("L").save(self.folder / "photo.jpg")
+        Image.open(PICTURE).resize((32, 32)).save(self.folder / "weights.png")
+        shutil.copy(POLYGONS / "Switzerland-10m.geojson", self.folder / "map.geojson")
+        (self.folder / "shape.json").write_text("[[0,0],[4,0],[2,3]]")
+        (self.folder / "out").mkdir()
+        lines = [line for page in ("README.md", "server/README.md")
+                 for block in re.findall(r"^```sh\n(.*?)^```", (ROOT / page).read_text(), re.MULTILINE | re.DOTALL)
+                 for line in block.splitlines() if line.startswith("ccdt ") and not line.startswith("ccdt serve")]
+        self.assertGreater(len(lines), 5)
+        for line in lines:
+            with self.subTest(line):
+                result = execute(["bash", "-c", f"{line} --quiet"], cwd=self.folder, capture_output=True,
+                                 env={**os.environ, "PATH": f"{PROGRAM.parent}:{os.environ['PATH']}"})
+                self.assertEqual(self.assert_done(result), b"")
+        self.assertLessEqual({"dots.csv", "dots.png", "dots.svg", "points.csv", "spectrum.svg"}, set(self.names()))
 
 
 class Installation(Folder):
