@@ -121,10 +121,11 @@ std::string zsh_case(const Command& command) {
             else if (takes_file(option))
                 action += option.is_json() ? "{compset -P @; _files}" : "_files";
         }
-        for (const std::string& form : forms_of(option))
-            text += " \\\n                " + quoted(form + (option.is_flag() ? "" : "=") + help + action);
-        if (option.letter != 0)
-            text += " \\\n                " + quoted(std::string{'-', option.letter} + help + action);
+        const auto add = [&](const std::string& form) {
+            text.append(" \\\n                ").append(quoted(std::string(form).append(help).append(action)));
+        };
+        for (const std::string& form : forms_of(option)) add(option.is_flag() ? form : form + '=');
+        if (option.letter != 0) add(std::string{'-', option.letter});
     }
     return text + " \\\n                '*:input:_files' ;;\n";
 }
@@ -186,9 +187,10 @@ std::string fish_script() {
                 values = " -x -a " + fish_quoted(joined(option.words));
             else if (!option.is_flag())
                 values = takes_file(option) ? " -r -F" : " -x";
+            const std::string letter = option.letter == 0 ? "" : std::string(" -s ") + option.letter;
             for (const std::string& form : forms_of(option)) {
-                text += start + (option.letter == 0 ? "" : std::string(" -s ") + option.letter) + " -l " +
-                        form.substr(2) + values + " -d " + fish_quoted(first_sentence(option.description)) + '\n';
+                text.append(start).append(letter).append(" -l ").append(form.substr(2)).append(values);
+                text.append(" -d ").append(fish_quoted(first_sentence(option.description))).append("\n");
             }
         }
     }

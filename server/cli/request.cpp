@@ -191,7 +191,11 @@ DescribedError describe_error(const Error& error, std::span<const Option> option
     rest.remove_prefix(member.size());
     const auto option =
         std::ranges::find_if(options, [&](const Option& each) { return !member.empty() && each.member == member; });
-    if (option == options.end()) return {{}, std::move(message)};
+    if (option == options.end()) {
+        // The message may not say which part of the input is wrong.
+        if (!message.starts_with(error.field)) message.insert(0, error.field + ": ");
+        return {{}, std::move(message)};
+    }
     const std::string flag = "--" + option->name;
     const bool repeats_field = message.starts_with(error.field) || message.starts_with(member);
     if (!repeats_field) return {flag, flag + ": " + message};

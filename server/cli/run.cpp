@@ -163,6 +163,8 @@ private:
         for (const Error& error : errors) {
             auto [option, message] = describe_error(error, options_);
             if (!option.empty()) add_value(option, message);
+            if (error.field.starts_with("/points/") && arguments_.find("domain") == nullptr)
+                message += "; without --domain, it is a torus of 1 x 1";
             const bool is_about_input = option.empty() || failed.status != kWrongUsage;
             messages_.report_error({failed.status, is_about_input ? input : "", std::move(option), std::move(message)});
         }
