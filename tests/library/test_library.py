@@ -328,8 +328,8 @@ class Case(unittest.TestCase):
 
     def test_files_have_the_bytes_of_the_service(self):
         folder = pathlib.Path(self.installed.folder.name)
-        crossing = folder / "domain.json"
-        crossing.write_text(json.dumps({**TORUS, "sites": 200}))
+        torus = folder / "torus.json"
+        torus.write_text(json.dumps({**TORUS, "sites": 200}))
         points = folder / "points.json"
         points.write_text(json.dumps({"points": self.memory["uniform"], **TORUS}))
         italy, countries = POLYGONS / "Italy-110m.geojson", POLYGONS / "two-countries.zip"
@@ -340,7 +340,7 @@ class Case(unittest.TestCase):
             ("sample", italy, "dots.csv", {"sites": "400", "coordinates": "lonlat"}, "text/csv"),
             ("sample", italy, "dots.geojson", {"sites": "50"}, "application/geo+json"),
             ("sample", countries, "map.csv", {"sites": "70"}, "text/csv"),
-            ("sample", crossing, "tile.npy", {}, "application/x-npy"),
+            ("sample", torus, "tile.npy", {}, "application/x-npy"),
             ("analyze", points, "spectrum.svg", {}, "image/svg+xml"),
         )
         for number, (operation, source, name, options, media_type) in enumerate(cases):
