@@ -136,7 +136,7 @@ std::string_view name_of(OfferedPictures pictures) {
 
 }  // namespace
 
-std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
+std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bool documentation) {
     const Json document = {
         {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
         {"halftone",
@@ -152,7 +152,8 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures) {
           {"pixels", {{"formats", describe_all(pixel_formats())}, {"options", pixel_options()}}},
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
-        {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}}};
+        {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}},
+        {"documentation", documentation}};
     return document.dump() + '\n';
 }
 

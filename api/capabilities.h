@@ -12,7 +12,9 @@ namespace ccdt::api {
 enum class OfferedPictures { None, Unsigned, Signed };
 
 /// Describes in JSON what this server offers: the formats and options of each endpoint, the methods with their limits
-/// and estimated time per site, the limits of the server, and the access to its pictures.
-std::string capabilities_json(const Limits& limits, OfferedPictures pictures = OfferedPictures::None);
+/// and estimated time per site, the limits of the server, the access to its pictures, and whether it offers its
+/// documentation.
+std::string capabilities_json(const Limits& limits, OfferedPictures pictures = OfferedPictures::None,
+                              bool documentation = false);
 
 }  // namespace ccdt::api

@@ -282,13 +282,9 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
                            const Limits& limits) {
     const auto canvas = settled_canvas(request, plan.picture, limits);
     if (!canvas) return canvas_of(plan.box(), fitting_scale(plan.box(), preferred_scale, limits.max_pixels));
-    if (!request.format->is_drawn() || fits(*canvas, limits.max_pixels)) return *canvas;
-    const std::string option = size_option(request);
-    return failure(ErrorCode::LimitExceeded,
-                   option + " makes an output of " + std::to_string(canvas->width) + " x " +
-                       std::to_string(canvas->height) + " pixels; this server's limit (max-pixels) is " +
-                       std::to_string(limits.max_pixels),
-                   option);
+    if (!request.format->is_drawn()) return *canvas;
+    if (auto checked = check_pixels(request, *canvas, limits); !checked) return tl::unexpected(checked.error());
+    return *canvas;
 }
 
 /// Returns the radius that the request gives or that follows from the size of the drawing, in pixels of the picture.

@@ -50,6 +50,7 @@ struct Config {
     std::vector<std::string> allowed_hosts{std::string(kAny)};  ///< hosts allowed in `Host`: see allows_host
     std::string api_key_file;                                   ///< file of API keys; empty: no key is needed
     std::string pictures;                                       ///< folder of pictures requested by name; empty: none
+    std::string docs;                                           ///< folder served under /docs/; empty: none
     AccessControl::SigningKeys signing;                         ///< empty: pictures by name need no signature
     RateLimiter::Rate rate;                                     ///< limit of requests for each key or address
     LogFormat log_format = LogFormat::Text;
@@ -68,6 +69,7 @@ struct CommandLine {
         Check,   ///< check whether the server could start
         Health,  ///< check whether a running server is alive
         Help,
+        Manual,  ///< print the manual page
         Version
     };
     Action action = Action::Serve;
@@ -86,6 +88,9 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
 
 /// Returns the text that --help prints.
 std::string usage();
+
+/// Returns the manual page that --manual prints, in roff.
+std::string manual();
 
 /// Returns one line for each flag: its value and origin.
 std::string describe(const std::vector<ChosenValue>& values);

@@ -11,7 +11,7 @@
 
 namespace ccdt::server {
 
-/// An IP address of version 4 or 6. An IPv4-mapped IPv6 address, such as `::ffff:192.0.2.1`, equals the IPv4 address.
+/// An IP address of version 4 or 6. An IPv4-mapped IPv6 address (RFC 4291, 2.5.5.2) equals the IPv4 address.
 class IpAddress {
 public:
     explicit IpAddress(const in_addr& address);

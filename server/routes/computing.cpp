@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/decoder/shapefile_cost.h"
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
 #include "server/http/trace.h"
@@ -220,7 +221,7 @@ HttpResult<Response> Computing::answer(const Operation& operation, const Incomin
     return defer(*accepted, incoming);
 }
 
-HttpResult<Response> Computing::answer(const Operation& operation, PictureFile picture, std::string options,
+HttpResult<Response> Computing::answer(const Operation& operation, OpenFile picture, std::string options,
                                        const Incoming& incoming) {
     if (auto checked = check_drain(incoming); !checked) return tl::unexpected(checked.error());
     auto lease = reserve_memory(picture.size());

@@ -13,10 +13,10 @@
 #include "api/run/options.h"
 #include "server/cache/result_cache.h"
 #include "server/config/config.h"
+#include "server/files/file_folder.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
-#include "server/pictures/picture_folder.h"
 #include "server/routes/incoming.h"
 #include "server/work/computation.h"
 #include "server/work/memory_budget.h"
@@ -39,7 +39,7 @@ public:
 
     /// Answers a request for a picture of the server. The answer is the same as for a request with this picture as the
     /// body and `options` as the query.
-    HttpResult<Response> answer(const Operation& operation, PictureFile picture, std::string options,
+    HttpResult<Response> answer(const Operation& operation, OpenFile picture, std::string options,
                                 const Incoming& incoming);
 
     const ResultCache& cache() const { return cache_; }

@@ -13,8 +13,8 @@ struct Operation;
 
 /// The variable part of a request's path, and the file or operation that the path refers to.
 struct Target {
-    std::string_view name;                 ///< value of the placeholder: a job id or a picture name
-    const PageFile* file = nullptr;        ///< file of the page
+    std::string_view name;           ///< value of the placeholder: a job id, a picture name or the path of a document
+    const PageFile* file = nullptr;  ///< file of the page
     const Operation* operation = nullptr;  ///< the operation to compute
 };
 

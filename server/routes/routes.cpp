@@ -68,12 +68,14 @@ void add_entity_tag(Response& response) {
     response.headers.push_back({"ETag", response.tag});
 }
 
-/// Finds the part of a path that a placeholder matches, in a pattern such as `/jobs/{id}/events`.
+/// Finds the part of a path that a placeholder matches, in a pattern such as `/jobs/{id}/events`. The placeholder
+/// `{path}`, at the end of a pattern, also matches slashes and an empty text.
 /// @returns  none if the path does not match; empty if the pattern has no placeholder
 std::optional<std::string_view> match(std::string_view pattern, std::string_view path) {
     const auto begin = pattern.find('{');
     if (begin == std::string_view::npos) return pattern == path ? std::optional(std::string_view()) : std::nullopt;
     if (!path.starts_with(pattern.substr(0, begin))) return std::nullopt;
+    if (pattern.substr(begin) == "{path}") return path.substr(begin);
     const auto name = path.substr(begin, path.find('/', begin) - begin);
     if (name.empty() || path.substr(begin + name.size()) != pattern.substr(pattern.find('}') + 1)) return std::nullopt;
     return name;
@@ -113,6 +115,13 @@ api::OfferedPictures offered_pictures(const Config& config) {
     return config.signing.empty() ? api::OfferedPictures::Unsigned : api::OfferedPictures::Signed;
 }
 
+/// Returns the folder of a setting; none if the setting is empty.
+/// @param noun  see FileFolder
+std::optional<FileFolder> folder_of(const std::string& path, const char* noun) {
+    if (path.empty()) return std::nullopt;
+    return std::optional<FileFolder>(std::in_place, path, noun);
+}
+
 Response json_response(std::string body) {
     Response response;
     response.media_type = kJson;
@@ -127,6 +136,7 @@ struct Routes::Table {
     static constexpr auto kFixed = std::to_array<Route>({
         {"/", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
         {"/openapi.json", "GET", ConnectionClass::Common, Access::Read, &Routes::page, nullptr},
+        {"/docs/{path}", "GET", ConnectionClass::Common, Access::Read, &Routes::document, nullptr},
         {"/capabilities", "GET", ConnectionClass::Common, Access::Read, &Routes::capabilities, nullptr},
         {"/health", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
         {"/health/live", "GET", ConnectionClass::Reserve, Access::Anyone, &Routes::live, nullptr},
@@ -162,7 +172,8 @@ Routes::Routes(const Config& config, Parts parts)
       warn_(std::move(parts.warn)),
       computing_(config, parts.pool, parts.waiting_memory, std::move(parts.compute), std::move(parts.read_shapefile),
                  parts.jobs, parts.answers),
-      pictures_(config.pictures.empty() ? std::nullopt : std::optional<PictureFolder>(config.pictures)),
+      pictures_(folder_of(config.pictures, "picture")),
+      documents_(folder_of(config.docs, "document")),
       job_routes_(parts.jobs, parts.pool.memory(), config.jobs.ping),
       id_prefix_(hexadecimal(std::random_device()(), 8) + "-") {}
 
@@ -297,8 +308,23 @@ HttpResult<Response> Routes::page(const Incoming& incoming) {
     return page_response(*incoming.target.file, incoming.request.header("If-None-Match"));
 }
 
+/// Answers with a file of the folder of documentation. Memory for the file is reserved until it is sent.
+HttpResult<Response> Routes::document(const Incoming& incoming) {
+    if (!documents_) return problem(404, "this server has no folder of documentation (docs)");
+    const auto path = incoming.target.name.empty() ? std::string_view("index.html") : incoming.target.name;
+    auto file = documents_->open(path, config_.max_body);
+    if (!file) return tl::unexpected(file.error());
+    auto lease = pool_.memory().reserve(file->size());
+    if (!lease) return busy(503, "no memory is left for the document", std::chrono::seconds(1));
+    const auto content = file->read();
+    if (!content) return tl::unexpected(content.error());
+    Response response = document_response(path, *content, incoming.request.header("If-None-Match"));
+    response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
+    return response;
+}
+
 HttpResult<Response> Routes::capabilities(const Incoming& /*incoming*/) {
-    return json_response(api::capabilities_json(config_.limits, offered_pictures(config_)));
+    return json_response(api::capabilities_json(config_.limits, offered_pictures(config_), documents_.has_value()));
 }
 
 HttpResult<Response> Routes::live(const Incoming& /*incoming*/) {

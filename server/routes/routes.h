@@ -10,12 +10,12 @@
 
 #include "server/access/access_control.h"
 #include "server/config/config.h"
+#include "server/files/file_folder.h"
 #include "server/http/connection.h"
 #include "server/http/message.h"
 #include "server/http/problem.h"
 #include "server/jobs/jobs.h"
 #include "server/monitoring/metrics.h"
-#include "server/pictures/picture_folder.h"
 #include "server/routes/computing.h"
 #include "server/routes/incoming.h"
 #include "server/routes/job_routes.h"
@@ -73,7 +73,7 @@ private:
 
     /// A row of the table of routes; no column has a default.
     struct Route {
-        std::string_view path;             ///< a placeholder such as `{id}` matches any text without a slash
+        std::string_view path;             ///< `{path}` matches any text, other placeholders any text without a slash
         std::string_view method;           ///< GET includes HEAD
         ConnectionClass connection_class;  ///< class of the slot that the connection needs
         Access access;
@@ -96,6 +96,7 @@ private:
     HttpResult<Response> compute(const Incoming& incoming);
     HttpResult<Response> picture(const Incoming& incoming);
     HttpResult<Response> page(const Incoming& incoming);
+    HttpResult<Response> document(const Incoming& incoming);
     HttpResult<Response> capabilities(const Incoming& incoming);
     HttpResult<Response> live(const Incoming& incoming);
     HttpResult<Response> ready(const Incoming& incoming);
@@ -121,7 +122,8 @@ private:
     const Obstacle obstacle_;
     const std::function<void(const std::string&)> warn_;
     Computing computing_;
-    const std::optional<PictureFolder> pictures_;  ///< none: GET /halftone/{name} is disabled
+    const std::optional<FileFolder> pictures_;   ///< none: GET /halftone/{name} is disabled
+    const std::optional<FileFolder> documents_;  ///< none: GET /docs/{path} is disabled
     JobRoutes job_routes_;
     std::atomic<bool> draining_ = false;
     std::atomic<bool> warned_of_origins_ = false;

@@ -19,9 +19,9 @@
 #include "server/config/descriptor_plan.h"
 #include "server/config/memory_plan.h"
 #include "server/decoder/decoder_supervisor.h"
+#include "server/files/file_folder.h"
 #include "server/http/sockets.h"
 #include "server/jobs/redis_job_store.h"
-#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/redis/redis_client.h"
@@ -73,10 +73,20 @@ Found check_signing(const Config& config) {
     return {State::Good, "from " + (config.signing.file.empty() ? "the environment" : "" + config.signing.file)};
 }
 
+/// Checks a folder of files.
+/// @param without  description of a server without this folder
+Found check_folder(const std::string& path, const char* without) {
+    if (path.empty()) return {State::Good, without};
+    const auto checked = FileFolder(path, "file").check();
+    return checked ? Found{State::Good, "from " + path} : wrong(checked.error());
+}
+
 Found check_pictures(const Config& config) {
-    if (config.pictures.empty()) return {State::Good, "no pictures by name"};
-    const auto checked = PictureFolder(config.pictures).check();
-    return checked ? Found{State::Good, "from " + config.pictures} : wrong(checked.error());
+    return check_folder(config.pictures, "no pictures by name");
+}
+
+Found check_docs(const Config& config) {
+    return check_folder(config.docs, "no documentation");
 }
 
 Found check_memory(const Config& config) {
@@ -144,9 +154,9 @@ struct Check {
 };
 
 constexpr Check kChecks[] = {
-    {"decoder", check_decoder},   {"worker", check_worker}, {"keys", check_keys},       {"signing", check_signing},
-    {"pictures", check_pictures}, {"memory", check_memory}, {"files", check_files},     {"jobs", check_jobs},
-    {"answers", check_answers},   {"rates", check_rates},   {"address", check_address},
+    {"decoder", check_decoder},   {"worker", check_worker},   {"keys", check_keys},     {"signing", check_signing},
+    {"pictures", check_pictures}, {"docs", check_docs},       {"memory", check_memory}, {"files", check_files},
+    {"jobs", check_jobs},         {"answers", check_answers}, {"rates", check_rates},   {"address", check_address},
 };
 
 std::string_view name_of(State state) {

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "server/config/descriptor_plan.h"
+#include "server/files/file_folder.h"
 #include "server/jobs/redis_job_store.h"
 #include "server/jobs/sqlite_job_store.h"
-#include "server/pictures/picture_folder.h"
 #include "server/processes/child_program.h"
 #include "server/processes/process.h"
 #include "server/work/thread_share.h"
@@ -45,9 +45,13 @@ Result<std::unique_ptr<AccessControl>> start_access_control(const Config& config
     return access_control->read_keys().map([&] { return std::move(access_control); });
 }
 
-/// Checks the folder of pictures, if one is configured.
-Result<void> check_pictures(const Config& config) {
-    return config.pictures.empty() ? Result<void>() : PictureFolder(config.pictures).check();
+/// Checks the folders of pictures and of the documentation, if they are configured.
+Result<void> check_folders(const Config& config) {
+    for (const std::string& path : {config.pictures, config.docs}) {
+        if (path.empty()) continue;
+        if (auto checked = FileFolder(path, "file").check(); !checked) return checked;
+    }
+    return {};
 }
 
 /// Opens the job store.
@@ -107,7 +111,7 @@ Result<Service::Parts> Service::start_parts(const Config& config, const Log& log
                        client_of(config.rate_redis, kOptionalDeadline, log)};
     auto access_control = start_access_control(config, redis.rates.get());
     if (!access_control) return tl::unexpected(std::move(access_control.error()));
-    if (auto checked = check_pictures(config); !checked) return tl::unexpected(std::move(checked.error()));
+    if (auto checked = check_folders(config); !checked) return tl::unexpected(std::move(checked.error()));
     const auto memory = memory_to_compute_with(config, resident_bytes());
     if (!memory) return tl::unexpected(memory.error());
     auto store = start_store(config, redis.jobs.get(), log);

@@ -141,6 +141,11 @@ TEST(Capabilities, ReportLimits) {
     EXPECT_EQ(method("odt").at("options"), Json::parse(R"(["iterations","tolerance"])"));
 }
 
+TEST(Capabilities, ReportWhetherServerOffersDocumentation) {
+    for (const bool offered : {false, true})
+        EXPECT_EQ(Json::parse(capabilities_json({}, OfferedPictures::None, offered)).at("documentation"), offered);
+}
+
 TEST(Capabilities, ReportWhetherServerOffersPictures) {
     const auto offered = [](OfferedPictures pictures) {
         return Json::parse(capabilities_json({}, pictures)).at("halftone").at("pictures");

@@ -14,7 +14,7 @@ import unittest
 from engine import Redis
 from harness import PATIENCE, Server, ask, execute, join
 
-PARTS = ["decoder", "worker", "keys", "signing", "pictures", "memory", "files", "jobs", "answers", "rates", "address"]
+PARTS = ["decoder", "worker", "keys", "signing", "pictures", "docs", "memory", "files", "jobs", "answers", "rates", "address"]
 MAY_BE_WRONG = [part for part in PARTS if part not in ("files", "answers", "rates")]
 
 
@@ -66,12 +66,12 @@ class Check(unittest.TestCase):
         shutil.copy(os.environ["CCDT_SERVER"], alone)
         with socket.create_server(("127.0.0.1", 0)) as taken:
             wrong = self.wrong(f"--port={taken.getsockname()[1]}", "--memory=1MiB", "--api-key-file=/none",
-                               "--signing-key-file=/none", "--pictures=/none",
+                               "--signing-key-file=/none", "--pictures=/none", "--docs=/none",
                                f"--data-dir={self.folder / 'file' / 'jobs'}", program=alone)
         self.assertEqual(list(wrong), MAY_BE_WRONG)
         self.assertIn("ccdt-decoder", wrong["decoder"])
         self.assertIn("ccdt-worker", wrong["worker"])
-        for part in ("keys", "signing", "pictures"):
+        for part in ("keys", "signing", "pictures", "docs"):
             self.assertIn("/none", wrong[part])
         self.assertIn("MiB are needed", wrong["memory"])
         self.assertIn("Not a directory", wrong["jobs"])
@@ -81,7 +81,8 @@ class Check(unittest.TestCase):
         (self.folder / "file").touch()
         for part, flag in (("keys", f"--api-key-file={self.folder / 'file'}"),
                            ("signing", f"--signing-key-file={self.folder / 'file'}"),
-                           ("pictures", f"--pictures={self.folder / 'file'}"), ("memory", "--memory=200MiB"),
+                           ("pictures", f"--pictures={self.folder / 'file'}"),
+                           ("docs", f"--docs={self.folder / 'file'}"), ("memory", "--memory=200MiB"),
                            ("jobs", f"--data-dir={self.folder / 'file'}"), ("address", "--bind=no.such.host.invalid")):
             with self.subTest(part=part):
                 self.assertEqual(list(self.wrong(flag)), [part])

@@ -32,7 +32,7 @@ LATER = ("--header", "Prefer: respond-async")
 
 def concrete(path):
     """Returns a path of the document in which names that do not exist replace the parameters."""
-    return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture")
+    return path.replace("/jobs/{id}", JOB).replace("{name}", "no-picture").replace("{path}", "no-document")
 
 
 def resolve(node):
@@ -496,6 +496,13 @@ class Statuses(ContractCase):
             self.see("/jobs/{id}", "delete", ask(server, job, "--request", "DELETE"), 204)
             self.see("/jobs/{id}/result", "get", ask(server, job + "/result"), 410)
 
+    def see_documents(self):
+        with Server(f"--docs={SERVER / 'page' / 'site'}") as server:
+            answer = ask(server, "/docs/page.css")
+            self.see("/docs/{path}", "get", answer, 200)
+            known = ("--header", "If-None-Match: " + answer.headers["etag"])
+            self.see("/docs/{path}", "get", ask(server, "/docs/page.css", *known), 304)
+
     def see_ended(self, server, body, status, path="/sample"):
         job = post_json(server, path, body, *LATER).headers["location"]
         self.see("/jobs/{id}/events", "get", ask(server, job + "/events"), 200)
@@ -537,6 +544,7 @@ class Statuses(ContractCase):
                 self.see_locked(server, 401)
         self.see_streams()
         self.see_pictures()
+        self.see_documents()
         documented = {(path, status) for path, _, operation in operations() for status in operation["responses"]
                       if not status.endswith("XX")}
         # Answers common to all routes that compute are provoked at only one of them.

@@ -2,11 +2,13 @@
 // The API's reference shows the contents of /openapi.json.
 
 import assert from "node:assert/strict";
+import path from "node:path";
 import { test } from "node:test";
 
-import { appearances, isAccessible, useBrowser } from "./harness.js";
+import { appearances, isAccessible, settled, useBrowser } from "./harness.js";
 
 const world = useBrowser();
+const documented = useBrowser({ flags: [`--docs=${path.join(import.meta.dirname, "../../server/page/site")}`] });
 
 async function open(page) {
   await page.goto(`${world.url}/assets/reference.html`);
@@ -46,6 +48,17 @@ test("is linked from the page, and shows examples", async () => {
   await page.waitForSelector("main[data-state=done]");
   await page.click("summary >> nth=0");
   assert.match(await page.textContent("details[open] pre"), /^curl .*\/halftone -d '\{/);
+});
+
+test("stands beside a link to the documentation if the server offers it", async () => {
+  const link = (page) => page.locator("footer").getByRole("link", { name: "Documentation" });
+  await world.page.goto(world.url);
+  await settled(world.page, "halftone");
+  assert.equal(await link(world.page).count(), 0);
+  await documented.page.goto(documented.url);
+  await link(documented.page).click();
+  await documented.page.waitForURL(`${documented.url}/docs/`);
+  assert.match(await documented.page.title(), /^ccdt/);
 });
 
 for (const { colorScheme, size, viewport, tags } of appearances) {

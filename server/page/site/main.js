@@ -2,7 +2,7 @@
 // Sets up the page: its panels, the tabs that select a panel, the address, and the form for the API key.
 
 import { readAddress, writeAddress } from "./address.js";
-import { setKey } from "./api.js";
+import { capabilities, setKey } from "./api.js";
 import { Analyze } from "./analyze.js";
 import { Devices } from "./devices.js";
 import { Halftone } from "./halftone.js";
@@ -72,5 +72,7 @@ access.addEventListener("submit", (event) => {
   document.getElementById("key-error").textContent = "";
   for (const panel of Object.values(panels)) panel.refresh();
 });
+
+document.getElementById("documentation").hidden = !capabilities.documentation;
 
 showAddress();

@@ -189,6 +189,12 @@ TEST(Config, ReadsTrustedProxies) {
         EXPECT_FALSE(parse({"--trusted-proxy", value})) << value;
 }
 
+TEST(Config, ReadsTheDocumentationFolder) {
+    EXPECT_EQ(parse({})->config.docs, "");
+    EXPECT_EQ(parse({"--docs", "site"})->config.docs, "site");
+    EXPECT_EQ(parse({}, {{"CCDT_DOCS", "site"}})->config.docs, "site");
+}
+
 TEST(Config, ReadsThePictureFolderAndSigningKeys) {
     EXPECT_EQ(parse({})->config.pictures, "");
     EXPECT_TRUE(parse({})->config.signing.empty());
@@ -273,6 +279,7 @@ TEST(Config, IgnoresEmptyVariables) {
 TEST(Config, ShowsHelpDespiteOtherErrors) {
     EXPECT_EQ(parse({"--help"}, {{"PORT", "x"}})->action, CommandLine::Action::Help);
     EXPECT_EQ(parse({"--version"})->action, CommandLine::Action::Version);
+    EXPECT_EQ(parse({"--manual"})->action, CommandLine::Action::Manual);
 }
 
 TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
@@ -333,6 +340,8 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "CCDT_API_KEY_FILE",
                              "--pictures",
                              "CCDT_PICTURES",
+                             "--docs",
+                             "CCDT_DOCS",
                              "--signing-key-file",
                              "CCDT_SIGNING_KEY_FILE",
                              "CCDT_SIGNING_KEY",
@@ -343,6 +352,7 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "--log-format",
                              "CCDT_LOG_FORMAT",
                              "--help",
+                             "--manual",
                              "--version"})
         EXPECT_NE(text.find(word), std::string::npos) << word;
 }
@@ -384,6 +394,7 @@ TEST(Config, NamesTheInvalidFlagOrVariable) {
         {{"--api-key-file="}, {}, "--api-key-file"},
         {{"--data-dir="}, {}, "--data-dir"},
         {{"--pictures="}, {}, "--pictures"},
+        {{"--docs="}, {}, "--docs"},
         {{"--signing-key-file="}, {}, "--signing-key-file"},
         {{"--signing-key-file=a"}, {{"CCDT_SIGNING_KEY", "b"}}, "--signing-key-file and CCDT_SIGNING_KEY"},
         {{"--redis=http://a"}, {}, "--redis"},

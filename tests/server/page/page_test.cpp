@@ -25,6 +25,24 @@ TEST(Page, ServesItsFilesWithTheirTypes) {
         EXPECT_EQ(find_page_file(path), nullptr) << path;
 }
 
+TEST(Document, HasTheTypeOfItsSuffix) {
+    EXPECT_EQ(document_type("a/b.html"), "text/html; charset=utf-8");
+    EXPECT_EQ(document_type("b.min.js"), "text/javascript; charset=utf-8");
+    EXPECT_EQ(document_type("b.svg"), "image/svg+xml");
+    for (const char* path : {"", "html", "a.html/b", "b.HTML", "b.gif"})
+        EXPECT_EQ(document_type(path), "application/octet-stream") << path;
+}
+
+TEST(Document, HasATagOfItsContent) {
+    const Response response = document_response("a.txt", "text", "");
+    EXPECT_EQ(response.body, "text");
+    EXPECT_EQ(response.media_type, "text/plain; charset=utf-8");
+    EXPECT_EQ(document_response("b.txt", "text", "").tag, response.tag);
+    EXPECT_NE(document_response("a.txt", "texts", "").tag, response.tag);
+    EXPECT_EQ(document_response("a.txt", "text", response.tag).status, 304);
+    EXPECT_EQ(document_response("a.txt", "texts", response.tag).status, 200);
+}
+
 TEST(Page, ForbidsExternalContent) {
     const auto response = page_response(*find_page_file("/"), "");
     const auto policy = header(response, "Content-Security-Policy");

@@ -187,6 +187,19 @@ TEST_F(RoutesTest, AcceptOnePathComponentAsAName) {
         EXPECT_EQ(route(target), "") << target;
 }
 
+TEST_F(RoutesTest, AcceptAnyPathOfADocument) {
+    for (const char* target : {"/docs/", "/docs/a", "/docs/a/b", "/docs//", "/docs/..%2fa", "/docs/{path}"})
+        EXPECT_EQ(ask("GET " + std::string(target) + " HTTP/1.1").record.route, "/docs/{path}") << target;
+    for (const char* target : {"/docs", "/document/a", "/x/docs/a"})
+        EXPECT_EQ(ask("GET " + std::string(target) + " HTTP/1.1").record.route, "") << target;
+}
+
+TEST_F(RoutesTest, ServeDocumentsOnlyFromAFolder) {
+    const Response refused = ask("GET /docs/ HTTP/1.1");
+    EXPECT_EQ(refused.status, 404);
+    EXPECT_NE(refused.body.find("(docs)"), std::string::npos) << refused.body;
+}
+
 TEST_F(RoutesTest, ServeNoPicturesWithoutAFolder) {
     const Response refused = ask("GET /halftone/cat.jpg HTTP/1.1");
     EXPECT_EQ(refused.status, 404);
@@ -198,6 +211,7 @@ TEST_F(RoutesTest, ListTheMethodsOfAPath) {
     EXPECT_EQ(allowed("/"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(allowed("/halftone"), "POST, OPTIONS");
     EXPECT_EQ(allowed("/halftone/cat.jpg"), "GET, HEAD, OPTIONS");
+    EXPECT_EQ(allowed("/docs/a/b"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(allowed("/jobs/a"), "GET, HEAD, DELETE, OPTIONS");
     EXPECT_EQ(allowed("/jobs/a/result"), "GET, HEAD, OPTIONS");
     EXPECT_EQ(header(ask("PUT /sample HTTP/1.1"), "Allow"), "POST, OPTIONS");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/pictures/picture_folder.h"
+#include "server/files/file_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -15,33 +15,33 @@
 namespace ccdt::server {
 namespace {
 
-TEST(PictureName, IsASingleVisiblePathComponent) {
+TEST(FileName, IsASingleVisiblePathComponent) {
     for (const char* name : {"cat.jpg", "a", "cat", "cat..jpg", "~", "a b.png", "\xc3\xa4.png", "\xff", "a\\b",
                              "%2e%2e%2f", "-rf", "*", "con"})
-        EXPECT_TRUE(is_picture_name(name)) << name;
-    EXPECT_TRUE(is_picture_name(std::string(255, 'x')));
+        EXPECT_TRUE(is_file_name(name)) << name;
+    EXPECT_TRUE(is_file_name(std::string(255, 'x')));
     for (const char* name :
          {"", ".", "..", ".hidden", "...", "../cat.jpg", "a/b", "/etc/passwd", "a/", "a\nb", "a\x7f"})
-        EXPECT_FALSE(is_picture_name(name)) << name;
-    EXPECT_FALSE(is_picture_name(std::string(256, 'x')));
-    EXPECT_FALSE(is_picture_name(std::string_view("cat.jpg\0", 8)));
-    EXPECT_FALSE(is_picture_name(std::string_view("\0", 1)));
+        EXPECT_FALSE(is_file_name(name)) << name;
+    EXPECT_FALSE(is_file_name(std::string(256, 'x')));
+    EXPECT_FALSE(is_file_name(std::string_view("cat.jpg\0", 8)));
+    EXPECT_FALSE(is_file_name(std::string_view("\0", 1)));
 }
 
-/// A folder of pictures, and a file outside it.
-class PictureFolderTest : public testing::Test {
+/// A folder of files, and a file outside it.
+class FileFolderTest : public testing::Test {
 protected:
-    PictureFolderTest() {
+    FileFolderTest() {
         std::filesystem::create_directories(path_);
         write(root_ / "outside", "secret");
         write(path_ / "cat", "meow");
     }
-    ~PictureFolderTest() override { std::filesystem::remove_all(root_); }
+    ~FileFolderTest() override { std::filesystem::remove_all(root_); }
 
     static void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
 
     HttpResult<std::string> read(std::string_view name, std::size_t largest = 100) const {
-        return folder_.open(name, largest).and_then([](PictureFile file) { return file.read(); });
+        return folder_.open(name, largest).and_then([](OpenFile file) { return file.read(); });
     }
 
     int status(std::string_view name, std::size_t largest = 100) const {
@@ -55,12 +55,12 @@ protected:
         return !text && text.error().status == 404 && text.error().error.message == unknown.error().error.message;
     }
 
-    const std::filesystem::path root_ = testing::TempDir() + "ccdt_pictures_" + std::to_string(::getpid());
+    const std::filesystem::path root_ = testing::TempDir() + "ccdt_files_" + std::to_string(::getpid());
     const std::filesystem::path path_ = root_ / "folder";
-    const PictureFolder folder_{path_};
+    const FileFolder folder_{path_, "document"};
 };
 
-TEST_F(PictureFolderTest, ReadsFilesByName) {
+TEST_F(FileFolderTest, ReadsFilesByName) {
     EXPECT_EQ(read("cat").value_or(""), "meow");
     write(path_ / "\xc3\xa4 b%2f", "other");
     EXPECT_EQ(read("\xc3\xa4 b%2f").value_or(""), "other");
@@ -69,23 +69,44 @@ TEST_F(PictureFolderTest, ReadsFilesByName) {
     EXPECT_TRUE(is_unknown("CAT"));
 }
 
-TEST_F(PictureFolderTest, ReadsNothingOutsideTheFolder) {
+TEST_F(FileFolderTest, ReadsFilesInSubfolders) {
+    std::filesystem::create_directories(path_ / "sub" / "deep");
+    write(path_ / "sub" / "cat", "purr");
+    write(path_ / "sub" / "deep" / "cat", "hiss");
+    EXPECT_EQ(read("sub/cat").value_or(""), "purr");
+    EXPECT_EQ(read("sub/deep/cat").value_or(""), "hiss");
+    EXPECT_TRUE(is_unknown("deep/cat"));
+    EXPECT_TRUE(is_unknown("cat/cat"));
+}
+
+TEST_F(FileFolderTest, NamesTheKindOfFileInMessages) {
+    EXPECT_EQ(read("unknown").error().error.message, "there is no document of this name");
+    EXPECT_TRUE(read("cat", 3).error().error.message.starts_with("the document is larger than "));
+}
+
+TEST_F(FileFolderTest, ReadsNothingOutsideTheFolder) {
     std::filesystem::create_directory(path_ / "sub");
-    write(path_ / "sub" / "cat", "meow");
+    std::filesystem::create_directory(path_ / ".git");
+    write(path_ / ".git" / "cat", "meow");
     write(path_ / ".hidden", "meow");
     std::filesystem::create_symlink(root_ / "outside", path_ / "link-out");
     std::filesystem::create_symlink("cat", path_ / "link-in");
     std::filesystem::create_directory_symlink(root_, path_ / "link-to-folder");
+    std::filesystem::create_directory_symlink("..", path_ / "sub" / "link-to-parent");
     std::filesystem::create_symlink("loop", path_ / "loop");
     std::filesystem::create_symlink("/proc/self/environ", path_ / "environ");
-    for (const char* name : {"..", "../outside", "../folder/cat", "sub", "sub/cat", ".hidden", "link-out", "link-in",
-                             "link-to-folder", "link-to-folder/outside", "loop", "environ", "cat/", ".", "/etc/passwd"})
+    for (const char* name : {"..",         "../outside", "../folder/cat",  "sub",
+                             "sub/",       "sub/..",     "sub/../cat",     "sub/link-to-parent/cat",
+                             "sub//cat",   "./cat",      ".git/cat",       ".hidden",
+                             "link-out",   "link-in",    "link-to-folder", "link-to-folder/outside",
+                             "loop",       "environ",    "cat/",           ".",
+                             "/etc/passwd"})
         EXPECT_TRUE(is_unknown(name)) << name;
     std::string absolute = root_ / "outside";
     EXPECT_TRUE(is_unknown(absolute));
 }
 
-TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
+TEST_F(FileFolderTest, OpensOnlyRegularFiles) {
     ASSERT_EQ(mkfifo((path_ / "fifo").c_str(), 0600), 0);
     EXPECT_TRUE(is_unknown("fifo")) << "opening a FIFO must not wait for a writer";
     const int socket = ::socket(AF_UNIX, SOCK_STREAM, 0);
@@ -101,7 +122,7 @@ TEST_F(PictureFolderTest, OpensOnlyRegularFiles) {
     }
 }
 
-TEST_F(PictureFolderTest, ReportsUnreadableFilesOnlyToTheLog) {
+TEST_F(FileFolderTest, ReportsUnreadableFilesOnlyToTheLog) {
     std::filesystem::permissions(path_ / "cat", std::filesystem::perms::none);
     const bool is_root = geteuid() == 0;
     ASSERT_TRUE(!is_root || seteuid(65534) == 0) << "permissions do not apply to root";
@@ -113,7 +134,7 @@ TEST_F(PictureFolderTest, ReportsUnreadableFilesOnlyToTheLog) {
     EXPECT_EQ(read("unknown").error().cause, "");
 }
 
-TEST_F(PictureFolderTest, LimitsTheSize) {
+TEST_F(FileFolderTest, LimitsTheSize) {
     EXPECT_EQ(status("cat", 4), 200);
     const auto text = read("cat", 3);
     ASSERT_FALSE(text);
@@ -121,7 +142,7 @@ TEST_F(PictureFolderTest, LimitsTheSize) {
     EXPECT_NE(text.error().error.message.find("3 bytes (max-body)"), std::string::npos) << text.error().error.message;
 }
 
-TEST_F(PictureFolderTest, RefusesFilesThatChangeTheirSize) {
+TEST_F(FileFolderTest, RefusesFilesThatChangeTheirSize) {
     for (const char* change : {"", "me", "meow!", "a much longer text than it was"}) {
         write(path_ / "cat", "meow");
         auto file = folder_.open("cat", 100);
@@ -134,7 +155,7 @@ TEST_F(PictureFolderTest, RefusesFilesThatChangeTheirSize) {
     }
 }
 
-TEST_F(PictureFolderTest, ReadsTheOldContentOfReplacedOrRemovedFiles) {
+TEST_F(FileFolderTest, ReadsTheOldContentOfReplacedOrRemovedFiles) {
     auto file = folder_.open("cat", 100);
     write(path_ / "new", "woof");
     std::filesystem::rename(path_ / "new", path_ / "cat");
@@ -146,9 +167,9 @@ TEST_F(PictureFolderTest, ReadsTheOldContentOfReplacedOrRemovedFiles) {
     EXPECT_TRUE(is_unknown("cat"));
 }
 
-TEST_F(PictureFolderTest, FollowsALinkToTheFolder) {
+TEST_F(FileFolderTest, FollowsALinkToTheFolder) {
     std::filesystem::create_directory_symlink(path_, root_ / "current");
-    const PictureFolder current(root_ / "current");
+    const FileFolder current(root_ / "current", "document");
     EXPECT_TRUE(current.check());
     EXPECT_TRUE(current.open("cat", 100));
     std::filesystem::create_directory(root_ / "second");
@@ -157,13 +178,13 @@ TEST_F(PictureFolderTest, FollowsALinkToTheFolder) {
     EXPECT_EQ(current.open("cat", 100).error().status, 404);
 }
 
-TEST_F(PictureFolderTest, RequiresTheFolderToExist) {
+TEST_F(FileFolderTest, RequiresTheFolderToExist) {
     EXPECT_TRUE(folder_.check());
     for (const auto& place : {root_ / "nowhere", path_ / "cat"}) {
-        const auto checked = PictureFolder(place).check();
+        const auto checked = FileFolder(place, "document").check();
         ASSERT_FALSE(checked);
         EXPECT_NE(checked.error().message.find(place.string()), std::string::npos) << "the operator must see the path";
-        const auto opened = PictureFolder(place).open("cat", 100);
+        const auto opened = FileFolder(place, "document").open("cat", 100);
         ASSERT_FALSE(opened);
         EXPECT_EQ(opened.error().status, 500);
         EXPECT_EQ(opened.error().error.message.find(place.string()), std::string::npos)
