@@ -62,6 +62,7 @@ before(async () => {
 after(async () => {
   origin.close();
   limited.server.kill();
+  await once(limited.server, "exit");
   await rm(folder, { recursive: true });
 });
 
