@@ -17,7 +17,7 @@ from harness import NODE, ROOT, execute
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
            "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot",
-           "docker/owners", "docker/sbom", "docker/release")
+           "docker/owners", "docker/sbom", "docker/release", "docker/site")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -74,7 +74,7 @@ class Setup(unittest.TestCase):
         self.assertEqual(released[1], version, "the first released version in CHANGELOG.md")
 
     def test_the_list_has_its_sections(self):
-        self.assertEqual(set(sections()), {"build", "run", "test", "fuzz", "tools"})
+        self.assertEqual(set(sections()), {"build", "run", "test", "site", "fuzz", "tools"})
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():
@@ -96,7 +96,7 @@ class Setup(unittest.TestCase):
                 self.assertEqual([package for package in packages if package in text], [])
 
     def test_modules_come_from_listed_packages(self):
-        files = list((ROOT / "tests").rglob("*.py"))
+        files = [*(ROOT / "tests").rglob("*.py"), *(ROOT / "docker").rglob("*.py")]
         taken = {module for path in files for module in imports(path)}
         modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names) - {"ccdt"}
         self.assertIn("numpy", modules)
