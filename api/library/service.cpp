@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <set>
 #include <system_error>
 #include <utility>
 
@@ -115,20 +114,13 @@ std::vector<const api::FileFormat*> formats_of(Operation operation) {
     return files;
 }
 
-/// Returns the media type of the format that a suffix stands for.
+/// Returns the media type of the format that the suffix of an output stands for.
 std::string_view media_type_of(Operation operation, const std::filesystem::path& output) {
-    const std::string suffix = output.extension().string();
     const auto formats = formats_of(operation);
-    const auto matches = [&](const api::FileFormat* format) { return suffix == '.' + std::string(format->extension); };
-    const auto found = std::ranges::find_if(formats, matches);
-    if (found != formats.end()) return (*found)->media_type;
-    std::set<std::string> suffixes;
-    for (const auto* format : formats) suffixes.insert('.' + std::string(format->extension));
-    std::string list;
-    for (const std::string& each : suffixes) list.append(list.empty() ? "" : ", ").append(each);
+    const auto found = api::format_of_suffix(output.extension().string(), formats);
+    if (found) return formats[*found]->media_type;
     raise(FailureCode::NotAcceptable,
-          "no format has the suffix of " + output.string() + "; give the option format, or one of the suffixes " + list,
-          "output");
+          output.string() + ": " + found.error().message + ", or the option format must be given", "output");
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what, const char* field) {
