@@ -16,6 +16,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/image/image_codec.h"
 #include "api/input/negotiation.h"
+#include "api/map/object_option.h"
 #include "api/map/shapefile_reader.h"
 #include "api/operation/parsed_request.h"
 #include "api/output/formats.h"
@@ -32,14 +33,7 @@ using Options = std::vector<api::TextOption>;
 /// Converts a zipped shapefile to GeoJSON. Removes the option `object`, which selects a shapefile of the archive.
 std::string geojson_of(std::string_view archive, Options& options) {
     constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // as in the service
-    const auto found = std::ranges::find(options, "object", &api::TextOption::name);
-    std::string object;
-    if (found != options.end()) {
-        object = std::move(found->value);
-        options.erase(found);
-    }
-    if (std::ranges::find(options, "object", &api::TextOption::name) != options.end())
-        raise(FailureCode::Malformed, "object is given twice", "object");
+    const std::string object = value_of(api::take_object(options));
     std::string text;
     const auto take = [&](std::string_view piece) {
         if (piece.size() > kMaxBytes - text.size()) return false;
