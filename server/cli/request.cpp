@@ -154,20 +154,10 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
     if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
-    std::string suffix = std::filesystem::path(output).extension();
-    std::ranges::transform(suffix, suffix.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; });
-    suffix.erase(0, 1);
-    if (suffix == "tif") suffix = "tiff";
-    std::string known;
-    for (const api::FileFormat* format : formats) {
-        if (format->extension == suffix || format->name == suffix) return format;
-        const std::string name = '.' + std::string(format->extension);
-        if (known.find(name) == std::string::npos) known.append(known.empty() ? "" : ", ").append(name);
-    }
+    const auto found = api::format_of_suffix(std::filesystem::path(output).extension().string(), formats);
+    if (found) return formats[*found];
     return failure(ErrorCode::Malformed,
-                   "--output " + output + ": the suffix names no format; it must be one of " + known +
-                       ", or --format must be given",
-                   "output");
+                   "--output " + output + ": " + found.error().message + ", or --format must be given", "output");
 }
 
 bool is_text(const api::FileFormat& format) {
