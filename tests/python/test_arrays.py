@@ -35,7 +35,7 @@ def raises(field, text):
     return Expected()
 
 
-@pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "read-only", "big-endian", "list"])
+@pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "read-only", "big-endian", "one channel"])
 def test_layouts_do_not_matter(ramp, layout):
     expected = dots(ramp)
     wide = np.zeros((48, 128), np.uint8)
@@ -45,7 +45,7 @@ def test_layouts_do_not_matter(ramp, layout):
     pictures = {"fortran": np.asfortranarray(ramp), "strided": wide[:, ::2],
                 "reversed": np.ascontiguousarray(ramp[::-1, ::-1])[::-1, ::-1], "read-only": fixed,
                 "big-endian": (ramp.astype(np.uint16) * 257).astype(">u2"),
-                "list": ramp[..., None]}
+                "one channel": ramp[..., None]}
     assert np.array_equal(dots(pictures[layout]), expected)
 
 
