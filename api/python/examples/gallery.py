@@ -27,7 +27,8 @@ panel.save(OUTPUT / "device.png")
 print(f"{len(np.unique(panel.image().reshape(-1, 3), axis=0))} colours")
 
 # %% Points on a map, evenly spread on the earth's surface
-ccdt.sample(DATA / "polygons" / "Switzerland-10m.geojson", 4000, coordinates="lonlat", width=800).save(OUTPUT / "map.png")
+country = DATA / "polygons" / "Switzerland-10m.geojson"
+ccdt.sample(country, 4000, coordinates="lonlat", width=800).save(OUTPUT / "map.png")
 
 # %% The spectrum of points on a torus: no power at low frequencies
 points = ccdt.sample(ccdt.Torus(), 4096)
