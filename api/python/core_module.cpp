@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,7 +17,6 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/operation/parsed_request.h"
-#include "api/output/json_writer.h"
 #include "api/python/array_picture.h"
 #include "api/python/decode_capsule.h"
 #include "api/python/interruptible.h"
@@ -302,13 +300,9 @@ PYBIND11_MODULE(_core, module) {
             return py::buffer_info(reinterpret_cast<unsigned char*>(answer.body.data()),
                                    static_cast<py::ssize_t>(answer.body.size()));
         })
-        .def_readonly("media_type", &api::Answer::media_type)
-        .def_property_readonly("warnings", [](const api::Answer& answer) { return answer.warnings; })
-        .def_property_readonly("radius",
-                               [](const api::Answer& answer) -> std::optional<double> {
-                                   return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
-                               })
-        .def_readonly("plot_seconds", &api::Answer::plot_seconds);
+        .def_property_readonly("radius", [](const api::Answer& answer) -> std::optional<double> {
+            return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
+        });
 
     py::class_<Halftone>(module, "Halftone")
         .def(py::init<py::object, bool, const OptionList&, const Running&>(), py::arg("picture"), py::arg("linear"),
