@@ -49,8 +49,8 @@ def test_pip_installs_the_package_without_network(tmp_path):
     """Uses the build folder of the tests, so that nothing is compiled again."""
     execute(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
     environment = {**os.environ, "PYTHONPATH": "", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index", "--no-cache-dir", SOURCE,
-            "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
+    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index",
+            "--no-cache-dir", SOURCE, "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
     script = ("import ccdt, importlib.metadata as data; "
               "print(ccdt.__file__, data.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)")
     output = execute(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
