@@ -123,6 +123,8 @@ def completed(text, inserted, readmes):
                   r'<span class="comment"></span>', "", text)
     text = re.sub(r'(<span class="lineno">)<a [^>]*>( *\d+)</a>', r"\1\2", text)
     text = TAG.sub(lambda tag: without_scripts(tag[0]), text)
+    # Columns of long texts must not become narrow on a phone.
+    text = re.sub(r'class="markdownTableBodyNone">((?:(?!</td>).){60})', r'class="markdownTableBodyNone long">\1', text)
     # Parts that scroll must be reachable by keyboard.
     text = re.sub(r'class="(?:fragment|markdownTable|memproto|memberdecls|params)"', r'\g<0> tabindex="0"', text)
     text = REFERENCE.sub(lambda link: link[0].replace(link[1], readmes.get(link[1], link[1])), text)
