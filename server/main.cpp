@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <span>
 #include <stop_token>
+#include <string>
 #include <thread>
 
 #include <unistd.h>
@@ -12,6 +14,7 @@
 #include "server/config/config.h"
 #include "server/monitoring/log.h"
 #include "server/processes/process.h"
+#include "server/processes/service_manager.h"
 #include "server/service/check.h"
 #include "server/service/health.h"
 #include "server/service/service.h"
@@ -32,6 +35,18 @@ void reload_keys(Service& service, const Config& config, const Log& log) {
         log.error("the keys stay as they were: " + read.error().message);
 }
 
+/// Tells the service manager the state of the server, and logs a failure, after which the manager may stop the server.
+void notify(const std::string& state, const Log& log) {
+    if (const auto notified = notify_service_manager(state); !notified) log.error(notified.error().message);
+}
+
+/// Returns the state in which the service manager waits for the end of the server: for one second longer than the
+/// server itself.
+std::string stopping(const Config& config) {
+    const std::chrono::microseconds wait = config.drain_timeout + std::chrono::seconds(1);
+    return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(wait.count());
+}
+
 /// Ends the server like SIGTERM from outside.
 void end_serving() {
     kill(getpid(), SIGTERM);
@@ -45,6 +60,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
     bool started = true;
     std::jthread starter([&](const std::stop_token& stop) {
         const auto ready = service.wait_until_ready(stop);
+        if (ready) notify("READY=1\nSTATUS=listening on " + service.address(), log);
         if (ready || stop.stop_requested()) return;
         started = false;
         log.error(ready.error().message);
@@ -62,6 +78,7 @@ bool serve_until_signal(Service& service, const ServerSignals& signals, const Co
     starter.request_stop();
     starter.join();
     deadline.start();
+    notify(stopping(config), log);
     service.drain();
     log.info("shutting down: no new connections are accepted, requests on open ones are answered");
     acceptor.join();
@@ -108,6 +125,9 @@ int run(std::span<const char* const> arguments) {
     switch (command->action) {
         case CommandLine::Action::Help:
             std::fputs(usage().c_str(), stdout);
+            return EXIT_SUCCESS;
+        case CommandLine::Action::Manual:
+            std::fputs(manual().c_str(), stdout);
             return EXIT_SUCCESS;
         case CommandLine::Action::Version:
             std::puts("ccdt-server " CCDT_VERSION);

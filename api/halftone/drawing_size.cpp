@@ -64,4 +64,14 @@ std::string size_option(const HalftoneRequest& request) {
     return request.width ? "width" : request.height ? "height" : "scale";
 }
 
+Result<void> check_pixels(const HalftoneRequest& request, const Canvas& canvas, const Limits& limits) {
+    if (fits(canvas, limits.max_pixels)) return {};
+    const std::string option = size_option(request);
+    return failure(ErrorCode::LimitExceeded,
+                   option + " makes an output of " + std::to_string(canvas.width) + " x " +
+                       std::to_string(canvas.height) + " pixels; this server's limit (max-pixels) is " +
+                       std::to_string(limits.max_pixels),
+                   option);
+}
+
 }  // namespace ccdt::api

@@ -29,4 +29,7 @@ std::optional<Canvas> settled_canvas(const HalftoneRequest& request, PictureSize
 /// drawing that is too large name this option.
 std::string size_option(const HalftoneRequest& request);
 
+/// Checks that a drawing has at most limits.max_pixels pixels. Errors: LimitExceeded.
+Result<void> check_pixels(const HalftoneRequest& request, const Canvas& canvas, const Limits& limits);
+
 }  // namespace ccdt::api

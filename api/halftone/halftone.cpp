@@ -5,8 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "api/halftone/drawing_size.h"
 #include "api/halftone/halftone_answer.h"
-#include "api/halftone/halftone_plan.h"
 #include "api/input/negotiation.h"
 #include "api/input/run_options.h"
 #include "api/output/formats.h"
@@ -139,17 +139,22 @@ const Input& input_of(std::string_view name, const std::vector<Input>& inputs) {
     return *std::ranges::find(inputs, name, &Input::name);
 }
 
+/// Returns the reason why a format cannot draw dots on both sides of the tonal scale; empty if it can.
+std::string_view obstacle_to_both(const PointFormat& format, bool on_transparent_paper) {
+    const VectorWriter* const shapes = format.vector();
+    if (shapes != nullptr && on_transparent_paper)
+        return "cannot be both in drawings of shapes with a transparent background, since paper dots have its colour";
+    if (shapes != nullptr && shapes->by_pen) return "cannot be both in formats for plotters: a pen can only add ink";
+    return {};
+}
+
 /// Returns the reason why dots on both sides of the tonal scale are not available; empty if they are available.
 std::string_view obstacle_to_both(const Draft& draft) {
     const HalftoneRequest& request = draft.request;
     if (request.tone == Tone::Density) return "cannot be both with tone=density, whose dots are ink";
-    if (request.format->vector() != nullptr && draft.background.value_or(kWhite).transparent)
-        return "cannot be both in drawings of shapes with a transparent background, since paper dots have its colour";
     if (request.drawing.is_stroked()) return "can be both only with style=fill: a pen can only add ink";
     if (request.minutes) return "cannot be both with minutes, the time of a plotter: a pen can only add ink";
-    const VectorWriter* const shapes = request.format->vector();
-    if (shapes != nullptr && shapes->by_pen) return "cannot be both in formats for plotters: a pen can only add ink";
-    return {};
+    return obstacle_to_both(*request.format, draft.background.value_or(kWhite).transparent);
 }
 
 /// Returns whether Dots::Both looks better than Dots::Ink. With four or more custom inks, many mixtures give the same
@@ -257,6 +262,23 @@ Result<HalftoneRequest> parse_options(HalftoneRequest request, const std::vector
     return std::move(draft.request);
 }
 
+/// Checks that placed dots can be written in a format that is not the format of their request. Errors: Malformed;
+/// LimitExceeded.
+Result<void> check_format(const HalftoneRequest& request, const Canvas& canvas, const PointFormat& format,
+                          const Limits& limits) {
+    if (request.dots == Dots::Both) {
+        const std::string_view obstacle = obstacle_to_both(format, request.palette.paper.transparent);
+        if (!obstacle.empty())
+            return failure(ErrorCode::Malformed, std::string("dots ").append(obstacle), request.field_of("dots"));
+    }
+    if (format.is_drawn()) {
+        if (auto sized = check_pixels(request, canvas, limits); !sized) return sized;
+    }
+    const std::string option = size_option(request);
+    if (auto sized = format.check_side(canvas, option, option); !sized) return sized;
+    return format.check_drawing(request.drawing, request.field_of("width_mm"));
+}
+
 }  // namespace
 
 std::string HalftoneRequest::field_of(std::string_view option) const {
@@ -285,32 +307,47 @@ Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::ve
     return parse_halftone(*input, accept, limits);
 }
 
-Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
-                            const Control& control, Timings& timings, BodySink* sink) {
+Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                      const Control& control, Timings& timings) {
     Stopwatch watch;
     auto plan = plan_halftone(request, limits, decode, control);
     timings.decode = watch.lap();
     if (!plan) return tl::unexpected(plan.error());
     if (auto going = check_stop(control.stop); !going) return tl::unexpected(going.error());
 
-    const auto dots = place_dots(request, *plan, control);
+    auto dots = place_dots(request, *plan, control);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(dots.error());
+    return PlacedHalftone{*std::move(plan), *std::move(dots), timings.decode + timings.optimise};
+}
 
+Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone& placed, const PointFormat& format,
+                            const Limits& limits, const Control& control, Timings& timings, BodySink* sink) {
+    Stopwatch watch;
+    const auto& [plan, dots, elapsed] = placed;
+    if (&format != request.format) {
+        if (auto can = check_format(request, plan.canvas, format, limits); !can) return tl::unexpected(can.error());
+    }
     Answer answer;
-    answer.media_type = request.format->file.content_type();
-    answer.dots = plan->size();
-    if (request.format->file.name != "json" && !plan->warnings.empty())
-        answer.warnings = write_warnings(plan->warnings);
-    for (const Distribution& each : dots->inks) answer.sites += each.points.size();
-    answer.pixels = static_cast<std::size_t>(plan->picture.width) * static_cast<std::size_t>(plan->picture.height);
-    answer.partial = std::ranges::any_of(dots->inks, &Distribution::stopped);
-    answer.repeats = request.format->repeats();
+    answer.media_type = format.file.content_type();
+    answer.dots = plan.size();
+    if (format.file.name != "json" && !plan.warnings.empty()) answer.warnings = write_warnings(plan.warnings);
+    for (const Distribution& each : dots.inks) answer.sites += each.points.size();
+    answer.pixels = static_cast<std::size_t>(plan.picture.width) * static_cast<std::size_t>(plan.picture.height);
+    answer.partial = std::ranges::any_of(dots.inks, &Distribution::stopped);
+    answer.repeats = format.repeats();
     Body body(answer, sink, control.stop);
-    auto written = write_halftone(request, *plan, *dots, timings.decode + timings.optimise, control, body);
+    auto written = write_halftone(request, format, plan, dots, elapsed, control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));
+}
+
+Result<Answer> run_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                            const Control& control, Timings& timings, BodySink* sink) {
+    const auto placed = place_halftone(request, limits, decode, control, timings);
+    if (!placed) return tl::unexpected(placed.error());
+    return write_answer(request, *placed, *request.format, limits, control, timings, sink);
 }
 
 }  // namespace ccdt::api

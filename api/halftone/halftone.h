@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/halftone/halftone_input.h"
+#include "api/halftone/halftone_plan.h"
 #include "api/halftone/halftone_request.h"
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
@@ -33,6 +34,28 @@ Result<HalftoneRequest> parse_halftone(std::string_view image, const std::vector
                                        std::string_view accept, const Limits& limits);
 Result<HalftoneRequest> parse_halftone_json(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits);
+
+/// A halftone whose dots are placed. It can be written in several formats.
+struct PlacedHalftone {
+    HalftonePlan plan;
+    PlacedDots dots;
+    double elapsed = 0;  ///< computing time so far, milliseconds
+};
+
+/// Decodes the picture and distributes the dots.
+/// Errors: those of run_halftone(), except for errors of writing.
+Result<PlacedHalftone> place_halftone(const HalftoneRequest& request, const Limits& limits, const Decode& decode,
+                                      const Control& control, Timings& timings);
+
+/// Writes placed dots in the requested format, or in another one. The dots and the size of the drawing are those of the
+/// request in any case.
+///
+/// @param placed  result of place_halftone() for `request`
+/// @param sink    as for run_halftone()
+/// Errors: those of writing in run_halftone(); Malformed if the format needs an option that the request does not give,
+/// or cannot draw dots on both sides of the tonal scale; LimitExceeded if the drawing would be too large.
+Result<Answer> write_answer(const HalftoneRequest& request, const PlacedHalftone& placed, const PointFormat& format,
+                            const Limits& limits, const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 /// Decodes the picture, distributes the dots, and writes them in the requested format.
 ///

@@ -244,14 +244,14 @@ std::vector<Ink> inks_of_answer(const HalftoneRequest& request, const HalftonePl
 
 }  // namespace
 
-Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
-                            double elapsed, const Control& control, Body& body) {
+Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& format, const HalftonePlan& plan,
+                            const PlacedDots& dots, double elapsed, const Control& control, Body& body) {
     const Report report{request.run.seed, elapsed, plan.picture, "ccdt", {}, plan.size(), plan.warnings};
     const std::vector<Ink> all = inks_of_answer(request, plan);
     std::vector<InkDots> inks;
     for (std::size_t ink = 0; ink < dots.inks.size(); ++ink) inks.push_back({all[ink], dots.inks[ink]});
     auto written =
-        std::visit(Writing(request, plan, dots.sized, report, std::move(inks), body, control), request.format->writer);
+        std::visit(Writing(request, plan, dots.sized, report, std::move(inks), body, control), format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

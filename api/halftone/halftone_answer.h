@@ -11,12 +11,13 @@
 
 namespace ccdt::api {
 
-/// Writes the dots in the requested format: as a drawing, or as a list of points.
+/// Writes the dots in a format: as a drawing, or as a list of points.
 ///
+/// @param format   format of the request, or another one that can draw its dots
 /// @param elapsed  computing time in milliseconds, for JSON
 /// Errors: those of the format's writer; Stopped, unless the request accepts a partial result; Internal if memory runs
 /// out.
-Result<void> write_halftone(const HalftoneRequest& request, const HalftonePlan& plan, const PlacedDots& dots,
-                            double elapsed, const Control& control, Body& body);
+Result<void> write_halftone(const HalftoneRequest& request, const PointFormat& format, const HalftonePlan& plan,
+                            const PlacedDots& dots, double elapsed, const Control& control, Body& body);
 
 }  // namespace ccdt::api

@@ -9,7 +9,11 @@ namespace ccdt::api {
 
 HalftoneInput read_halftone(std::string_view image, const std::vector<TextOption>& options, const Limits& limits) {
     const auto with_bytes = [&](const ImageHeader& header) { return ImageFile{image, header, nullptr}; };
-    return {nullptr, inputs_of(options), read_image_header(image, limits.max_pixels).map(with_bytes), ""};
+    return read_halftone(read_image_header(image, limits.max_pixels).map(with_bytes), options);
+}
+
+HalftoneInput read_halftone(Result<ImageFile> image, const std::vector<TextOption>& options) {
+    return {nullptr, inputs_of(options), std::move(image), ""};
 }
 
 Result<HalftoneInput> read_halftone_json(std::string_view body, const std::vector<TextOption>& options,

@@ -32,6 +32,10 @@ struct HalftoneInput {
 /// @param options  options in the order of the request; their texts must outlive the result
 HalftoneInput read_halftone(std::string_view image, const std::vector<TextOption>& options, const Limits& limits);
 
+/// Reads a request for a picture whose header is known. Such a picture need not be a file: `image.bytes` is only passed
+/// to the decoder. The other parameters are those of the function above.
+HalftoneInput read_halftone(Result<ImageFile> image, const std::vector<TextOption>& options);
+
 /// Reads a request whose body is a JSON object, with the member `image` in base64 or as a data: URI.
 /// @param options  options in the query, in addition to the members of the object; their texts must outlive the result
 /// Errors: those of JsonDocument::parse(); Malformed if the body is not an object.

@@ -282,13 +282,9 @@ Result<Canvas> plan_canvas(const HalftoneRequest& request, const HalftonePlan& p
                            const Limits& limits) {
     const auto canvas = settled_canvas(request, plan.picture, limits);
     if (!canvas) return canvas_of(plan.box(), fitting_scale(plan.box(), preferred_scale, limits.max_pixels));
-    if (!request.format->is_drawn() || fits(*canvas, limits.max_pixels)) return *canvas;
-    const std::string option = size_option(request);
-    return failure(ErrorCode::LimitExceeded,
-                   option + " makes an output of " + std::to_string(canvas->width) + " x " +
-                       std::to_string(canvas->height) + " pixels; this server's limit (max-pixels) is " +
-                       std::to_string(limits.max_pixels),
-                   option);
+    if (!request.format->is_drawn()) return *canvas;
+    if (auto checked = check_pixels(request, *canvas, limits); !checked) return tl::unexpected(checked.error());
+    return *canvas;
 }
 
 /// Returns the radius that the request gives or that follows from the size of the drawing, in pixels of the picture.
@@ -464,18 +460,14 @@ Result<std::vector<Density>> make_densities(const HalftonePlan& plan, SeparatedP
 /// @returns       [kinds]
 std::vector<SizedDots> size_dots(const HalftoneRequest& request, const HalftonePlan& plan,
                                  std::span<const Distribution> placed, const Control& control) {
-    const CellGrid& cells = plan.two_sides->cells;
-    const double across = static_cast<double>(plan.picture.width) / cells.columns;
-    const double down = static_cast<double>(plan.picture.height) / cells.rows;
-    std::vector<std::vector<Point>> sites(placed.size());
-    for (std::size_t kind = 0; kind < placed.size(); ++kind) {
-        for (const Point& point : placed[kind].points) sites[kind].push_back({point.x / across, point.y / down});
-    }
+    std::vector<std::vector<Point>> sites;
+    for (const Distribution& kind : placed) sites.push_back(kind.points);
+    const Point size{static_cast<double>(plan.picture.width), static_cast<double>(plan.picture.height)};
     const bool fit = !(request.sites && request.dot);
-    std::vector<SizedDots> dots = ccdt::size_dots(*plan.two_sides, sites, fit, control.stop, *control.executor);
+    std::vector<SizedDots> dots =
+        size_dots_in_pixels(*plan.two_sides, size, std::move(sites), fit, control.stop, *control.executor);
+    if (request.palette.mixing != Mixing::Add) return dots;
     for (SizedDots& kind : dots) {
-        for (float& radius : kind.radii) radius *= static_cast<float>(std::sqrt(across * down));
-        if (request.palette.mixing != Mixing::Add) continue;
         for (std::uint8_t& white : kind.white)
             white ^= static_cast<std::uint8_t>(kinds_of(plan.two_sides->channels.size()));
     }

@@ -1,36 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <cstddef>
 #include <functional>
-#include <memory>
 #include <stop_token>
 #include <string_view>
 
+#include "api/image/picture_reader.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 
 namespace ccdt::api {
-
-/// Allocates a plane of `size` values. Called once for each plane of a picture, in the order of the picture's members.
-/// Throws if there is not enough memory.
-using NewPlane = std::function<std::shared_ptr<float[]>(std::size_t size)>;
-
-/// Parameters of reading a file.
-struct Reading {
-    Reading(std::size_t most, int side = 1) : max_pixels(most), reduce(side) {}
-
-    static constexpr int kMaxReduced = 4;
-
-    std::size_t max_pixels;  ///< maximum number of pixels in the file; checked before pixels are read
-    /// Factor, 1 to kMaxReduced, by which the sides of a picture are divided. Each square of `reduce` x `reduce`
-    /// pixels becomes one pixel with the mean light of the square. A picture that is not opaque or not divisible into
-    /// whole squares is not reduced.
-    int reduce;
-};
-
-/// Allocates a plane in the memory of this process.
-std::shared_ptr<float[]> new_plane(std::size_t size);
 
 /// Decodes an image file to luminance in linear light.
 ///

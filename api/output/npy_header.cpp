@@ -5,13 +5,12 @@ namespace ccdt::api {
 
 std::string npy_header(std::string_view type, std::size_t rows, std::size_t columns) {
     constexpr std::size_t kAlignment = 64;  // the offset of the first element is a multiple of this
-    constexpr std::string_view kMagic("\x93NUMPY\x01\x00", 8);
     std::string text = "{'descr': '" + std::string(type) + "', 'fortran_order': False, 'shape': (" +
                        std::to_string(rows) + ", " + std::to_string(columns) + "), }";
-    const std::size_t length = kMagic.size() + 2 + text.size() + 1;
+    const std::size_t length = kNpyMagic.size() + 2 + text.size() + 1;
     text.append((kAlignment - length % kAlignment) % kAlignment, ' ') += '\n';
 
-    std::string header(kMagic);
+    std::string header(kNpyMagic);
     header += static_cast<char>(text.size() & 255);
     header += static_cast<char>(text.size() >> 8);
     return header += text;

@@ -54,13 +54,13 @@ Answer head_of(const PointFormat& format, const SampleArea& area, const PlacedPo
 
 }  // namespace
 
-Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
-                          const Control& control, Timings& timings, BodySink* sink) {
+Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                                  const Control& control, Timings& timings) {
     assert(!request.threshold_mask);
     Stopwatch watch;
     auto area = make_area(request, limits, decode, control.stop);
     if (!area) return tl::unexpected(area.error());
-    const auto page = plan_page(request, area->whole, limits);
+    const auto page = plan_page(request, *request.output.format, area->whole, limits);
     if (!page) return tl::unexpected(page.error());
     const auto density = make_density(request.density, YAxis::Up, limits, decode, control);
     timings.decode = watch.lap();
@@ -71,20 +71,40 @@ Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, co
     if (!placed) return tl::unexpected(placed.error());
     if (auto warned = warn_of_lost(request, placed->lost, *area); !warned) return tl::unexpected(warned.error());
     warn_of_degrees(request.region, *area);
+    return PlacedSample{*std::move(area), *std::move(placed), timings.decode + timings.optimise};
+}
 
-    const PointFormat& format = *request.output.format;
-    if (format.is_drawn() && placed->pitch) {
-        for (ClassDots& each : placed->classes) shift_into(page->box, each.dots.points);
+Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& sample, const PointFormat& format,
+                            const Limits& limits, const Control& control, Timings& timings, BodySink* sink) {
+    Stopwatch watch;
+    const auto& [area, placed, elapsed] = sample;
+    if (&format != request.output.format) {
+        if (auto can = format.check_drawing(request.output.drawing, request.field_of("width_mm")); !can)
+            return tl::unexpected(can.error());
     }
-    const double elapsed = timings.decode + timings.optimise;
-    const Report report{request.run.seed, elapsed,      {}, request.method->name, area->repairs, {},
-                        area->warnings,   placed->pitch};
-    Answer answer = head_of(format, *area, *placed);
+    const auto page = plan_page(request, format, area.whole, limits);
+    if (!page) return tl::unexpected(page.error());
+    std::vector<ClassDots> shifted;
+    if (format.is_drawn() && placed.pitch) {
+        shifted = placed.classes;
+        for (ClassDots& each : shifted) shift_into(page->box, each.dots.points);
+    }
+    const Report report{request.run.seed, elapsed,     {}, request.method->name, area.repairs, {},
+                        area.warnings,    placed.pitch};
+    Answer answer = head_of(format, area, placed);
     Body body(answer, sink, control.stop);
-    auto written = write_sample(request, area->whole, *page, placed->classes, report, control, body);
+    auto written = write_sample(request, format, area.whole, *page, shifted.empty() ? placed.classes : shifted, report,
+                                control, body);
     timings.encode = watch.lap();
     if (!written) return tl::unexpected(written.error());
     return body.finish(std::move(answer));
+}
+
+Result<Answer> run_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                          const Control& control, Timings& timings, BodySink* sink) {
+    const auto placed = place_sample(request, limits, decode, control, timings);
+    if (!placed) return tl::unexpected(placed.error());
+    return write_answer(request, *placed, *request.output.format, limits, control, timings, sink);
 }
 
 }  // namespace ccdt::api

@@ -4,11 +4,34 @@
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
+#include "api/sample/placement.h"
+#include "api/sample/sample_area.h"
 #include "api/sample/sample_request.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 
 namespace ccdt::api {
+
+/// Points of a request that are placed. They can be written in several formats.
+struct PlacedSample {
+    SampleArea area;
+    PlacedPoints placed;
+    double elapsed = 0;  ///< computing time so far, milliseconds
+};
+
+/// Builds the domain and the density, and distributes points. Errors: those of run_sample(), except for errors of
+/// writing.
+/// @param request  without a threshold mask
+Result<PlacedSample> place_sample(const SampleRequest& request, const Limits& limits, const Decode& decode,
+                                  const Control& control, Timings& timings);
+
+/// Writes placed points in the requested format, or in another one.
+///
+/// @param placed  result of place_sample() for `request`
+/// @param sink    as for run_sample()
+/// Errors: those of writing in run_sample(); Malformed if the format needs an option that the request does not give.
+Result<Answer> write_answer(const SampleRequest& request, const PlacedSample& placed, const PointFormat& format,
+                            const Limits& limits, const Control& control, Timings& timings, BodySink* sink = nullptr);
 
 /// Builds the domain and the density, distributes points, and writes them in the requested format. In a dot map, the
 /// points of each class are distributed in each feature. A feature without area gets no points; if its count is not 0,

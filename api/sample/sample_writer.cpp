@@ -95,22 +95,22 @@ private:
 
 }  // namespace
 
-Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const Limits& limits) {
-    const auto& [format, drawing, width, dot, order] = request.output;
+Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                       const Limits& limits) {
+    const auto& [requested, drawing, width, dot, order] = request.output;
     Page page{whole.bounds(),   true,
               whole.is_torus(), {},
               drawing.width_mm, order.value_or(PointOrder::Path) == PointOrder::Path};
     const Box& box = page.box;
     const double longer = std::max(box.width(), box.height());
-    const RasterWriter* const pixels = format->raster();
+    const RasterWriter* const pixels = format.raster();
     const double max_side = pixels == nullptr ? kMaxDrawingSide : std::min<double>(kMaxDrawingSide, pixels->max_side);
     const double wished =
         std::clamp(kPixelPitch / pitch_of(whole, request.run.sites), kMinDrawingSide / longer, max_side / longer);
     const std::size_t most = std::min(limits.max_pixels, static_cast<std::size_t>(kMaxCanvasPixels));
     page.canvas = canvas_of(box, width ? *width / box.width() : fitting_scale(box, wished, most));
     const std::string field = request.field_of("width");
-    if (auto checked = format->check_side(page.canvas, "width", field); !checked)
-        return tl::unexpected(checked.error());
+    if (auto checked = format.check_side(page.canvas, "width", field); !checked) return tl::unexpected(checked.error());
     if (pixels == nullptr || fits(page.canvas, limits.max_pixels)) return page;
     return failure(ErrorCode::LimitExceeded,
                    "width makes a picture of " + std::to_string(page.canvas.width) + " x " +
@@ -119,8 +119,9 @@ Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const 
                    field);
 }
 
-Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
-                          std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body) {
+Result<void> write_sample(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                          const Page& page, std::span<const ClassDots> dots, const Report& report,
+                          const Control& control, Body& body) {
     const Palette palette = palette_of(request);
     std::vector<InkDots> layers;
     for (std::size_t i = 0; i < dots.size(); ++i)
@@ -131,7 +132,7 @@ Result<void> write_sample(const SampleRequest& request, const Domain& whole, con
         if (!request.features->carried.of_feature.empty()) points.properties = &request.features->carried;
     }
     const Writing writing(request, page, report, palette, points, body, control);
-    auto written = std::visit(writing, request.output.format->writer);
+    auto written = std::visit(writing, format.writer);
     if (auto going = check_stop(stop_of_writing(control, request.on_deadline)); !going) return going;
     return written;
 }

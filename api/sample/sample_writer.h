@@ -4,6 +4,7 @@
 #include <span>
 
 #include "api/output/body.h"
+#include "api/output/formats.h"
 #include "api/output/json_writer.h"
 #include "api/output/page.h"
 #include "api/run/options.h"
@@ -24,15 +25,17 @@ inline constexpr double kMaxDrawingSide = 16'384;
 
 /// Plans the page of a drawing. If the request gives no width, the page has at most limits.max_pixels. Errors:
 /// LimitExceeded for a requested width that makes more pixels, and for a side that is longer than the format allows.
-Result<Page> plan_page(const SampleRequest& request, const Domain& whole, const Limits& limits);
+Result<Page> plan_page(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                       const Limits& limits);
 
-/// Writes the points of a sample in the requested format.
+/// Writes the points of a sample in a format, which need not be that of the request.
 ///
 /// @param whole  domain of the points; of a dot map, the union of all features
 /// @param dots   for a dot map, [classes]; otherwise one element with all points. If the request has features, the
 ///               points are grouped by feature.
 /// Errors: those of the format's writer; Stopped.
-Result<void> write_sample(const SampleRequest& request, const Domain& whole, const Page& page,
-                          std::span<const ClassDots> dots, const Report& report, const Control& control, Body& body);
+Result<void> write_sample(const SampleRequest& request, const PointFormat& format, const Domain& whole,
+                          const Page& page, std::span<const ClassDots> dots, const Report& report,
+                          const Control& control, Body& body);
 
 }  // namespace ccdt::api

@@ -27,15 +27,17 @@ tl::unexpected<Error> stopped_at_start() {
 Result<void> check(const Options& options) {
     constexpr std::size_t kMaxSites = std::size_t{1} << 28;   // half-edges have 32-bit numbers
     constexpr std::uint64_t kSeeds = std::uint64_t{1} << 53;  // a JSON number represents all of them exactly
-    const auto out_of_range = [](const char* field, const std::string& range) {
-        return failure(ErrorCode::Malformed, std::string(field) + " must lie between " + range, field);
+    const auto check_range = [](const char* field, auto value, auto min, auto max) -> Result<void> {
+        if (value >= min && value <= max) return {};
+        return failure(ErrorCode::Malformed,
+                       std::string(field) + " is " + std::to_string(value) + ", but must be from " +
+                           std::to_string(min) + " to " + std::to_string(max),
+                       field);
     };
-    if (options.sites < 1 || options.sites > kMaxSites) {
-        return out_of_range("sites", "1 and " + std::to_string(kMaxSites));
-    }
-    if (options.seed >= kSeeds) return out_of_range("seed", "0 and " + std::to_string(kSeeds - 1));
-    if (options.iterations < 0 || options.iterations > 1000) return out_of_range("iterations", "0 and 1000");
-    if (options.passes < 1 || options.passes > 100) return out_of_range("passes", "1 and 100");
+    if (auto sites = check_range("sites", options.sites, std::size_t{1}, kMaxSites); !sites) return sites;
+    if (auto seed = check_range("seed", options.seed, std::uint64_t{0}, kSeeds - 1); !seed) return seed;
+    if (auto iterations = check_range("iterations", options.iterations, 0, 1000); !iterations) return iterations;
+    if (auto passes = check_range("passes", options.passes, 1, 100); !passes) return passes;
     if (options.tolerance && !(*options.tolerance > 0)) {
         return failure(ErrorCode::Malformed, "tolerance must be positive", "tolerance");
     }

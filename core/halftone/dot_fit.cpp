@@ -267,4 +267,18 @@ std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::
     return fit_in_rounds(sizes, sites, fit, stop);
 }
 
+std::vector<SizedDots> size_dots_in_pixels(const TwoSidedPlan& plan, Point size, std::vector<std::vector<Point>> sites,
+                                           bool fit, const std::stop_token& stop, Executor& executor) {
+    const double across = size.x / plan.cells.columns;
+    const double down = size.y / plan.cells.rows;
+    for (auto& kind : sites) {
+        for (Point& point : kind) point = {point.x / across, point.y / down};
+    }
+    std::vector<SizedDots> dots = size_dots(plan, sites, fit, stop, executor);
+    for (SizedDots& kind : dots) {
+        for (float& radius : kind.radii) radius *= static_cast<float>(std::sqrt(across * down));
+    }
+    return dots;
+}
+
 }  // namespace ccdt

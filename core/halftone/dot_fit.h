@@ -24,4 +24,10 @@ namespace ccdt {
 std::vector<SizedDots> size_dots(const TwoSidedPlan& plan, std::span<const std::vector<Point>> sites, bool fit,
                                  const std::stop_token& stop = {}, Executor& executor = inline_executor());
 
+/// Chooses radii like size_dots(), with all lengths in pixels of the picture.
+/// @param size  width and height of the picture, in pixels
+std::vector<SizedDots> size_dots_in_pixels(const TwoSidedPlan& plan, Point size, std::vector<std::vector<Point>> sites,
+                                           bool fit, const std::stop_token& stop = {},
+                                           Executor& executor = inline_executor());
+
 }  // namespace ccdt

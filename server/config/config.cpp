@@ -11,6 +11,8 @@
 
 #include "api/text/text.h"
 #include "server/config/memory_shares.h"
+#include "server/flags/flag_values.h"
+#include "server/flags/manual_page.h"
 #include "server/http/hosts.h"
 #include "server/processes/process.h"
 
@@ -59,25 +61,20 @@ struct Setting {
     bool only_by_variable = false;  ///< no flag, because the list of processes would show the value
 };
 
-std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
-    const auto number = api::parse_number<std::uint64_t>(text);
-    if (!number || *number < low || *number > high)
-        return "a whole number from " + std::to_string(low) + " to " + std::to_string(high);
-    target = static_cast<std::size_t>(*number);
+/// Stores a parsed value.
+/// @returns  as Apply
+std::string store(std::size_t& target, const Result<std::size_t>& value) {
+    if (!value) return value.error().message;
+    target = *value;
     return {};
 }
 
+std::string set_whole(std::size_t& target, std::string_view text, std::uint64_t low, std::uint64_t high) {
+    return store(target, parse_whole(text, low, high));
+}
+
 std::string set_bytes(std::size_t& target, std::string_view text, std::uint64_t low = 1) {
-    constexpr std::uint64_t kMax = std::uint64_t{1} << 40;
-    int shift = 0;
-    if (text.ends_with("KiB")) shift = 10;
-    if (text.ends_with("MiB")) shift = 20;
-    if (text.ends_with("GiB")) shift = 30;
-    if (shift > 0) text.remove_suffix(3);
-    const auto number = api::parse_number<std::uint64_t>(text);
-    if (!number || *number < low || *number > (kMax >> shift)) return "a number of bytes, such as 67108864 or 64MiB";
-    target = static_cast<std::size_t>(*number << shift);
-    return {};
+    return store(target, parse_bytes(text, low));
 }
 
 std::string set_seconds(std::chrono::milliseconds& target, std::string_view text) {
@@ -302,6 +299,18 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
+/// Flags that do something other than serve, and their help texts.
+constexpr auto kActions = std::to_array<std::pair<std::string_view, std::string_view>>({
+    {"--check", "prints all values and what is wrong; exits with 1 if the server would not start"},
+    {"--health", "asks the server on this address and port whether it is alive; exits with 1 if not"},
+    {"--help", "prints this"},
+    {"--manual", "prints the manual page, for man(1)"},
+    {"--version", "prints the version"},
+});
+
+constexpr std::string_view kVariables =
+    "Each option may also be given as the environment variable beside it. The flag overrides the variable.";
+
 /// Replaces the password in a text such as `redis://user:password@host` by asterisks.
 std::string without_password(std::string_view text) {
     const auto scheme = text.find("://");
@@ -340,6 +349,7 @@ Result<CommandLine::Action> read_flags(std::span<const char* const> arguments, D
         const std::string_view argument = arguments[i];
         if (argument == "--help" || argument == "-h") return CommandLine::Action::Help;
         if (argument == "--version") return CommandLine::Action::Version;
+        if (argument == "--manual") return CommandLine::Action::Manual;
         if (argument == "--check" || argument == "--health") {
             action = argument == "--check" ? CommandLine::Action::Check : CommandLine::Action::Health;
             continue;
@@ -405,7 +415,8 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
     Draft flags;
     const auto action = read_flags(arguments, flags);
     if (!action) return tl::unexpected(action.error());
-    if (*action == CommandLine::Action::Help || *action == CommandLine::Action::Version)
+    using Action = CommandLine::Action;
+    if (*action == Action::Help || *action == Action::Version || *action == Action::Manual)
         return CommandLine{*action, {}, {}};
 
     Draft draft;
@@ -441,14 +452,35 @@ std::string usage() {
         const std::string flag = "  " + std::string(setting.flag) + ' ' + std::string(setting.value);
         text += padded(flag, 35) + padded(setting.variable, 33) + std::string(setting.help) + '\n';
     }
-    return text +
-           "  --check                                                           prints all values and what is wrong; "
-           "exits with 1 if the server would not start\n"
-           "  --health                                                          asks the server on this address and "
-           "port whether it is alive; exits with 1 if not\n"
-           "  --help                                                            prints this\n"
-           "  --version                                                         prints the version\n\n"
-           "Each option may also be given as the environment variable beside it. The flag overrides the variable.\n";
+    for (const auto& [flag, help] : kActions) text += padded("  " + std::string(flag), 68) + std::string(help) + '\n';
+    return text + '\n' + std::string(kVariables) + '\n';
+}
+
+std::string manual() {
+    ManualPage page("ccdt-server", 8, "serves halftones and evenly spread points over HTTP");
+    page.begin_section("SYNOPSIS");
+    page.add_paragraph("ccdt-server [OPTION]...");
+    page.begin_section("DESCRIPTION");
+    page.add_paragraph(
+        "Answers requests for halftones, evenly spread points and their analysis until SIGTERM or SIGINT arrives. It "
+        "then accepts no new connections, and answers the requests that have arrived. SIGHUP reloads the key files.");
+    page.begin_section("OPTIONS");
+    page.add_paragraph(kVariables);
+    for (const Setting& setting : kSettings) {
+        const std::string variable = "Variable: " + std::string(setting.variable) + '.';
+        if (setting.only_by_variable)
+            page.add_option(setting.variable, {}, setting.help);
+        else
+            page.add_option(setting.flag, setting.value, std::string(setting.help) + ". " + variable);
+    }
+    for (const auto& [flag, help] : kActions) page.add_option(flag, {}, help);
+    page.begin_section("EXIT STATUS");
+    page.add_option("0", {}, "The server was stopped by a signal, or what --check or --health asked for is right.");
+    page.add_option("1", {}, "The server could not start, or failed; --check or --health found a fault.");
+    page.add_option("2", {}, "An option or a variable is not valid.");
+    page.begin_section("SEE ALSO");
+    page.add_paragraph("ccdt(1)");
+    return page.text();
 }
 
 std::string describe(const std::vector<ChosenValue>& values) {

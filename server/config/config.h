@@ -69,6 +69,7 @@ struct CommandLine {
         Check,   ///< check whether the server could start
         Health,  ///< check whether a running server is alive
         Help,
+        Manual,  ///< print the manual page
         Version
     };
     Action action = Action::Serve;
@@ -87,6 +88,9 @@ Result<CommandLine> parse_command_line(std::span<const char* const> arguments, c
 
 /// Returns the text that --help prints.
 std::string usage();
+
+/// Returns the manual page that --manual prints, in roff.
+std::string manual();
 
 /// Returns one line for each flag: its value and origin.
 std::string describe(const std::vector<ChosenValue>& values);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Generates a C++ source file that embeds other files: cmake -DFILES=path=file,... -DOUTPUT=... -P embed.cmake
-# Each file is served at the URL path before its `=`.
+# Generates a C++ source file that embeds other files:
+# cmake -DFILES=path=file,... -DHEADER=... -DFUNCTION=... -DOUTPUT=... -P embed.cmake
+# Each file is served at the URL path before its `=`. HEADER declares FUNCTION, which returns the files.
 
 set(type_html "text/html; charset=utf-8")
 set(type_css "text/css; charset=utf-8")
@@ -29,7 +30,7 @@ foreach(entry IN LISTS served)
     math(EXPR number "${number} + 1")
 endforeach()
 
-file(WRITE "${OUTPUT}" "#include \"server/page/page_files.h\"
+file(WRITE "${OUTPUT}" "#include \"${HEADER}\"
 
 #include <cstddef>
 
@@ -47,7 +48,7 @@ ${entries}};
 
 }  // namespace
 
-std::span<const PageFile> page_files() {
+std::span<const PageFile> ${FUNCTION}() {
     return files;
 }
 

@@ -2,6 +2,7 @@
 #include "server/processes/child_program.h"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -118,18 +119,28 @@ std::string ChildProgram::wait() {
     return reaped > 0 ? describe_end(status) : "ended";
 }
 
-Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {
+Result<std::string> find_program(const std::string& name) {
     std::error_code error;
     const auto own = std::filesystem::read_symlink("/proc/self/exe", error);
-    if (error) return cannot_start(name, error.value());
-    const std::string file = own.parent_path() / name;
+    if (error) return failure(ErrorCode::Internal, "cannot find " + name + ": /proc/self/exe: " + error.message());
+    const auto folder = own.parent_path();
+    const std::array places{folder / name, folder.parent_path() / "lib" / "ccdt" / name};
+    const auto found = std::ranges::find_if(places, [&](const auto& place) { return exists(place, error); });
+    if (found != places.end()) return found->string();
+    return failure(ErrorCode::Internal, "cannot find " + name + ": neither " + places.front().string() + " nor " +
+                                            places.back().string() + " exists");
+}
+
+Result<ChildProgram> spawn_sibling(const std::string& name, UniqueFd socket, std::vector<std::string> arguments) {
+    const auto file = find_program(name);
+    if (!file) return tl::unexpected(file.error());
     std::vector<char*> argv{const_cast<char*>(name.c_str())};
     for (auto& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     pid_t process = 0;
-    const int failed = posix_spawn(&process, file.c_str(), SpawnActions(socket.get()).get(), SpawnAttributes().get(),
+    const int failed = posix_spawn(&process, file->c_str(), SpawnActions(socket.get()).get(), SpawnAttributes().get(),
                                    argv.data(), environment_to_inherit().data());
-    if (failed != 0) return cannot_start(file, failed);
+    if (failed != 0) return cannot_start(*file, failed);
     return ChildProgram(process);
 }
 

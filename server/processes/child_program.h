@@ -45,7 +45,15 @@ private:
 /// @param status  as set by waitpid()
 std::string describe_end(int status);
 
-/// Starts a program in the folder of the calling program. A new process group shields it from terminal signals.
+/// Finds a program that belongs to the calling program: beside it, as in a build tree or an image, or in ../lib/ccdt,
+/// as in an installed tree.
+///
+/// @param name  file name of the program
+/// @returns     absolute path of the file, which need not be executable
+/// Error (Internal): the file is in neither folder. The message names both.
+Result<std::string> find_program(const std::string& name);
+
+/// Starts a program that find_program() finds. A new process group shields it from terminal signals.
 ///
 /// The child inherits `socket` as ChildProgram::kSocket, and standard error. Its other standard streams are /dev/null.
 /// Signals have the default actions in the child. The environment of the child lacks the variables CCDT_*, which may

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/decoder/shapefile_cost.h"
 #include "server/http/compression.h"
 #include "server/http/entity_tag.h"
 #include "server/http/trace.h"

@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "api/map/shapefile_parts.h"
-#include "api/run/options.h"
 #include "core/result.h"
 #include "server/work/compute_request.h"
 
@@ -17,14 +16,6 @@ namespace ccdt::server {
 /// Converts a zipped shapefile to GeoJSON, in the decoder process (DecoderClient).
 using ReadShapefile = std::function<Result<std::string>(std::string_view archive, const api::ShapefileReading& reading,
                                                         const std::stop_token& stop)>;
-
-/// Returns the maximum size of a shapefile, both inflated and as GeoJSON, in bytes.
-/// @param max_body  maximum size of a body, in bytes
-/// @param memory    memory limit of all computations together, in bytes, which the conversion must not exceed
-std::size_t max_shapefile_bytes(std::size_t max_body, std::size_t memory);
-
-/// Estimates the cost of converting a shapefile, including the memory of the GeoJSON.
-api::Cost cost_of_shapefile(std::string_view archive, std::size_t max_bytes);
 
 /// Converts a request whose body is a zipped shapefile to one with GeoJSON as the body. The query's option `object`
 /// selects a shapefile of the archive and is removed.

@@ -6,25 +6,16 @@ import io
 import json
 import os
 import pathlib
-import re
 import shutil
 import tarfile
 import tempfile
 import unittest
 
-from harness import DATA, PATIENCE, PICTURES, ROOT, Server, ask, execute, post_json
+from harness import PATIENCE, ROOT, Server, execute
+from image_contents import BASE, EPOCH, REVISION, VERSION, ImageContents, strip_programs
 from raw import SANITIZED
 
-PROGRAMS = ("ccdt-decoder", "ccdt-server", "ccdt-worker")
-FOLDER = pathlib.Path(os.environ["CCDT_SERVER"]).parent
-
-POINTS = DATA / "analysis" / "torus.json"
-UNIT = {"type": "rectangle", "width": 1, "height": 1}
-
-BASE = "debian:12-slim"
 IMAGE = "ccdt-server:test"
-MAX_BYTES = 400_000_000
-EPOCH = "1767225600"
 
 # Uses the network of the machine, since podman may lack what it needs for a network of its own.
 RUN = ("--rm", "--network=host", "--no-healthcheck", "--ulimit=nofile=4096:4096", "--ulimit=nproc=4096:4096",
@@ -55,22 +46,21 @@ def why_not():
 def build():
     """Builds the image from the programs under test: a folder with these programs replaces the stage that compiles."""
     with tempfile.TemporaryDirectory() as folder:
-        programs = pathlib.Path(folder) / "programs"
-        programs.mkdir()
-        for name in PROGRAMS:
-            execute(["strip", "-o", programs / name, FOLDER / name], check=True)
+        strip_programs(pathlib.Path(folder) / "programs")
         podman("build", "--network=host", "--format=docker", "--file", ROOT / "docker" / "Dockerfile", "--tag", IMAGE,
                "--build-context", f"build={folder}", "--build-arg", f"SOURCE_DATE_EPOCH={EPOCH}",
-               "--build-arg", "VERSION=1.2.3", "--build-arg", "REVISION=abc", ROOT)
+               "--build-arg", f"VERSION={VERSION}", "--build-arg", f"REVISION={REVISION}", ROOT)
 
 
-class Image(unittest.TestCase):
+class Image(ImageContents, unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         if reason := why_not():
             raise unittest.SkipTest(reason)
         build()
-        cls.settings = json.loads(podman("image", "inspect", IMAGE).stdout)[0]
+        settings = json.loads(podman("image", "inspect", IMAGE).stdout)[0]
+        cls.size = settings["Size"]
+        cls.config = {**settings["Config"], "Healthcheck": settings["Healthcheck"]}
         container = podman("create", "--no-healthcheck", IMAGE).stdout.decode().strip()
         try:
             cls.files = tarfile.open(fileobj=io.BytesIO(podman("export", container).stdout))
@@ -85,67 +75,9 @@ class Image(unittest.TestCase):
             f'#!/bin/sh\nexec podman {runtime} run --name={cls.name} {" ".join(RUN)} {IMAGE} "$@"\n')
         cls.program.chmod(0o755)
 
-    def read(self, path):
-        return self.files.extractfile(path).read()
-
-    def test_is_no_larger_than_documented(self):
-        self.assertLess(self.settings["Size"], MAX_BYTES)
-
-    def test_has_its_settings(self):
-        config = self.settings["Config"]
-        self.assertEqual(config["User"], "10001:10001")
-        self.assertEqual(config["Entrypoint"], ["/usr/local/bin/ccdt-server"])
-        self.assertEqual(self.settings["Healthcheck"]["Test"], ["CMD", "/usr/local/bin/ccdt-server", "--health"])
-        labels = {name.removeprefix("org.opencontainers.image."): value for name, value in config["Labels"].items()
-                  if name.startswith("org.opencontainers.image.")}
-        self.assertEqual((labels["title"], labels["version"], labels["revision"], labels["base.name"]),
-                         ("ccdt-server", "1.2.3", "abc", BASE))
-
-    def test_has_no_other_programs(self):
-        executable = [entry.name for entry in self.files if entry.isfile() and entry.mode & 0o111]
-        self.assertEqual(sorted(name for name in executable if "/lib" not in name),
-                         [f"usr/local/bin/{name}" for name in PROGRAMS])
-        self.assertTrue(all(re.search(r"\.so(\.|$)", name) for name in executable if "/lib" in name))
-        self.assertFalse([entry.name for entry in self.files if entry.mode & 0o6000], "set-user-id")
-
-    def test_contains_no_build_time(self):
-        made_by_podman = ("etc/hosts", "etc/hostname", "etc/resolv.conf", "dev", "proc", "sys", "run", "etc")
-        times = {entry.mtime for entry in self.files if not entry.name.startswith(made_by_podman) and entry.name}
-        self.assertEqual(times, {int(EPOCH)})
-
-    def test_lists_its_packages(self):
-        bill = json.loads(self.read("usr/share/ccdt/sbom.cdx.json"))
-        self.assertEqual((bill["bomFormat"], bill["specVersion"]), ("CycloneDX", "1.5"))
-        listed = {component["name"]: component["version"] for component in bill["components"]}
-        self.assertEqual(len(listed), len(bill["components"]))
-        for component in bill["components"]:
-            self.assertRegex(component["purl"],
-                             r"^pkg:deb/debian/[a-z0-9.%B-]+@[^ @:+]+\?arch=[a-z0-9]+&distro=debian-12$")
-        folder = "var/lib/dpkg/status.d/"
-        installed = {entry.name.removeprefix(folder):
-                     re.search("^Version: (.*)$", self.read(entry.name).decode(), re.M)[1]
-                     for entry in self.files if entry.isfile() and entry.name.startswith(folder)}
-        self.assertEqual(installed, listed)
-        for name in ("libc6", "libopenimageio2.4", "libsqlite3-0", "fonts-dejavu-core", "ca-certificates"):
-            self.assertIn(name, listed)
-            self.assertTrue(self.read(f"usr/share/doc/{name}/copyright"))
-        for tool in ("bash", "dash", "curl", "apt", "coreutils"):
-            self.assertNotIn(tool, listed)
-
-    def test_has_ca_certificates(self):
-        self.assertIn(b"BEGIN CERTIFICATE", self.read("usr/lib/ssl/cert.pem"))
-
     def test_answers_like_the_programs_outside(self):
-        picture = (PICTURES / "camera.png").read_bytes()
         with Server() as outside, Server(program=self.program) as inside:
-            def answers(server):
-                return [ask(server, "/halftone?sites=500&scale=1", data=picture),
-                        post_json(server, "/sample", {"sites": 100, "domain": UNIT}, "--header", "Accept: text/csv"),
-                        ask(server, "/analyze", "--header", "Accept: image/png", data=POINTS.read_bytes())]
-
-            for here, there in zip(answers(outside), answers(inside)):
-                self.assertEqual((here.status, there.status), (200, 200))
-                self.assertEqual(here.body, there.body)
+            self.compare_answers(outside, inside)
             result = podman("exec", self.name, "/usr/local/bin/ccdt-server", "--health", f"--port={inside.port}",
                            check=False)
             self.assertEqual(result.returncode, 0, result.stderr)
@@ -174,22 +106,6 @@ class Collected(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
 
-    def collect(self, name, *programs):
-        root = self.folder / name
-        root.mkdir()
-        return root, execute([ROOT / "docker" / "collect", root, *programs], capture_output=True, text=True,
-                             check=False, env={**os.environ, "SOURCE_DATE_EPOCH": EPOCH})
-
-    def test_is_reproducible(self):
-        archives = []
-        for name in ("once", "again"):
-            root, done = self.collect(name, FOLDER / "ccdt-decoder")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            archives.append(execute(["tar", "--create", "--sort=name", "--directory", root, "."],
-                                    capture_output=True, check=True).stdout)
-        self.assertEqual(archives[0], archives[1])
-        self.assertGreater(len(archives[0]), 1_000_000)
-
     def test_fails_if_a_library_is_missing(self):
         program = self.folder / "program"
         library = self.folder / "libnowhere.so"
@@ -198,7 +114,9 @@ class Collected(unittest.TestCase):
         (self.folder / "main.c").write_text("int main(void) { return 0; }\n")
         execute(["cc", self.folder / "main.c", "-Wl,--no-as-needed", library, "-o", program], check=True)
         library.unlink()
-        done = self.collect("root", program)[1]
+        root = self.folder / "root"
+        root.mkdir()
+        done = execute([ROOT / "docker" / "collect", root, program], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 1)
         self.assertIn("libnowhere.so => not found", done.stderr)
 

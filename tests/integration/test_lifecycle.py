@@ -388,6 +388,18 @@ class Starting(unittest.TestCase):
         self.assertIn("--max-body", result.stdout)
         self.assertRegex(self.run_program("--version").stdout, r"^ccdt-server \d+\.\d+\.\d+\n$")
 
+    def test_the_service_manager_is_notified(self):
+        with tempfile.TemporaryDirectory() as folder, socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager:
+            name = f"{folder}/notify"
+            manager.bind(name)
+            manager.settimeout(PATIENCE)
+            with Server("--drain-timeout=20", environment={"NOTIFY_SOCKET": name}) as server:
+                self.assertEqual(manager.recv(1000).decode().splitlines(),
+                                 ["READY=1", f"STATUS=listening on http://127.0.0.1:{server.port}"])
+                self.assertEqual(ask(server, "/health/ready").status, 200)
+                self.assertEqual(server.stop(), 0)
+                self.assertEqual(manager.recv(1000).decode().splitlines(), ["STOPPING=1", "EXTEND_TIMEOUT_USEC=21000000"])
+
     def test_limit_of_open_files_is_reported_if_too_low(self):
         result = subprocess.run(["prlimit", "--nofile=64", os.environ["CCDT_SERVER"], "--port=0", "--workers=2"],
                                 capture_output=True, text=True, timeout=PATIENCE, check=False)

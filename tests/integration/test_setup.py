@@ -16,7 +16,8 @@ from harness import NODE, ROOT, execute
 
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
-           "docker/collect", "docker/packages", "docker/install", "docker/site", "docker/snapshot")
+           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/site",
+           "docker/snapshot", "docker/owners", "docker/sbom", "docker/release")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -64,9 +65,13 @@ class Setup(unittest.TestCase):
     def test_the_version_is_the_same_everywhere(self):
         version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
         self.assertEqual(json.loads((ROOT / "api" / "openapi.json").read_text())["info"]["version"], version)
+        package = ROOT / "server" / "page" / "package" / "package.json"
+        self.assertEqual(json.loads(package.read_text())["version"], version)
         chart = (ROOT / "docker" / "chart" / "Chart.yaml").read_text()
         self.assertIn(f"\nversion: {version}\n", chart)
         self.assertIn(f"\nappVersion: {version}\n", chart)
+        released = re.search(r"^## \[(\d\S*)\] - \d{4}-\d\d-\d\d$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+        self.assertEqual(released[1], version, "the first released version in CHANGELOG.md")
 
     def test_the_list_has_its_sections(self):
         self.assertEqual(set(sections()), {"build", "run", "test", "site", "fuzz", "tools"})
@@ -93,7 +98,7 @@ class Setup(unittest.TestCase):
     def test_modules_come_from_listed_packages(self):
         files = [*(ROOT / "tests").rglob("*.py"), *(ROOT / "docker").rglob("*.py")]
         taken = {module for path in files for module in imports(path)}
-        modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names)
+        modules = taken - {path.stem for path in files} - set(sys.stdlib_module_names) - {"ccdt"}
         self.assertIn("numpy", modules)
         packages = {module: package_of(module) for module in modules}
         self.assertEqual({module: package for module, package in packages.items()

@@ -58,17 +58,18 @@ export async function startServer(flags) {
 
 /**
  * Serves pages from another origin than the server under test.
- * @param page  returns the page at a path. Paths of pictures return the test data or, for unknown names, a default
- *              picture. `/nothing.png` does not exist
+ * @param page  returns the page or the script at a path. Paths of pictures return the test data or, for unknown names,
+ *              a default picture. `/nothing.png` does not exist
  */
 export async function serveOrigin(page) {
+  const types = { ".png": "image/png", ".jpg": "image/png", ".js": "text/javascript" };
   const server = createServer(async (request, response) => {
-    const isPage = !/\.(png|jpg)$/.test(request.url);
+    const type = types[path.extname(request.url)] ?? "text/html";
     const isThere = request.url !== "/nothing.png";
-    response.writeHead(isThere ? 200 : 404, { "Content-Type": isPage ? "text/html" : "image/png" });
+    response.writeHead(isThere ? 200 : 404, { "Content-Type": type });
     const image = (name) => readFile(path.join(data, "images", name));
     const picture = () => image(path.basename(request.url)).catch(() => image("chelsea.png"));
-    response.end(isPage ? page(request.url) : isThere && await picture());
+    response.end(type === "image/png" ? isThere && await picture() : await page(request.url));
   });
   server.listen(0, "127.0.0.1");
   await once(server, "listening");

@@ -2,15 +2,16 @@
 // api/openapi.json, checked by Redocly's public validator with its recommended rules, and by a generator of clients.
 
 import assert from "node:assert/strict";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { test } from "node:test";
 
+import { generateTypes } from "../../server/page/package/generate_types.js";
+
 const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
 const { createConfig, lint } = require("@redocly/openapi-core");
-const { default: generate, astToString } = require("openapi-typescript");
 const ts = require("typescript");
 
 const api = path.resolve(import.meta.dirname, "../../api/openapi.json");
@@ -23,13 +24,6 @@ test("the document is valid, and has no unused components", async () => {
   const problems = await lint({ ref: api, config });
   assert.deepEqual(problems.map(({ ruleId, message, location }) => [ruleId, message, location[0]?.pointer]), []);
 });
-
-/** Returns the types that openapi-typescript generates, with Blobs for binary data and defaults as optional members. */
-async function generatedTypes() {
-  const blob = ts.factory.createTypeReferenceNode("Blob");
-  const transform = (schema) => (schema.format === "binary" ? blob : undefined);
-  return astToString(await generate(await readFile(api, "utf8"), { transform, defaultNonNullable: false }));
-}
 
 // TypeScript whose statements must all compile except the last one.
 const uses = `
@@ -48,7 +42,7 @@ export const wrong: Sent["multipart/form-data"] = { image: picture, sites: "many
 test("generated clients compile, and send and receive pictures as Blobs", async () => {
   const folder = await mkdtemp(path.join(tmpdir(), "ccdt-client-"));
   const file = path.join(folder, "client.ts");
-  await writeFile(file, (await generatedTypes()) + uses);
+  await writeFile(file, (await generateTypes(api)) + uses);
   const program = ts.createProgram([file], { strict: true, noEmit: true, types: [], target: ts.ScriptTarget.ESNext });
   const complaints = ts.getPreEmitDiagnostics(program).map(({ messageText }) => ts.flattenDiagnosticMessageText(messageText, "\n"));
   await rm(folder, { recursive: true });

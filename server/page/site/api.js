@@ -1,47 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Sends requests to the server of the page.
 
+import { Connection } from "./connection.js";
+
 const keyName = "ccdt-key";
 
-/** An error response of the server: status, message, and one error for each option at fault. Status 0: no response. */
-export class Problem extends Error {
-  constructor(status, detail, errors = []) {
-    super(detail);
-    this.status = status;
-    this.errors = errors;
-  }
-}
+/** Sends requests at once or never, because the user may change the settings. */
+export const client = new Connection("/", { key: sessionStorage.getItem(keyName), retries: 0 });
 
 /** Whether the user has entered an API key in this session. */
-export const hasKey = () => sessionStorage.getItem(keyName) !== null;
-export const setKey = (key) => sessionStorage.setItem(keyName, key);
-
-function headers({ type, prefer }) {
-  const list = {};
-  if (type) list["Content-Type"] = type;
-  if (prefer) list.Prefer = prefer;
-  if (hasKey()) list.Authorization = `Bearer ${sessionStorage.getItem(keyName)}`;
-  return list;
+export const hasKey = () => client.key !== null;
+export function setKey(key) {
+  sessionStorage.setItem(keyName, key);
+  client.key = key;
 }
 
-async function problemOf(response) {
-  const isProblem = response.headers.get("Content-Type")?.startsWith("application/problem+json");
-  const problem = isProblem ? await response.json() : { detail: `The server answered with status ${response.status}` };
-  if (response.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: problem.detail }));
-  return new Problem(response.status, problem.detail, problem.errors);
-}
-
-/** Sends a request and returns the response. Throws a Problem if the status is an error. */
-export async function ask(method, path, { body, signal, keepalive, ...forHeaders } = {}) {
-  let response;
+/** Sends a request and returns the response. Throws a CcdtError if the status is an error. */
+export async function ask(method, path, options) {
   try {
-    response = await fetch(path, { method, body, signal, keepalive, headers: headers(forHeaders) });
+    return await client.request(method, path, options);
   } catch (error) {
-    if (error.name === "AbortError") throw error;
-    throw new Problem(0, "The server cannot be reached");
+    if (error.status === 401) document.dispatchEvent(new CustomEvent("keyneeded", { detail: error.message }));
+    throw error;
   }
-  if (!response.ok) throw await problemOf(response);
-  return response;
 }
 
 /** Formats, options, methods and limits of the server: the answer of `/capabilities`. */

@@ -2,10 +2,12 @@
 // Custom element that shows a picture as dots, in pages of any origin:
 // <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
 //
-// Requests dots from the server that this module was loaded from. Until the answer arrives, and if the request fails,
-// draws a conventional halftone screen in the browser.
+// Requests dots from the server in the attribute `server` or, without it, from the one that this module was loaded from.
+// Until the answer arrives, and if the request fails, draws a conventional halftone screen in the browser.
 
-const server = new URL("/", import.meta.url);
+import { Connection } from "./connection.js";
+
+const here = import.meta.url;  // a constant, because bundlers replace `new URL` with import.meta.url
 
 /** Attributes of the element that become options of /halftone. Flags need no value. */
 const optionAttributes = ["sites", "color", "palette", "foreground", "background", "tone", "levels", "detail", "dot",
@@ -13,7 +15,6 @@ const optionAttributes = ["sites", "color", "palette", "foreground", "background
 const flags = ["antialias", "invert"];
 
 const maxJobs = 2;  // of all elements on a page; browsers open six connections to a server, and each job occupies one
-const maxMisses = 5;  // successive failures to reconnect to an event stream
 const resizeDelay = 250;  // ms without a change of size after which new dots are requested
 const minPitch = 4;  // pixels; minimum distance of dots drawn in the browser
 
@@ -31,43 +32,10 @@ async function inTurn(work) {
   }
 }
 
-async function bodyOf(response) {
-  if (response.ok) return response.blob();
-  const { detail } = await response.json().catch(() => ({}));
-  throw new Error(detail ?? `${response.url} was answered with status ${response.status}`);
-}
-
-/** Waits for the end of a job. Calls `onProgress` with the progress, from 0 to 1. */
-function follow(job, signal, onProgress) {
-  const events = new EventSource(`${job}/events`);
-  return new Promise((resolve, reject) => {
-    let misses = 0;
-    events.onopen = () => { misses = 0; };
-    signal.addEventListener("abort", () => reject(signal.reason));
-    for (const status of ["succeeded", "failed", "cancelled"]) events.addEventListener(status, resolve);
-    events.addEventListener("progress", ({ data }) => onProgress(JSON.parse(data).progress));
-    events.onerror = () => {
-      if (events.readyState === EventSource.CLOSED || ++misses > maxMisses) reject(new Error("the server cannot be reached"));
-    };
-  }).finally(() => events.close());
-}
-
-/**
- * Requests dots from the server as a job. An abort waits for the job's address, which is needed to cancel it.
- * @param onProgress  called with the progress, from 0 to 1
- */
-async function askForDots(picture, query, signal, onProgress) {
-  signal.throwIfAborted();
-  const begun = await fetch(new URL(`halftone?${query}`, server), { method: "POST", body: picture, headers: { Prefer: "respond-async" } });
-  if (begun.status !== 202) return bodyOf(begun);
-  const job = new URL(begun.headers.get("Location"), server);
-  try {
-    signal.throwIfAborted();
-    await follow(job, signal, onProgress);
-    return await bodyOf(await fetch(`${job}/result`, { signal }));
-  } finally {
-    fetch(job, { method: "DELETE" }).catch(() => {});
-  }
+async function pictureAt(address, signal) {
+  const response = await fetch(address, { signal });
+  if (!response.ok) throw new Error(`${response.url} was answered with status ${response.status}`);
+  return response.blob();
 }
 
 const darkness = (...light) => 1 - Math.max(...light);
@@ -172,8 +140,11 @@ const looks = `
 img, canvas { width: 100%; }
 progress { position: absolute; inset: auto 0 0; width: 100%; height: 4px; }`;
 
-class Halftone extends HTMLElement {
-  static observedAttributes = ["src", "alt", ...optionAttributes];
+// Node.js has no HTMLElement, but may import this module, for example to render pages.
+const Base = globalThis.HTMLElement ?? Object;
+
+export class HalftoneElement extends Base {
+  static observedAttributes = ["src", "alt", "server", ...optionAttributes];
 
   #picture = Object.assign(new Image(), { hidden: true });
   #drawing = Object.assign(document.createElement("canvas"), { hidden: true });
@@ -185,7 +156,7 @@ class Halftone extends HTMLElement {
   #loaded = {};  // {source, picture}: the last loaded picture
   #pixels = 0;  // width of the last request, in device pixels
   #run = null;
-  #requested = null;  // source and options of the shown or requested dots
+  #requested = null;  // source, server and options of the shown or requested dots
   #drawn = null;  // source of the picture drawn in the browser
 
   constructor() {
@@ -274,9 +245,10 @@ class Halftone extends HTMLElement {
     Object.assign(this.#drawing, alt ? { role: "img", ariaLabel: alt, ariaHidden: null } : { role: null, ariaHidden: "true" });
     const source = this.getAttribute("src");
     const options = this.#options();
-    if (!this.isConnected || `${source} ${options}` === this.#requested) return;
+    const requested = `${source} ${this.getAttribute("server")} ${options}`;
+    if (!this.isConnected || requested === this.#requested) return;
     this.#cancel();
-    this.#requested = `${source} ${options}`;
+    this.#requested = requested;
     if (source) this.#make(source, options);
   }
 
@@ -285,11 +257,11 @@ class Halftone extends HTMLElement {
     const { signal } = run;
     this.#run = run;
     try {
-      if (this.#loaded.source !== source) this.#loaded = { source, picture: await bodyOf(await fetch(new URL(source, document.baseURI), { signal })) };
+      if (this.#loaded.source !== source) this.#loaded = { source, picture: await pictureAt(new URL(source, document.baseURI), signal) };
       const { picture } = this.#loaded;
       await this.#draw(picture, source, options, signal);
       const query = this.#sized(options);
-      await this.#show(await inTurn(() => askForDots(picture, query, signal, (part) => this.#reportProgress(run, part))), signal);
+      await this.#show(await inTurn(() => this.#askForDots(picture, query, run)), signal);
       this.dispatchEvent(new Event("load"));
     } catch (error) {
       if (signal.aborted) return;
@@ -301,6 +273,14 @@ class Halftone extends HTMLElement {
         this.#progress.hidden = true;
       }
     }
+  }
+
+  /** Returns dots that the server computes as a job. */
+  async #askForDots(picture, query, run) {
+    const client = new Connection(this.getAttribute("server") ?? new URL("/", here));
+    const onProgress = ({ progress }) => this.#reportProgress(run, progress);
+    const response = await client.request("POST", `halftone?${query}`, { body: picture, signal: run.signal, onProgress });
+    return response.blob();
   }
 
   /** Draws dots in the browser, and shows them unless dots of the same picture are already visible. */
@@ -357,4 +337,4 @@ class Halftone extends HTMLElement {
   }
 }
 
-customElements.define("ccdt-halftone", Halftone);
+globalThis.customElements?.define("ccdt-halftone", HalftoneElement);

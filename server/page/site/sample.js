@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Panel that places points in a shape.
 
-import { ask, post, Problem } from "./api.js";
+import { ask, post } from "./api.js";
 import { chart } from "./chart.js";
+import { CcdtError } from "./connection.js";
 import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
@@ -269,7 +270,7 @@ export class Sample extends Panel {
       this.#chosen();
     } catch (error) {
       this.element.dataset.state = "failed";
-      this.#tellOfShape(error instanceof Problem ? `${file.name} cannot be read as a shapefile: ${error.message}` : `${file.name} contains no GeoJSON polygons`);
+      this.#tellOfShape(error instanceof CcdtError ? `${file.name} cannot be read as a shapefile: ${error.message}` : `${file.name} contains no GeoJSON polygons`);
     }
   }
 

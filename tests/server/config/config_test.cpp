@@ -279,6 +279,7 @@ TEST(Config, IgnoresEmptyVariables) {
 TEST(Config, ShowsHelpDespiteOtherErrors) {
     EXPECT_EQ(parse({"--help"}, {{"PORT", "x"}})->action, CommandLine::Action::Help);
     EXPECT_EQ(parse({"--version"})->action, CommandLine::Action::Version);
+    EXPECT_EQ(parse({"--manual"})->action, CommandLine::Action::Manual);
 }
 
 TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
@@ -351,6 +352,7 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "--log-format",
                              "CCDT_LOG_FORMAT",
                              "--help",
+                             "--manual",
                              "--version"})
         EXPECT_NE(text.find(word), std::string::npos) << word;
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -44,6 +45,14 @@ int main(int argc, char** argv) {
     if (order == "tell") {
         const std::string told = inherited();
         send(kSocket, told.data(), told.size(), 0);
+    }
+    if (order == "find") {
+        const auto found = ccdt::server::find_program(argv[2]);
+        std::puts(found ? found->c_str() : found.error().message.c_str());
+    }
+    if (order == "start") {
+        const auto started = ccdt::server::spawn_sibling(argv[2], ccdt::server::UniqueFd());
+        std::puts(started ? "started" : started.error().message.c_str());
     }
     if (order == "crash") std::raise(SIGKILL);
     char byte = 0;

@@ -5,7 +5,11 @@
 
 #include <array>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
 #include <string>
 #include <thread>
 #include <utility>
@@ -35,6 +39,42 @@ Pair make_sockets() {
 Result<ChildProgram> spawn(UniqueFd socket, std::vector<std::string> arguments) {
     return spawn_sibling("ccdt_child_of_test", std::move(socket), std::move(arguments));
 }
+
+/// A temporary folder with the folders of an installed package. Its program bin/caller is a copy of ccdt_child_of_test.
+class InstalledTree {
+public:
+    InstalledTree() {
+        std::string name = std::filesystem::canonical(testing::TempDir()) / "ccdt-tree-XXXXXX";
+        EXPECT_NE(mkdtemp(name.data()), nullptr);
+        root_ = name;
+        std::filesystem::create_directories(root_ / "bin");
+        std::filesystem::create_directories(root_ / "lib" / "ccdt");
+        std::filesystem::copy_file(find_program("ccdt_child_of_test").value(), root_ / "bin" / "caller");
+    }
+    ~InstalledTree() { std::filesystem::remove_all(root_); }
+    InstalledTree(const InstalledTree&) = delete;
+    InstalledTree& operator=(const InstalledTree&) = delete;
+
+    std::string path(const std::string& file) const { return root_ / file; }
+
+    /// Creates an empty file that nobody may execute, and returns its path.
+    std::string add(const std::string& file) const {
+        EXPECT_TRUE(std::ofstream(path(file)));
+        return path(file);
+    }
+
+    /// Runs bin/caller and returns its standard output.
+    std::string run(const std::string& arguments) const {
+        const std::unique_ptr<FILE, int (*)(FILE*)> output(popen((path("bin/caller ") + arguments).c_str(), "r"),
+                                                           pclose);
+        std::string text(1000, '\0');
+        text.resize(output ? std::fread(text.data(), 1, text.size(), output.get()) : 0);
+        return text;
+    }
+
+private:
+    std::filesystem::path root_;
+};
 
 bool has_children() {
     return waitpid(-1, nullptr, WNOHANG) >= 0 || errno != ECHILD;
@@ -111,11 +151,31 @@ TEST(ChildProgram, IsSpawnedByManyThreads) {
     }
 }
 
-TEST(ChildProgram, NamesAMissingFile) {
+TEST(ChildProgram, ReportsAMissingFile) {
     const auto child = spawn_sibling("ccdt-no-such-program", make_sockets().theirs);
     ASSERT_FALSE(child);
     EXPECT_EQ(child.error().code, ErrorCode::Internal);
-    EXPECT_NE(child.error().message.find("/ccdt-no-such-program: No such file"), std::string::npos);
+    EXPECT_NE(child.error().message.find("/lib/ccdt/ccdt-no-such-program exists"), std::string::npos);
+}
+
+TEST(ChildProgram, NamesAFileThatCannotBeExecuted) {
+    const InstalledTree tree;
+    const std::string file = tree.add("lib/ccdt/a-file");
+    EXPECT_EQ(tree.run("start a-file"), "cannot start " + file + ": Permission denied\n");
+}
+
+TEST(FindProgram, PrefersTheFolderOfTheCaller) {
+    const InstalledTree tree;
+    const std::string in_lib = tree.add("lib/ccdt/helper");
+    EXPECT_EQ(tree.run("find helper"), in_lib + "\n");
+    const std::string beside = tree.add("bin/helper");
+    EXPECT_EQ(tree.run("find helper"), beside + "\n");
+}
+
+TEST(FindProgram, NamesBothFoldersOfAMissingFile) {
+    const InstalledTree tree;
+    EXPECT_EQ(tree.run("find helper"), "cannot find helper: neither " + tree.path("bin/helper") + " nor " +
+                                           tree.path("lib/ccdt/helper") + " exists\n");
 }
 
 TEST(Backoff, GrowsWhileProcessesDieEarly) {

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/analyze/point_file_reader.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "api/input/option_reader.h"
+#include "api/input/point_reader.h"
+#include "api/json/json_document.h"
+#include "api/output/npy_header.h"
+#include "api/text/text.h"
+
+namespace ccdt::api {
+namespace {
+
+tl::unexpected<Error> wrong(std::string message) {
+    return failure(ErrorCode::Malformed, std::move(message));
+}
+
+tl::unexpected<Error> too_many(const Limits& limits) {
+    return failure(ErrorCode::LimitExceeded,
+                   "there are more points than this server's limit (max-sites), " + std::to_string(limits.max_sites));
+}
+
+/// Splits CSV into records of fields.
+class CsvReader {
+public:
+    explicit CsvReader(std::string_view text) : rest_(text) {}
+
+    /// Reads the next record, which may contain line breaks in quoted fields. Returns false at the end of the text.
+    /// Errors: Malformed.
+    Result<bool> next() {
+        fields_.clear();
+        line_ = next_line_;
+        if (rest_.empty()) return false;
+        while (true) {
+            if (auto read = read_field(); !read) return tl::unexpected(std::move(read.error()));
+            if (rest_.empty()) return true;
+            const char separator = rest_.front();
+            rest_.remove_prefix(1);
+            if (separator == ',') continue;
+            ++next_line_;
+            return true;
+        }
+    }
+
+    const std::vector<std::string>& fields() const { return fields_; }
+
+    /// Beginning of messages about the current record.
+    std::string place() const { return "line " + std::to_string(line_); }
+
+private:
+    /// Reads a field up to the comma or the line break after it.
+    Result<void> read_field() {
+        std::string& field = fields_.emplace_back();
+        if (!rest_.starts_with('"')) {
+            field = rest_.substr(0, rest_.find_first_of(",\n"));
+            rest_.remove_prefix(field.size());
+            if (field.ends_with('\r')) field.pop_back();
+            return {};
+        }
+        rest_.remove_prefix(1);
+        while (true) {
+            const auto quote = rest_.find('"');
+            if (quote == std::string_view::npos) return wrong(place() + ": a quoted field has no end");
+            field += rest_.substr(0, quote);
+            rest_.remove_prefix(quote + 1);
+            if (!rest_.starts_with('"')) break;
+            field += '"';
+            rest_.remove_prefix(1);
+        }
+        next_line_ += static_cast<std::size_t>(std::ranges::count(field, '\n'));
+        if (rest_.starts_with("\r\n")) rest_.remove_prefix(1);
+        if (rest_.empty() || rest_.front() == ',' || rest_.front() == '\n') return {};
+        return wrong(place() + ": there is text after a quoted field");
+    }
+
+    std::string_view rest_;
+    std::vector<std::string> fields_;
+    std::size_t line_ = 0;
+    std::size_t next_line_ = 1;
+};
+
+Result<std::size_t> find_column(const CsvReader& header, std::string_view name) {
+    const auto& names = header.fields();
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) return wrong("line 1 must name the columns, with x and y among them");
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+Result<double> read_ordinate(const CsvReader& reader, std::size_t column, std::string_view name) {
+    const std::string& text = reader.fields()[column];
+    const auto number = parse_number<double>(text);
+    if (!number || !std::isfinite(*number))
+        return wrong(reader.place() + ": " + std::string(name) + " must be a finite number, not '" + excerpt(text) +
+                     "'");
+    return *number;
+}
+
+Result<std::vector<Point>> read_csv(std::string_view text, const Limits& limits) {
+    CsvReader reader(text);
+    if (auto header = reader.next(); !header) return tl::unexpected(std::move(header.error()));
+    const auto x_column = find_column(reader, "x"), y_column = find_column(reader, "y");
+    if (!x_column) return tl::unexpected(x_column.error());
+    if (!y_column) return tl::unexpected(y_column.error());
+    const std::size_t columns = reader.fields().size();
+    std::vector<Point> points;
+    while (true) {
+        const auto more = reader.next();
+        if (!more) return tl::unexpected(more.error());
+        if (!*more) return points;
+        if (reader.fields().size() != columns)
+            return wrong(reader.place() + " has " + std::to_string(reader.fields().size()) +
+                         " columns; the first line has " + std::to_string(columns));
+        const auto x = read_ordinate(reader, *x_column, "x"), y = read_ordinate(reader, *y_column, "y");
+        if (!x) return tl::unexpected(x.error());
+        if (!y) return tl::unexpected(y.error());
+        if (points.size() == limits.max_sites) return too_many(limits);
+        points.push_back({*x, *y});
+    }
+}
+
+/// Number of rows and columns of an array.
+struct Shape {
+    std::size_t rows = 0;
+    std::size_t columns = 0;
+};
+
+/// Reads the shape from the header of an NPY file: a literal of a Python tuple such as `(12, 2)`.
+std::optional<Shape> read_shape(std::string_view header) {
+    constexpr std::string_view kKey = "'shape': (";
+    const auto at = header.find(kKey);
+    if (at == std::string_view::npos) return std::nullopt;
+    header.remove_prefix(at + kKey.size());
+    const auto rows = parse_number<std::size_t>(trim(take_until(header, ",")));
+    const auto columns = parse_number<std::size_t>(trim(take_until(header, ")")));
+    if (!rows || !columns) return std::nullopt;
+    return Shape{*rows, *columns};
+}
+
+Result<std::vector<Point>> read_npy(std::string_view file, const Limits& limits) {
+    static_assert(std::endian::native == std::endian::little);
+    constexpr std::size_t kSizeBytes = 2;
+    file.remove_prefix(kNpyMagic.size());
+    if (file.size() < kSizeBytes) return wrong("the NPY file ends within its header");
+    const std::size_t size = static_cast<unsigned char>(file[0]) + 256U * static_cast<unsigned char>(file[1]);
+    if (file.size() < kSizeBytes + size) return wrong("the NPY file ends within its header");
+    const std::string_view header = file.substr(kSizeBytes, size);
+    file.remove_prefix(kSizeBytes + size);
+    const auto shape = read_shape(header);
+    const auto has = [header](std::string_view text) { return header.find(text) != std::string_view::npos; };
+    if (!has("'descr': '<f8'") || !has("'fortran_order': False") || !shape || shape->columns < 2)
+        return wrong(
+            "the NPY file must be an array of float64 in C order, with a row for each point and at least two columns");
+    if (shape->rows > limits.max_sites) return too_many(limits);
+    if (shape->columns > file.size() || shape->rows * shape->columns * sizeof(double) != file.size())
+        return wrong("the NPY file has " + std::to_string(file.size()) + " bytes of data, not those of its shape");
+    std::vector<Point> points(shape->rows);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        std::memcpy(&points[i], file.data() + i * shape->columns * sizeof(double), sizeof(Point));
+        if (!std::isfinite(points[i].x) || !std::isfinite(points[i].y))
+            return wrong("row " + std::to_string(i) + " of the NPY file is not finite");
+    }
+    return points;
+}
+
+Result<std::vector<Point>> read_json(std::string_view text, const Limits& limits) {
+    const auto document = JsonDocument::parse(text);
+    if (!document) return tl::unexpected(document.error());
+    const JsonValue root = document->root();
+    const auto member = root.is_object() ? root.find("points") : std::nullopt;
+    auto points =
+        member ? read_points({"/points", "/points", *member}, limits) : read_points({"the file", "", root}, limits);
+    if (!points) points.error().field.clear();
+    return points;
+}
+
+}  // namespace
+
+Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits) {
+    if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
+        if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
+        return read_npy(file, limits);
+    }
+    const auto start = trim(file, " \t\r\n");
+    return start.starts_with('{') || start.starts_with('[') ? read_json(file, limits) : read_csv(file, limits);
+}
+
+}  // namespace ccdt::api

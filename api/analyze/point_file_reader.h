@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "api/run/options.h"
+#include "core/geometry/point.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Reads the points of a file, in a format in which this project writes points. The first bytes tell the format:
+///
+/// | format | points |
+/// |---|---|
+/// | NPY | the first two columns of an array of float64, with at least two columns |
+/// | JSON | a list of positions, the member `points` of an object, or GeoJSON as in read_points() |
+/// | CSV | the columns `x` and `y`, which the first line names, in any place |
+///
+/// Fields of CSV may be quoted (RFC 4180), and lines may end with or without a carriage return.
+/// Errors: Malformed for any other content; the message names the line of CSV, the row of NPY, or the JSON Pointer;
+/// LimitExceeded for more than limits.max_sites points. Error::field is empty.
+Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits);
+
+}  // namespace ccdt::api

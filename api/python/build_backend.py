@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds the wheel of the package (PEP 517) with CMake and the standard library alone, so that pip needs no network.
+
+    pip install .
+    pip install . --config-settings build-dir=FOLDER
+
+Without `build-dir`, the package is compiled in build/python of the source tree. A folder that CMake has configured
+already is used as it is. Files in the wheel have the time SOURCE_DATE_EPOCH, if that variable is set.
+"""
+
+import base64
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+import zipfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+EARLIEST = 315532800  # 1980-01-01, which zip archives cannot precede
+
+
+def version():
+    """Returns the version of the project, which its build defines."""
+    return re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+
+
+def metadata():
+    return (f"Metadata-Version: 2.1\nName: ccdt\nVersion: {version()}\n"
+            "Summary: Blue-noise dots: pictures as halftones, and evenly spread points\n"
+            "License: GPL-3.0-or-later\nRequires-Python: >=3.9\nRequires-Dist: numpy\n"
+            "Description-Content-Type: text/markdown\n\n" + (HERE / "README.md").read_text())
+
+
+def tag():
+    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    return f"{python}-{python}-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+
+
+def compile_package(folder):
+    """Compiles the package in a build folder."""
+    if not (folder / "CMakeCache.txt").exists():
+        generator = ["-G", "Ninja"] if shutil.which("ninja") else []
+        subprocess.run(["cmake", "-S", ROOT, "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release",
+                        "-DBUILD_TESTING=OFF", "-DCCDT_BUILD_PROGRAMS=OFF", "-DCCDT_BUILD_PYTHON=ON",
+                        f"-DPython_EXECUTABLE={sys.executable}"], check=True)
+    subprocess.run(["cmake", "--build", folder, "--parallel", str(os.cpu_count()), "--target", "ccdt_python"],
+                   check=True)
+
+
+def add(wheel, name, data, listing):
+    """Adds a file to the wheel, and its digest to the listing."""
+    moment = time.gmtime(max(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())), EARLIEST))[:6]
+    info = zipfile.ZipInfo(name, moment)
+    info.external_attr = 0o644 << 16
+    info.compress_type = zipfile.ZIP_DEFLATED
+    wheel.writestr(info, data)
+    digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+    listing.append(f"{name},sha256={digest},{len(data)}\n")
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    """Builds the wheel, and returns the name of its file. Called by pip."""
+    folder = pathlib.Path((config_settings or {}).get("build-dir", ROOT / "build" / "python")).resolve()
+    compile_package(folder)
+    name = f"ccdt-{version()}-{tag()}.whl"
+    information = f"ccdt-{version()}.dist-info"
+    wheel_text = f"Wheel-Version: 1.0\nGenerator: ccdt\nRoot-Is-Purelib: false\nTag: {tag()}\n"
+    with tempfile.TemporaryDirectory() as installed:
+        subprocess.run(["cmake", "--install", folder, "--component", "python", "--strip", "--prefix", installed],
+                       check=True, stdout=subprocess.DEVNULL)
+        package = next(pathlib.Path(installed).rglob("__init__.py")).parent
+        listing = []
+        with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w") as wheel:
+            for path in sorted(package.iterdir()):
+                add(wheel, f"ccdt/{path.name}", path.read_bytes(), listing)
+            add(wheel, f"{information}/METADATA", metadata().encode(), listing)
+            add(wheel, f"{information}/WHEEL", wheel_text.encode(), listing)
+            add(wheel, f"{information}/LICENSE", (ROOT / "LICENSE").read_bytes(), listing)
+            add(wheel, f"{information}/RECORD", "".join([*listing, f"{information}/RECORD,,\n"]).encode(), [])
+    return name

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blue-noise dots: pictures as halftones, and evenly spread points.
+
+    import ccdt
+    ccdt.halftone("photo.jpg").save("dots.png")
+    points = ccdt.sample([[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]], 1000)    # array [1000, 2]
+
+The functions compute in this process. :class:`Client` uses a server instead; it needs neither NumPy nor the extension
+module, which are loaded when a function is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any, List
+
+from .client import Client
+from .domains import Pixels, Rectangle, Torus
+from .errors import Error
+
+if TYPE_CHECKING:
+    from ._analysis import Analysis, analyze
+    from ._halftone import DevicePicture, Halftone, halftone
+    from ._sample import Points, mask, sample
+
+__all__ = ["Analysis", "Client", "DevicePicture", "Error", "Halftone", "Pixels", "Points", "Rectangle", "Torus",
+           "analyze", "halftone", "mask", "sample"]
+
+_MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "DevicePicture": "_halftone", "Halftone": "_halftone",
+            "halftone": "_halftone", "Points": "_sample", "mask": "_sample", "sample": "_sample"}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(importlib.import_module("." + _MODULES[name], __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> List[str]:
+    return sorted({*globals(), *__all__})

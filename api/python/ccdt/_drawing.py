@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Results that can be written as files."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Dict, Optional, Union
+
+import numpy.typing as npt
+
+from . import _core
+from ._request import running
+from .errors import Error
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+def _formats() -> Dict[str, str]:
+    """Returns the format of each extension of file names."""
+    formats = {"tif": "tiff"}
+    for name, extension in _core.file_extensions():
+        formats.setdefault(extension, name)
+        formats.setdefault(name, name)
+    return formats
+
+
+def format_of(path: Path) -> str:
+    """Returns the format that the extension of a file's name means."""
+    extension = os.path.splitext(os.fspath(path))[1].lower().lstrip(".")
+    formats = _formats()
+    if extension not in formats:
+        raise Error(f"format: the extension of {os.fspath(path)!r} must be one of {', '.join(sorted(formats))}",
+                    field="format")
+    return formats[extension]
+
+
+class Drawing:
+    """A result that can be written in several formats."""
+
+    def _answer(self, format: str) -> _core.Answer:
+        """Writes the result. The empty format is that of the request."""
+        raise NotImplementedError
+
+    def write(self, format: str = "") -> bytes:
+        """Returns the bytes of a file.
+
+        Args:
+            format: name of a format, such as ``png``, ``svg``, ``csv`` or ``json``. By default, the format of the
+                request.
+        """
+        return bytes(self._answer(format))  # type: ignore[call-overload, no-any-return]
+
+    def save(self, path: Path, format: Optional[str] = None) -> None:
+        """Writes a file.
+
+        Args:
+            path: name of the file. If writing fails, no file is left that was not there before.
+            format: name of a format. By default, the extension of the path decides.
+        """
+        data = self._answer(format or format_of(path))
+        with open(path, "wb") as file:
+            file.write(data)  # type: ignore[arg-type]
+
+    def image(self) -> npt.NDArray[Any]:
+        """Returns the drawing as pixels: uint8 [height, width] for greys, or [height, width, 3 or 4] for colours.
+
+        Values are sRGB. A fourth channel is alpha. 0 is black, 255 is white.
+        """
+        return _core.png_pixels(self._answer("png"))
+
+    def _repr_png_(self) -> bytes:
+        return self.write("png")
+
+
+class Kept:
+    """A computation of the extension module, which is repeated after unpickling when it is needed.
+
+    The same request gives the same result, so the request is all that has to be stored.
+    """
+
+    def __init__(self, compute: Any, *request: Any) -> None:
+        self._compute = compute
+        self._request = request
+        self._result: Any = None
+
+    def run(self, threads: Optional[int], progress: Any) -> Any:
+        self._result = self._compute(*self._request, running(threads, progress))
+        return self._result
+
+    def write(self, format: str) -> _core.Answer:
+        result = self.run(None, None) if self._result is None else self._result
+        answer: _core.Answer = result.write(format, running())
+        return answer
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {"_compute": self._compute, "_request": self._request, "_result": None}

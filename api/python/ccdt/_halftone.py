@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Halftones: pictures as dots, and as the pixels of a device."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._drawing import Drawing, Kept
+from ._options import DeviceOptions, HalftoneOptions, Progress, check_names, texts_of
+from ._request import npy_array, picture_of, running
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+Floats = npt.NDArray[np.float64]
+Table = List[Tuple[str, str]]
+
+
+class Halftone(Drawing):
+    """A picture as dots. Positions are in pixels of the picture; y points down, the first pixel is [0, 1] x [0, 1].
+
+    Files and pixels show exactly the dots of ``points``.
+    """
+
+    def __init__(self, kept: Kept, table: Floats) -> None:
+        self._kept = kept
+        self._table = table
+        self._info: Optional[Dict[str, Any]] = None
+
+    def _answer(self, format: str) -> _core.Answer:
+        return self._kept.write(format)
+
+    @property
+    def points(self) -> Floats:
+        """Centres of the dots, float64 [n, 2]; grouped by ink or kind if there are several."""
+        return self._table[:, :2]
+
+    @property
+    def radii(self) -> Floats:
+        """Radii of the dots in pixels of the picture, float64 [n]."""
+        if self._has_sizes():
+            return self._table[:, 2]
+        return np.full(len(self), np.nan if self.radius is None else self.radius)
+
+    @property
+    def radius(self) -> Optional[float]:
+        """Radius of the largest dots, in pixels of the picture; None if it is chosen for each drawing."""
+        if self._has_sizes():
+            return float(self._table[:, 2].max(initial=0))
+        return self._answer("csv").radius
+
+    @property
+    def side(self) -> Optional[npt.NDArray[np.uint8]]:
+        """Ground of each dot, uint8 [n]: 0 for ink on white ground, 1 for paper on black ground.
+
+        None if there is no black ground, or if there are several inks.
+        """
+        return self._table[:, 3].astype(np.uint8) if self._table.shape[1] == 4 else None
+
+    @property
+    def ink(self) -> Optional[npt.NDArray[np.uint8]]:
+        """Index of each dot's ink in ``inks``, uint8 [n]; None if there is a single ink, or with ``dots="both"``."""
+        return self._table[:, 2].astype(np.uint8) if self._table.shape[1] == 3 else None
+
+    @property
+    def flips(self) -> Optional[npt.NDArray[np.uint8]]:
+        """Inks that each dot adds or removes, as bits, uint8 [n]; None unless ``dots="both"`` with several inks."""
+        return self._table[:, 3].astype(np.uint8) if self._table.shape[1] == 5 else None
+
+    @property
+    def ground(self) -> List[Floats]:
+        """Outlines of the black ground, float64 [corners, 2] each, by the even-odd rule.
+
+        Empty without black ground. With several inks, ``info["grounds"]`` has the grounds of each ink.
+        """
+        return [np.array(ring, dtype=np.float64) for ring in self.info.get("ground", [])]
+
+    @property
+    def inks(self) -> List[str]:
+        """Names of the inks, or of the kinds of dots with ``dots="both"``; empty if there is a single ink."""
+        return [each["name"] for each in self.info.get("inks", self.info.get("kinds", []))]
+
+    @property
+    def width(self) -> int:
+        """Width of the picture, or of the part that is drawn, in pixels."""
+        return int(self.info["width"])
+
+    @property
+    def height(self) -> int:
+        """Height of the picture, or of the part that is drawn, in pixels."""
+        return int(self.info["height"])
+
+    @property
+    def info(self) -> Dict[str, Any]:
+        """Members of the service's JSON answer, without those that list every dot."""
+        if self._info is None:
+            members = json.loads(self.write("json"))
+            for part in (members, *members.get("inks", ()), *members.get("kinds", ())):
+                for name in ("points", "radii", "side"):
+                    part.pop(name, None)
+            self._info = members
+        return self._info
+
+    def __len__(self) -> int:
+        return len(self._table)
+
+    def __repr__(self) -> str:
+        return f"<ccdt.Halftone of {len(self)} dots>"
+
+    def _has_sizes(self) -> bool:
+        return self._table.shape[1] >= 4
+
+
+class DevicePicture(Drawing):
+    """A picture that has exactly the pixels and the colours of a device."""
+
+    def __init__(self, picture: Any, linear: bool, options: Mapping[str, str], answer: _core.Answer) -> None:
+        self._picture = picture
+        self._linear = linear
+        self._options = dict(options)
+        self._answers = {self._options.get("format", ""): answer}
+
+    def _answer(self, format: str) -> _core.Answer:
+        format = format or self._options.get("format", "")
+        if format not in self._answers:
+            options = {**self._options, "format": format}
+            self._answers[format] = _core.answer_device(self._picture, self._linear, list(options.items()), running())
+        return self._answers[format]
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return {**self.__dict__, "_answers": {}}
+
+    @property
+    def width(self) -> int:
+        """Width in pixels."""
+        return int(self.image().shape[1])
+
+    @property
+    def height(self) -> int:
+        """Height in pixels."""
+        return int(self.image().shape[0])
+
+    def __repr__(self) -> str:
+        return f"<ccdt.DevicePicture for {self._options['device']}>"
+
+
+@overload
+def halftone(picture: Any, sites: Optional[int] = None, *, device: None = None, format: Optional[str] = None,
+             linear: bool = False, threads: Optional[int] = None, progress: Progress = None,
+             **options: Unpack[HalftoneOptions]) -> Halftone: ...
+@overload
+def halftone(picture: Any, *, device: str, format: Optional[str] = None, linear: bool = False,
+             threads: Optional[int] = None, progress: Progress = None,
+             **options: Unpack[DeviceOptions]) -> DevicePicture: ...
+def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str] = None,
+             format: Optional[str] = None, linear: bool = False, threads: Optional[int] = None,
+             progress: Progress = None, **options: Any) -> Any:
+    """Draws a picture with dots, or in the pixels and colours of a device.
+
+    Options, ranges, defaults, dots and bytes are those of ``POST /halftone`` of ccdt-server.
+
+    Args:
+        picture: array [height, width] or [height, width, channels] of bool, uint8, uint16, or floats from 0 to 1; an
+            image of Pillow; or a file as a path, bytes, or an open file. One channel is grey, three are red, green
+            and blue; a second or a fourth channel is alpha.
+        sites: exact number of dots. By default, it is chosen for the picture and the size of the drawing.
+        device: name of a device, such as ``"spectra6"``. The result is then a :class:`DevicePicture`.
+        format: format for which defaults are chosen, such as the size of the drawing. The default is ``"png"``, a
+            drawing for a screen. Results can be written in other formats as well; the dots stay the same.
+        linear: whether an array has linear light. By default, values are sRGB, as in most pictures.
+        threads: number of threads; by default all processors. Results do not depend on it.
+        progress: function that receives the completed share of the work, 0 to 1.
+        **options: see api/README.md: ``seed``, ``color``, ``dots``,
+            ``width``, ``quality``, ``palette`` and others. Options that are None are left out.
+
+    Raises:
+        Error: an option or the picture is not usable. The message names the option and its limit.
+        TypeError: there is no such option.
+    """
+    check_names("halftone", options, HalftoneOptions if device is None else DeviceOptions)
+    texts = texts_of({"sites": sites, "device": device, **options, "format": format})
+    pixels = picture_of(picture)
+    if device is not None:
+        answer = _core.answer_device(pixels, linear, list(texts.items()), running(threads, progress))
+        return DevicePicture(pixels, linear, texts, answer)
+    kept = Kept(_core.Halftone, pixels, linear, list(texts.items()))
+    placed = kept.run(threads, progress)
+    return Halftone(kept, npy_array(placed.write("npy", running(threads))))

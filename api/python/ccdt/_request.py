@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Conversion of Python values to requests of the extension module, and of its answers to arrays."""
+
+from __future__ import annotations
+
+import ast
+import base64
+import json
+import os
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._options import Progress
+from .domains import region_members
+from .errors import Error
+
+# A picture as the extension module takes it: the bytes of a file, or an array [height, width, channels].
+Picture = Union[bytes, npt.NDArray[Any]]
+
+
+def running(threads: Optional[int] = None, progress: Progress = None) -> _core.Running:
+    """Returns how to run a computation: by default on all processors of this process."""
+    if threads is None:
+        threads = len(os.sched_getaffinity(0))
+    if threads < 1:
+        raise Error(f"threads must be at least 1, not {threads}", field="threads")
+    return _core.Running(threads, progress)
+
+
+def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray[Any]:
+    """Returns an array as the extension module takes it. Copies it only if its type or its layout requires that."""
+    shape = array.shape
+    if not (array.ndim == 2 or array.ndim == 3 and 1 <= shape[2] <= 4):
+        raise Error(f"{name} must have the shape [height, width] or [height, width, 1 to 4], not {list(shape)}",
+                    field=name)
+    if array.size == 0:
+        raise Error(f"{name} must have at least one pixel, not the shape {list(shape)}", field=name)
+    if array.dtype == np.bool_:
+        array = array * np.uint8(255)
+    elif array.dtype.kind == "f":
+        low, high = float(array.min()), float(array.max())
+        if not (low >= 0 and high <= 1):  # also true for NaN
+            raise Error(f"{name} of floats must have values from 0 to 1, not from {low:g} to {high:g}", field=name)
+        array = array.astype(np.float32, copy=False)
+    elif array.dtype.kind != "u" or array.dtype.itemsize > 2:
+        raise Error(f"{name} must have the type bool, uint8, uint16 or float, not {array.dtype}", field=name)
+    native = array.astype(array.dtype.newbyteorder("="), copy=False)
+    return np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
+
+
+def read_file(source: Any, name: str) -> bytes:
+    """Returns the bytes of a file: given as bytes, as a path, or as an open file."""
+    if isinstance(source, (bytes, bytearray, memoryview)):
+        return bytes(source)
+    if isinstance(source, (str, os.PathLike)):
+        with open(source, "rb") as file:
+            return file.read()
+    if hasattr(source, "read"):
+        return bytes(source.read())
+    raise Error(f"{name} must be an array, an image, a path, bytes or an open file, not {type(source).__name__}",
+                field=name)
+
+
+def pillow_picture(image: Any, name: str) -> Picture:
+    """Returns the upright pixels of an image of Pillow, or a file of it if colours must be converted."""
+    import io
+
+    from PIL import ImageOps
+
+    profile = image.info.get("icc_profile")
+    image = ImageOps.exif_transpose(image)
+    if image.mode == "P":
+        image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+    if image.mode in ("L", "LA", "RGB", "RGBA", "1", "I;16") and not profile:
+        return array_picture(np.asarray(image), name)
+    file = io.BytesIO()
+    image.save(file, "TIFF", icc_profile=profile)
+    return file.getvalue()
+
+
+def picture_of(source: Any, name: str = "picture") -> Picture:
+    """Returns a picture as the extension module takes it."""
+    if hasattr(source, "getexif"):  # an image of Pillow
+        return pillow_picture(source, name)
+    if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):
+        return array_picture(np.asarray(source), name)
+    return read_file(source, name)
+
+
+def array_json(value: Any, name: str) -> str:
+    """Writes an array of numbers as JSON."""
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as reason:
+        raise Error(f"{name} must be numbers in lists of equal length: {reason}", field=name) from None
+    finite = np.isfinite(array)
+    if not finite.all():
+        index = tuple(int(i) for i in np.argwhere(~finite)[0])
+        path = "".join(f"[{i}]" for i in index)
+        raise Error(f"{name}{path} must be finite, not {array[index]}",
+                    field="/".join([name, *(str(i) for i in index)]))
+    return _core.json_of(array)
+
+
+def _jsonable(value: Any) -> Any:
+    """Returns what the module json can write instead of a value that it does not know."""
+    if hasattr(value, "__geo_interface__"):
+        return value.__geo_interface__
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def json_of(value: Any, name: str) -> str:
+    """Writes a value as JSON: arrays, objects with a geometry, and what the module json can write."""
+    if isinstance(value, np.ndarray) and value.ndim > 0:
+        return array_json(value, name)
+    try:
+        return json.dumps(value, default=_jsonable, allow_nan=False)
+    except (TypeError, ValueError) as reason:
+        raise Error(f"{name} is not valid: {reason}", field=name) from None
+
+
+def points_json(value: Any, name: str) -> str:
+    """Writes a list of positions as JSON."""
+    array = value if isinstance(value, np.ndarray) else None
+    if array is None and isinstance(value, (list, tuple)):
+        array = np.asarray(value, dtype=object)
+    if array is None or array.ndim != 2 or array.shape[1] != 2:
+        shape = None if array is None else list(array.shape)
+        raise Error(f"{name} must be positions [n, 2], not {shape or type(value).__name__}", field=name)
+    return array_json(value, name)
+
+
+def density_json(density: Any) -> str:
+    """Writes a density as JSON: a grid of values, or the file of a picture."""
+    if isinstance(density, (np.ndarray, list, tuple)):
+        grid = np.asarray(density)
+        if grid.ndim != 2:
+            raise Error(f"density must have the shape [rows, columns], not {list(grid.shape)}", field="density")
+        return (f'{{"width":{grid.shape[1]},"height":{grid.shape[0]},'
+                f'"values":{array_json(grid.ravel(), "density")}}}')
+    return picture_json(density, "density")
+
+
+def picture_json(source: Any, name: str) -> str:
+    """Writes the file of a picture as JSON."""
+    return json.dumps({"image": base64.b64encode(read_file(source, name)).decode()})
+
+
+def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
+    """Writes a request for points. Returns it, and whether it contains pictures."""
+    members = {name: value for name, value in members.items() if value is not None}
+    texts: Dict[str, str] = {}
+    for name, region in region_members(domain).items():
+        texts[name] = points_json(region, name) if name == "polygon" else json_of(region, name)
+    for name, value in members.items():
+        if name == "density":
+            texts[name] = density_json(value)
+        elif name == "exclude" and not isinstance(value, dict):
+            texts[name] = picture_json(value, name)
+        else:
+            texts[name] = json_of(value, name)
+    has_pictures = any('"image"' in texts.get(name, "")[:16] for name in ("density", "exclude"))
+    return "{" + ",".join(f"{json.dumps(name)}:{text}" for name, text in texts.items()) + "}", has_pictures
+
+
+def npy_array(answer: _core.Answer) -> npt.NDArray[Any]:
+    """Returns the array in an NPY file, without a copy."""
+    head = memoryview(answer)  # type: ignore[arg-type]
+    end = 10 + int.from_bytes(head[8:10], "little")
+    header = ast.literal_eval(bytes(head[10:end]).decode("latin-1"))
+    return np.frombuffer(answer, dtype=header["descr"], offset=end).reshape(header["shape"])  # type: ignore[call-overload, no-any-return]

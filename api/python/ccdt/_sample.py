@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evenly spread points, sets of pixels, and threshold masks."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple, Union, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._drawing import Drawing, Kept
+from ._options import PixelOptions, Progress, SampleOptions, check_names
+from ._request import npy_array, running, sample_body
+from .domains import Pixels, Torus
+from .errors import Error
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+Floats = npt.NDArray[np.float64]
+
+# Members of the service's JSON answer that list every point.
+LISTS = ("points", "rank", "ranks", "feature", "class")
+
+
+class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
+    """Points as an array, float64 [n, 2], with what else is known about them.
+
+    It behaves like any array. Parts of it, and results of arithmetic, are plain arrays without the further members.
+    """
+
+    _kept: Optional[Kept]
+    _columns: Dict[str, npt.NDArray[np.uint32]]
+    _domain: Any
+    _info: Optional[Dict[str, Any]]
+
+    @classmethod
+    def _of(cls, kept: Kept, table: Floats, domain: Any, columns: Tuple[str, ...]) -> Points:
+        points = table[:, :2].view(cls)
+        points._kept = kept
+        points._columns = {name: table[:, 2 + i].astype(np.uint32) for i, name in enumerate(columns)}
+        points._domain = domain
+        return points
+
+    def __array_finalize__(self, parent: Any) -> None:
+        self._kept = None
+        self._columns = {}
+        self._domain = None
+        self._info = None
+
+    def __array_wrap__(self, array: Any, context: Any = None) -> Any:
+        return array[()] if array.ndim == 0 else np.asarray(array)
+
+    def __getitem__(self, key: Any) -> Any:
+        return np.asarray(self)[key]
+
+    def __reduce__(self) -> Any:
+        rebuild, arguments, state = super().__reduce__()  # type: ignore[misc]
+        return rebuild, arguments, (state, self.__dict__)
+
+    def __setstate__(self, state: Any) -> None:
+        super().__setstate__(state[0])
+        self.__dict__.update(state[1])
+
+    def _answer(self, format: str) -> _core.Answer:
+        if self._kept is None:
+            raise AttributeError("only the array that sample() returned can be written, not a part or a copy of it")
+        return self._kept.write(format)
+
+    @property
+    def info(self) -> Dict[str, Any]:
+        """Members of the service's JSON answer, without those that list every point."""
+        if self._info is None:
+            members = json.loads(self.write("json"))
+            for name in LISTS:
+                members.pop(name, None)
+            self._info = members
+        return self._info
+
+    @property
+    def ranks(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Rank of each point, uint32 [n], with ``order="progressive"``; else None."""
+        return self._columns.get("rank")
+
+    @property
+    def features(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Index of each point's feature in the request, uint32 [n], in dot maps and with ``properties``; else None."""
+        return self._columns.get("feature")
+
+    @property
+    def classes(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Index of each point's class, uint32 [n], in dot maps with ``classes``; else None."""
+        return self._columns.get("class")
+
+    @property
+    def variation(self) -> float:
+        """Standard deviation of the capacities of triangles, relative to their targets."""
+        return float(self.info["variation"])
+
+    @property
+    def variations(self) -> Floats:
+        """Variation after each iteration, float64 [iterations + 1]."""
+        return np.array([each["variation"] for each in self.info["trace"]], dtype=np.float64)
+
+    @property
+    def vertices(self) -> Optional[Floats]:
+        """Vertices of the triangulation, float64 [m, 2], the points first, with ``mesh=True``; else None."""
+        return np.array(self.info["vertices"], dtype=np.float64) if "vertices" in self.info else None
+
+    @property
+    def triangles(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Indices of each triangle's vertices, uint32 [t, 3], counter-clockwise, with ``mesh=True``; else None."""
+        return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
+
+
+@overload  # type: ignore[misc]  # Any includes Pixels
+def sample(domain: Pixels, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+           progress: Progress = None, **options: Unpack[PixelOptions]) -> npt.NDArray[np.bool_]: ...
+@overload
+def sample(domain: Any, sites: Union[int, str, Dict[str, Any], None] = None, *, density: Any = None, seed: int = 0,
+           threads: Optional[int] = None, progress: Progress = None, **options: Unpack[SampleOptions]) -> Points: ...
+def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+           progress: Progress = None, **options: Any) -> Any:
+    """Spreads points evenly over an area, or chooses an exact number of pixels of a raster.
+
+    Options, ranges, defaults and positions are those of ``POST /sample`` of ccdt-server.
+
+    Args:
+        domain: positions [n, 2] of the corners of a polygon; GeoJSON or TopoJSON as a dict; an object with
+            ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`; or
+            :class:`Pixels`.
+        sites: exact number of points; in a dot map, the name of the property that has the counts.
+        density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
+            first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as
+            a path, bytes, or an open file. Uniform by default.
+        seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
+        threads: number of threads; by default all processors. Results do not depend on it.
+        progress: function that receives the completed share of the work, 0 to 1.
+        **options: see api/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
+            ``order``, ``mesh``, ``method`` and others. Options that are None are left out.
+
+    Returns:
+        Points: float64 [n, 2], strictly inside the area. For pixels, an array [height, width] of bool, True for the
+        chosen ones.
+
+    Raises:
+        Error: an option or the area is not usable. The message names the option and its limit.
+        TypeError: there is no such option.
+    """
+    raster = isinstance(domain, Pixels)
+    check_names("sample", options, PixelOptions if raster else SampleOptions)
+    members = {"sites": sites, "density": density, "seed": seed, **options}
+    body, has_pictures = sample_body(domain, {**members, "format": "npy"})
+    if raster:
+        return npy_array(_core.answer_sample(body, has_pictures, running(threads, progress)))
+    kept = Kept(_core.Sample, body, has_pictures)
+    table = npy_array(kept.run(threads, progress).write("npy", running(threads)))
+    names = ((("rank",) if options.get("order") == "progressive" else ())
+             + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
+    return Points._of(kept, table, domain, names[:table.shape[1] - 2])
+
+
+def mask(width: int, height: Optional[int] = None, *, seed: int = 0, bits: int = 8, threads: Optional[int] = None,
+         progress: Progress = None) -> npt.NDArray[Any]:
+    """Computes a threshold mask for dithering, which tiles without seams.
+
+    A pixel of a picture that is lighter than the mask becomes white. All values are equally frequent.
+
+    Args:
+        width, height: size in pixels, 8 to 1024 each; by default, the mask is a square.
+        seed: integer from 0 to 2^53 - 1.
+        bits: 8 or 16, bits of each value.
+        threads: number of threads; by default all processors.
+        progress: function that receives the completed share of the work, 0 to 1.
+
+    Returns:
+        uint8 or uint16 [height, width].
+
+    Raises:
+        Error: a side, the seed or the number of bits is out of range.
+    """
+    torus = Torus(width, width if height is None else height)
+    if bits not in (8, 16):
+        raise Error(f"bits must be 8 or 16, not {bits}", field="bits")
+    body, _ = sample_body(torus, {"seed": seed, "format": "mask" if bits == 8 else "mask16"})
+    return _core.png_pixels(_core.answer_sample(body, False, running(threads, progress)))

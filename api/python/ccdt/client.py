@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Client of a ccdt-server. Imports nothing but the standard library.
+
+    from ccdt.client import Client
+    client = Client("http://localhost:8080")
+    client.halftone("photo.jpg", sites=20000).save("dots.png")
+"""
+
+from __future__ import annotations
+
+import email.utils
+import json
+import os
+import random
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Tuple, Union
+
+from ._options import texts_of
+from .domains import domain_member, region_members
+from .errors import Error
+
+Path = Union[str, "os.PathLike[str]"]
+Progress = Optional[Callable[[float], object]]
+Request = Tuple[str, bytes, str]  # path with query, body, media type
+
+# Statuses after which the same request may succeed: too many requests, and no time or no process at present.
+TEMPORARY = (429, 503)
+
+
+class Answer:
+    """Answer of a server.
+
+    Attributes:
+        body: the bytes.
+        media_type: media type of the body.
+        headers: header fields, with names in lower case.
+    """
+
+    def __init__(self, body: bytes, headers: Mapping[str, str]) -> None:
+        self.body = body
+        self.headers = {name.lower(): value for name, value in headers.items()}
+        self.media_type = self.headers.get("content-type", "").partition(";")[0]
+
+    def __bytes__(self) -> bytes:
+        return self.body
+
+    def json(self) -> Any:
+        """Returns the value in a JSON answer."""
+        return json.loads(self.body)
+
+    def save(self, path: Path) -> None:
+        """Writes the body to a file."""
+        with open(path, "wb") as file:
+            file.write(self.body)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return self.body if self.media_type == "image/png" else None
+
+    def __repr__(self) -> str:
+        return f"<ccdt.client.Answer: {len(self.body)} bytes of {self.media_type}>"
+
+
+class Job:
+    """A request that the server computes in the background.
+
+    Attributes:
+        path: path of the job on the server.
+    """
+
+    def __init__(self, client: Client, path: str) -> None:
+        self._client = client
+        self.path = path
+
+    def status(self) -> Dict[str, Any]:
+        """Returns the state of the job: ``status``, ``progress`` from 0 to 1, and others."""
+        state: Dict[str, Any] = self._client._request("GET", self.path).json()
+        return state
+
+    def events(self) -> Iterator[Dict[str, Any]]:
+        """Yields the state of the job at once, after each step, and at its end, which ends the iteration."""
+        with self._client._open("GET", self.path + "/events") as stream:
+            name = ""
+            for line in stream:
+                key, _, value = line.decode().rstrip("\r\n").partition(": ")
+                if key == "event":
+                    name = value
+                elif key == "data":
+                    yield json.loads(value)
+                    if name != "progress":
+                        return
+
+    def result(self, progress: Progress = None) -> Answer:
+        """Waits for the end of the job, and returns its answer.
+
+        Args:
+            progress: function that receives the completed share of the work, 0 to 1.
+
+        Raises:
+            Error: the computation failed, or was cancelled.
+        """
+        for state in self.events():
+            if progress is not None:
+                progress(state["progress"])
+        return self._client._request("GET", self.path + "/result")
+
+    def cancel(self) -> None:
+        """Cancels the job, or deletes it if it has ended."""
+        self._client._request("DELETE", self.path)
+
+
+class Client:
+    """Sends requests to a ccdt-server. Several threads may use one client.
+
+    Args:
+        url: address of the server, such as ``http://localhost:8080``.
+        key: API key, if the server requires one.
+        timeout: seconds without any byte from the server, after which a request fails.
+        patience: seconds for which a request is repeated while the server is busy (429 or 503). The server says how
+            long to wait between two attempts.
+    """
+
+    def __init__(self, url: str, key: Optional[str] = None, *, timeout: float = 120, patience: float = 60) -> None:
+        if urllib.parse.urlsplit(url).scheme not in ("http", "https"):
+            raise Error(f"url must begin with http:// or https://, not {url!r}", field="url")
+        self._url = url.rstrip("/")
+        self._key = key
+        self._timeout = timeout
+        self._patience = patience
+
+    def halftone(self, picture: Any, sites: Optional[int] = None, *, progress: Progress = None,
+                 **options: Any) -> Answer:
+        """Draws a picture with dots.
+
+        Args:
+            picture: file of a picture, as a path, bytes, or an open file.
+            sites: exact number of dots; by default chosen by the server.
+            progress: function that receives the completed share of the work, 0 to 1. The request is then a job.
+            **options: options of ``POST /halftone``, such as ``format="svg"``. Options that are None are left out.
+
+        Raises:
+            Error: the server refused the request. The message names the option and its limit.
+            OSError: the server cannot be reached.
+        """
+        return self._compute(_halftone(picture, {"sites": sites, **options}), progress)
+
+    def sample(self, domain: Any, sites: Any = None, *, progress: Progress = None, **options: Any) -> Answer:
+        """Spreads points evenly over an area.
+
+        Args:
+            domain: as for :func:`ccdt.sample`: corners of a polygon, GeoJSON, an object with ``__geo_interface__``,
+                or a torus, a rectangle or a raster of pixels.
+            sites: exact number of points.
+            progress: as for :meth:`halftone`.
+            **options: members of the body of ``POST /sample``, such as ``format="csv"``.
+        """
+        return self._compute(_sample(domain, {"sites": sites, **options}), progress)
+
+    def analyze(self, points: Any, domain: Any = None, *, progress: Progress = None, **options: Any) -> Answer:
+        """Measures how evenly points are spread.
+
+        Args:
+            points: positions [n, 2].
+            domain: torus or rectangle; the unit torus by default.
+            progress: as for :meth:`halftone`.
+            **options: members of the body of ``POST /analyze``, such as ``format="png"``.
+        """
+        return self._compute(_analyze(points, {"domain": domain, **options}), progress)
+
+    def start_halftone(self, picture: Any, sites: Optional[int] = None, **options: Any) -> Job:
+        """Starts a job. The parameters are those of :meth:`halftone`."""
+        return self._start(_halftone(picture, {"sites": sites, **options}))
+
+    def start_sample(self, domain: Any, sites: Any = None, **options: Any) -> Job:
+        """Starts a job. The parameters are those of :meth:`sample`."""
+        return self._start(_sample(domain, {"sites": sites, **options}))
+
+    def start_analyze(self, points: Any, domain: Any = None, **options: Any) -> Job:
+        """Starts a job. The parameters are those of :meth:`analyze`."""
+        return self._start(_analyze(points, {"domain": domain, **options}))
+
+    def capabilities(self) -> Dict[str, Any]:
+        """Returns the formats, the options and the limits of the server."""
+        offered: Dict[str, Any] = self._request("GET", "/capabilities").json()
+        return offered
+
+    def _compute(self, request: Request, progress: Progress) -> Answer:
+        if progress is None:
+            return self._request("POST", *request)
+        return self._start(request).result(progress)
+
+    def _start(self, request: Request) -> Job:
+        answer = self._request("POST", *request, prefer="respond-async")
+        return Job(self, answer.headers["location"])
+
+    def _request(self, method: str, path: str, body: Optional[bytes] = None, media_type: str = "",
+                 prefer: str = "") -> Answer:
+        with self._open(method, path, body, media_type, prefer) as response:
+            return Answer(response.read(), response.headers)
+
+    def _open(self, method: str, path: str, body: Optional[bytes] = None, media_type: str = "",
+              prefer: str = "") -> Any:
+        """Sends a request, again while the server is busy. Returns the response, whose body is not read."""
+        fields = {"Content-Type": media_type, "Prefer": prefer,
+                  "Authorization": f"Bearer {self._key}" if self._key else ""}
+        request = urllib.request.Request(self._url + path, data=body, method=method,
+                                         headers={name: value for name, value in fields.items() if value})
+        end = time.monotonic() + self._patience
+        while True:
+            try:
+                return urllib.request.urlopen(request, timeout=self._timeout)
+            except urllib.error.HTTPError as refusal:
+                with refusal:
+                    wait = _seconds_to_wait(refusal.headers.get("Retry-After"))
+                    if refusal.code not in TEMPORARY or time.monotonic() + wait > end:
+                        raise _error_of(refusal) from None
+                time.sleep(wait)
+
+
+def _halftone(picture: Any, options: Mapping[str, Any]) -> Request:
+    query = urllib.parse.urlencode(texts_of(options))
+    return "/halftone" + ("?" + query if query else ""), _read(picture), "application/octet-stream"
+
+
+def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
+    return "/sample", _body({**region_members(domain), **members}), "application/json"
+
+
+def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
+    domain = members["domain"]
+    if domain is not None and not isinstance(domain, dict):
+        domain = domain_member(domain)
+    return "/analyze", _body({**members, "points": points, "domain": domain}), "application/json"
+
+
+def _body(members: Mapping[str, Any]) -> bytes:
+    given = {name: value for name, value in members.items() if value is not None}
+    return json.dumps(given, default=_jsonable, allow_nan=False).encode()
+
+
+def _jsonable(value: Any) -> Any:
+    """Returns what the module json can write instead of arrays, and of objects with a geometry."""
+    if hasattr(value, "__geo_interface__"):
+        return value.__geo_interface__
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def _read(picture: Any) -> bytes:
+    if isinstance(picture, (bytes, bytearray, memoryview)):
+        return bytes(picture)
+    if hasattr(picture, "read"):
+        return bytes(picture.read())
+    with open(picture, "rb") as file:
+        return file.read()
+
+
+def _seconds_to_wait(retry_after: Optional[str]) -> float:
+    """Returns the time that a server asks to wait, and up to a tenth more, so that clients do not return together."""
+    seconds = 1.0
+    if retry_after is not None and retry_after.isdigit():
+        seconds = float(retry_after)
+    elif retry_after is not None:
+        date = email.utils.parsedate_to_datetime(retry_after)
+        seconds = max(date.timestamp() - time.time(), 0.0)
+    return seconds * random.uniform(1, 1.1)
+
+
+def _error_of(refusal: urllib.error.HTTPError) -> Error:
+    """Returns the error that a server reports as application/problem+json."""
+    body = refusal.read()
+    try:
+        problem = json.loads(body)
+        message = problem["detail"]
+        errors: List[Tuple[str, str]] = [(each["pointer"].lstrip("/"), each["detail"])
+                                         for each in problem.get("errors", ())]
+    except (ValueError, KeyError, TypeError):
+        message, errors = f"{refusal.code} {refusal.reason}", []
+    return Error(message, code=f"http_{refusal.code}", field=errors[0][0] if errors else "", errors=errors,
+                 status=refusal.code)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Domains that are not polygons. This module imports nothing but the standard library."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, Union
+
+
+@dataclass(frozen=True)
+class Torus:
+    """The area [0, width) x [0, height), whose opposite sides are joined. Points on it tile the plane."""
+
+    width: float = 1
+    height: float = 1
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """The area [0, width] x [0, height], in any unit of length."""
+
+    width: float = 1
+    height: float = 1
+
+
+@dataclass(frozen=True)
+class Pixels:
+    """A raster of width x height pixels, of which an exact number is chosen. The first row is at the top."""
+
+    width: int
+    height: int
+
+
+def domain_member(domain: Union[Torus, Rectangle, Pixels]) -> Dict[str, Any]:
+    """Returns the member `domain` of a request."""
+    return {"type": type(domain).__name__.lower(), "width": domain.width, "height": domain.height}
+
+
+def region_members(domain: Any) -> Dict[str, Any]:
+    """Returns the member of a request that gives its area: `domain`, `geometry` or `polygon`."""
+    if isinstance(domain, (Torus, Rectangle, Pixels)):
+        return {"domain": domain_member(domain)}
+    if hasattr(domain, "__geo_interface__"):
+        domain = domain.__geo_interface__
+    if isinstance(domain, dict):
+        return {"domain" if domain.get("type") in ("torus", "rectangle", "pixels") else "geometry": domain}
+    return {"polygon": domain}

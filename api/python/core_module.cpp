@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "api/analyze/analyze.h"
+#include "api/halftone/device_picture.h"
+#include "api/halftone/halftone.h"
+#include "api/operation/parsed_request.h"
+#include "api/output/json_writer.h"
+#include "api/python/array_picture.h"
+#include "api/python/decode_capsule.h"
+#include "api/python/interruptible.h"
+#include "api/python/png_pixels.h"
+#include "api/sample/pixel_sample.h"
+#include "api/sample/sample.h"
+#include "api/sample/sample_parser.h"
+#include "api/text/numbers.h"
+
+namespace ccdt::python {
+namespace {
+
+namespace py = pybind11;
+
+using OptionList = std::vector<std::pair<std::string, std::string>>;
+
+/// Settings of a computation that do not change its result.
+struct Running {
+    std::size_t threads = 1;
+    py::object progress;  ///< see run_interruptible()
+};
+
+const char* name_of(ErrorCode code) {
+    switch (code) {
+        case ErrorCode::Malformed:
+            return "malformed";
+        case ErrorCode::Unusable:
+            return "unusable";
+        case ErrorCode::LimitExceeded:
+            return "limit_exceeded";
+        case ErrorCode::NotAcceptable:
+            return "not_acceptable";
+        case ErrorCode::Unsupported:
+            return "unsupported";
+        case ErrorCode::Unavailable:
+            return "unavailable";
+        case ErrorCode::Stopped:
+            return "stopped";
+        case ErrorCode::Internal:
+            break;
+    }
+    return "internal";
+}
+
+/// Raises ccdt.Error.
+[[noreturn]] void raise(const Error& error) {
+    const py::object type = py::module_::import("ccdt.errors").attr("Error");
+    std::vector<std::pair<std::string, std::string>> all{{error.field, error.message}};
+    for (const Error& other : error.others) all.emplace_back(other.field, other.message);
+    const py::object raised = type.attr("_of")(name_of(error.code), all);
+    PyErr_SetObject(type.ptr(), raised.ptr());
+    throw py::error_already_set();
+}
+
+template <class T>
+T value_or_raise(Result<T> result) {
+    if (!result) raise(result.error());
+    return *std::move(result);
+}
+
+std::vector<api::TextOption> text_options(const OptionList& options) {
+    std::vector<api::TextOption> list;
+    list.reserve(options.size());
+    for (const auto& [name, value] : options) list.push_back({name, value});
+    return list;
+}
+
+/// Returns the decoders of ccdt._codec, which this function loads.
+const api::Decode& file_decode() {
+    const py::capsule capsule = py::module_::import("ccdt._codec").attr("decode");
+    return *static_cast<const api::Decode*>(PyCapsule_GetPointer(capsule.ptr(), kDecodeCapsule));
+}
+
+/// Picture of a request: an array of pixels, or the bytes of a file.
+class PictureInput {
+public:
+    /// @param picture  bytes, or an array as in decode_array()
+    PictureInput(py::object picture, bool linear) : owner_(std::move(picture)) {
+        if (py::isinstance<py::bytes>(owner_)) {
+            const std::string_view bytes = py::reinterpret_borrow<py::bytes>(owner_);
+            decode = file_decode();
+            file = api::read_image_header(bytes, limits.max_pixels).map([&](const api::ImageHeader& header) {
+                return api::ImageFile{bytes, header};
+            });
+        } else {
+            const auto pixels = py::cast<py::array>(owner_);
+            decode = decode_array(pixels, linear);
+            file = file_of(pixels, limits.max_pixels);
+        }
+    }
+
+    api::HalftoneInput with(const std::vector<api::TextOption>& options) const {
+        return api::read_halftone(file, options);
+    }
+
+    api::Limits limits;
+    api::Decode decode;
+
+private:
+    py::object owner_;
+    Result<api::ImageFile> file = failure(ErrorCode::Internal, "");
+};
+
+/// Finds a format by name. Throws ccdt.Error if the endpoint does not have it.
+const api::PointFormat& format_of(std::span<const api::PointFormat* const> formats, std::string_view name) {
+    const auto found = std::ranges::find(formats, name, [](const api::PointFormat* each) { return each->file.name; });
+    if (found != formats.end()) return **found;
+    std::string names;
+    for (const api::PointFormat* each : formats) names.append(names.empty() ? "" : ", ").append(each->file.name);
+    raise({ErrorCode::NotAcceptable, "format " + std::string(name) + " is not one of " + names, "format"});
+}
+
+/// Answer as Python sees it: its bytes by the buffer protocol, without a copy.
+using AnswerPointer = std::unique_ptr<api::Answer>;
+
+AnswerPointer keep(Result<api::Answer> answer) {
+    return std::make_unique<api::Answer>(value_or_raise(std::move(answer)));
+}
+
+/// Dots that are placed, with the request that asked for them.
+class Halftone {
+public:
+    Halftone(py::object picture, bool linear, const OptionList& options, const Running& running)
+        : input_(std::move(picture), linear), request_(parsed(options)), placed_(value_or_raise(placed(running))) {}
+
+    AnswerPointer write(const std::string& format, const Running& running) const {
+        const api::PointFormat& chosen = format.empty() ? *request_.format : format_of(api::halftone_formats(), format);
+        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::write_answer(request_, placed_, chosen, input_.limits, control, timings);
+        }));
+    }
+
+private:
+    api::HalftoneRequest parsed(const OptionList& options) const {
+        const auto list = text_options(options);
+        return value_or_raise(api::parse_halftone(input_.with(list), "", input_.limits));
+    }
+
+    Result<api::PlacedHalftone> placed(const Running& running) const {
+        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::place_halftone(request_, input_.limits, input_.decode, control, timings);
+        });
+    }
+
+    PictureInput input_;
+    api::HalftoneRequest request_;
+    api::PlacedHalftone placed_;
+};
+
+/// Computes the pixels of a device from a picture. The option `device` must be given.
+AnswerPointer answer_device(py::object picture, bool linear, const OptionList& options, const Running& running) {
+    const PictureInput input(std::move(picture), linear);
+    const auto list = text_options(options);
+    const auto request = value_or_raise(api::parse_device(input.with(list), "", input.limits));
+    return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+        api::Timings timings;
+        return api::run_device(request, input.limits, input.decode, control, timings);
+    }));
+}
+
+/// Returns the decoders for the pictures in a JSON body.
+api::Decode embedded_decode(bool has_pictures) {
+    return has_pictures ? file_decode() : api::Decode{};
+}
+
+/// Points that are placed, with the request that asked for them.
+class Sample {
+public:
+    Sample(const std::string& body, bool has_pictures, const Running& running)
+        : request_(parsed(body)), placed_(value_or_raise(placed(has_pictures, running))) {}
+
+    AnswerPointer write(const std::string& format, const Running& running) const {
+        const api::PointFormat& chosen =
+            format.empty() ? *request_.output.format : format_of(api::sample_formats(), format);
+        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::write_answer(request_, placed_, chosen, limits_, control, timings);
+        }));
+    }
+
+private:
+    api::SampleRequest parsed(const std::string& body) const {
+        auto request = value_or_raise(api::parse_sample(body, {}, "", limits_));
+        if (request.threshold_mask) raise({ErrorCode::Malformed, "format must not be a mask here", "format"});
+        return request;
+    }
+
+    Result<api::PlacedSample> placed(bool has_pictures, const Running& running) const {
+        const api::Decode decode = embedded_decode(has_pictures);
+        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::place_sample(request_, limits_, decode, control, timings);
+        });
+    }
+
+    api::Limits limits_;
+    api::SampleRequest request_;
+    api::PlacedSample placed_;
+};
+
+AnswerPointer run_parsed(Result<api::ParsedPointer> parsed, bool has_pictures, const Running& running) {
+    const api::ParsedPointer request = value_or_raise(std::move(parsed));
+    const api::Decode decode = embedded_decode(has_pictures);
+    return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+        api::Timings timings;
+        return request->run(decode, control, timings, nullptr);
+    }));
+}
+
+AnswerPointer answer_sample(const std::string& body, bool has_pictures, const Running& running) {
+    return run_parsed(api::parse_sample_request(body, {}, "", {}), has_pictures, running);
+}
+
+AnswerPointer answer_analyze(const std::string& body, const Running& running) {
+    return run_parsed(api::parse_analyze_request(body, "", {}), false, running);
+}
+
+using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+void append_json(std::string& out, const double*& value, std::span<const py::ssize_t> shape) {
+    if (shape.empty()) return api::append_shortest(out, *value++);
+    out += '[';
+    for (py::ssize_t i = 0; i < shape.front(); ++i) {
+        if (i > 0) out += ',';
+        append_json(out, value, shape.subspan(1));
+    }
+    out += ']';
+}
+
+/// Writes an array as nested JSON arrays. All values must be finite.
+std::string json_of(const DoubleArray& array) {
+    std::string out;
+    const double* value = array.data();
+    append_json(out, value, {array.shape(), static_cast<std::size_t>(array.ndim())});
+    return out;
+}
+
+using Extensions = std::vector<std::pair<std::string, std::string>>;
+
+/// Adds the name and the file extension of each format.
+void append_extensions(const auto& formats, Extensions& list) {
+    for (const auto* format : formats) list.emplace_back(format->file.name, format->file.extension);
+}
+
+/// Returns the name and the file extension of each format of any answer.
+Extensions file_extensions() {
+    Extensions list;
+    append_extensions(api::halftone_formats(), list);
+    append_extensions(api::device_formats(), list);
+    append_extensions(api::sample_formats(), list);
+    append_extensions(api::pixel_formats(), list);
+    append_extensions(api::analyze_formats(), list);
+    return list;
+}
+
+std::vector<std::string> option_names(const std::vector<std::string_view>& names) {
+    return {names.begin(), names.end()};
+}
+
+}  // namespace
+}  // namespace ccdt::python
+
+/// The module ccdt._core: parses requests, computes and writes answers. The Python modules beside it are its only
+/// callers. _core.pyi describes it.
+PYBIND11_MODULE(_core, module) {
+    namespace py = pybind11;
+    using namespace ccdt;
+    using namespace ccdt::python;
+
+    module.doc() = "Parses requests, computes and writes answers.";
+
+    py::class_<Running>(module, "Running")
+        .def(py::init<std::size_t, py::object>(), py::arg("threads"), py::arg("progress"));
+
+    py::class_<api::Answer>(module, "Answer", py::buffer_protocol())
+        .def_buffer([](api::Answer& answer) {  // writable, because nothing else uses the bytes
+            return py::buffer_info(reinterpret_cast<unsigned char*>(answer.body.data()),
+                                   static_cast<py::ssize_t>(answer.body.size()));
+        })
+        .def_readonly("media_type", &api::Answer::media_type)
+        .def_property_readonly("warnings", [](const api::Answer& answer) { return answer.warnings; })
+        .def_property_readonly("radius",
+                               [](const api::Answer& answer) -> std::optional<double> {
+                                   return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
+                               })
+        .def_readonly("plot_seconds", &api::Answer::plot_seconds);
+
+    py::class_<Halftone>(module, "Halftone")
+        .def(py::init<py::object, bool, const OptionList&, const Running&>(), py::arg("picture"), py::arg("linear"),
+             py::arg("options"), py::arg("running"))
+        .def("write", &Halftone::write, py::arg("format"), py::arg("running"));
+    py::class_<Sample>(module, "Sample")
+        .def(py::init<const std::string&, bool, const Running&>(), py::arg("body"), py::arg("has_pictures"),
+             py::arg("running"))
+        .def("write", &Sample::write, py::arg("format"), py::arg("running"));
+
+    module.def("answer_device", &answer_device, py::arg("picture"), py::arg("linear"), py::arg("options"),
+               py::arg("running"));
+    module.def("answer_sample", &answer_sample, py::arg("body"), py::arg("has_pictures"), py::arg("running"));
+    module.def("answer_analyze", &answer_analyze, py::arg("body"), py::arg("running"));
+    module.def("json_of", &json_of, py::arg("array"));
+    module.def(
+        "png_pixels", [](const api::Answer& file) { return png_pixels(file.body); }, py::arg("file"));
+
+    module.def("file_extensions", &file_extensions);
+    module.def("halftone_options", [] { return option_names(api::halftone_options()); });
+    module.def("device_options", [] { return option_names(api::device_options()); });
+    module.def("sample_options", [] { return option_names(api::sample_options()); });
+    module.def("pixel_options", [] { return option_names(api::pixel_options()); });
+    module.def("analyze_options", [] { return option_names(api::analyze_options()); });
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "ccdt/abi.h"
+#include "ccdt/control.h"
+#include "ccdt/domain.h"
+#include "ccdt/sample.h"
+
+namespace ccdt::v1 {
+
+/// A picture in memory. Refers to the memory of the caller.
+struct PictureView {
+    int width = 0;     ///< pixels, >= 1
+    int height = 0;    ///< pixels, >= 1
+    int channels = 1;  ///< 1: grey; 2: grey and alpha; 3: red, green and blue; 4: red, green, blue and alpha
+    /// [height * width * channels] pixels row by row from the top, with interleaved channels. Bytes are values of sRGB.
+    /// Floats are linear light in [0, 1], with the primaries of sRGB; values outside are clamped, and NaN counts as 0.
+    /// Alpha is linear, from 0 (transparent) to 1 or 255, and colours are not premultiplied.
+    std::variant<std::span<const std::uint8_t>, std::span<const float>> values;
+};
+
+/// Sides of the tonal scale on which dots are drawn.
+enum class Sides {
+    Both,   ///< ink dots on white ground where the picture is light, paper dots on black ground where it is dark
+    Ink,    ///< ink dots on white ground
+    Paper,  ///< paper dots on black ground, which draw the light parts of the picture
+};
+
+/// Quantity of the picture that the dots reproduce.
+enum class Reproduction {
+    Luminance,  ///< relative luminance, as a densitometer or an eye at a distance averages it
+    Lightness,  ///< CIE L*; the halftone is lighter
+};
+
+/// Options of halftone(). The defaults are those of the service for drawings.
+struct HalftoneOptions {
+    Sides sides = Sides::Both;
+    /// Whether dots reproduce red, green and blue. Requires Sides::Both. If not, dots reproduce the luminance.
+    bool colour = false;
+    Reproduction tone = Reproduction::Luminance;
+    double detail = 0.7;                  ///< strength of the sharpening of edges, 0 to 1
+    std::uint64_t seed = 0;               ///< 0 to 2^53 - 1
+    Quality quality = Quality::Standard;  ///< not Stealthy
+    bool partial = false;  ///< whether a stop while dots move returns the current dots instead of an error
+};
+
+/// A dot of a halftone. A dot flips each of its channels: where the ground is white, the dot removes the light of the
+/// channel; where it is black, the dot shows it. A dot across the boundary of a ground has two parts.
+struct Dot {
+    Point centre;            ///< pixels of the picture; y points down, and the first pixel covers [0, 1] x [0, 1]
+    float radius = 0;        ///< pixels of the picture
+    std::uint8_t flips = 1;  ///< channels that the dot flips, as bits
+    std::uint8_t white = 1;  ///< channels whose ground is white at the centre, as bits
+};
+
+/// A halftone: dots on grounds. Bit c of a set of channels stands for channel c. Channel 0 is grey. In colour, channels
+/// 0 to 2 are red, green and blue.
+struct Halftone {
+    int width = 0;     ///< pixels of the picture
+    int height = 0;    ///< pixels of the picture
+    int channels = 1;  ///< 1 or 3
+    std::vector<Dot> dots;
+    /// [channels] Outlines of the black ground, in pixels of the picture. They enclose it by the even-odd rule.
+    std::vector<std::vector<Ring>> black;
+    bool stopped = false;  ///< whether a stop ended the computation early; only with HalftoneOptions::partial
+};
+
+/// Turns a picture into dots that reproduce its tones when they are drawn on their grounds.
+///
+/// @param sites  number of dots, 1 to 2^28. The result has exactly this number. The exception is a picture that with
+///               Sides::Both consists of black and white areas only: the grounds draw it, without dots.
+///
+/// Errors: Malformed for a size, a number of channels or an option out of range, and for a wrong number of values;
+/// Unusable if there is nothing to draw, because the picture is all white, all transparent or, with Sides::Paper, all
+/// black; Stopped. The same arguments give the same dots, whatever the number of threads. O(pixels + sites).
+CCDT_EXPORT Halftone halftone(const PictureView& picture, std::size_t sites, const HalftoneOptions& options = {},
+                              const Control& control = {});
+
+}  // namespace ccdt::v1

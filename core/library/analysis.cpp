@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "ccdt/analysis.h"
+
+#include <string>
+#include <utility>
+
+#include "core/analysis/analysis.h"
+#include "core/library/conversion.h"
+
+namespace ccdt::v1 {
+
+PointAnalysis analyze(std::span<const std::vector<Point>> sets, const Domain& domain, double max_frequency,
+                      const Control& control) {
+    if (!std::holds_alternative<Rectangle>(domain) && !std::holds_alternative<Torus>(domain))
+        raise(FailureCode::Malformed, "the domain of an analysis must be a Rectangle or a Torus", "domain");
+    const auto made = make_domain(domain, false, control.stop).domain;
+    std::vector<std::vector<ccdt::Point>> given;
+    for (const auto& set : sets) given.push_back(core_points(set, "sets/" + std::to_string(given.size())));
+    auto measured = ccdt::analyse(given, made, {max_frequency}, control.stop);
+    if (!measured) {
+        ccdt::Error& error = measured.error();
+        if (error.field.starts_with('/')) error.field.insert(0, "sets");
+        raise(error);
+    }
+    auto& spectrum = measured->spectrum;
+    return {measured->sets,
+            measured->points,
+            measured->unit,
+            std::move(measured->frequency),
+            std::move(measured->power),
+            std::move(measured->anisotropy_db),
+            measured->low_frequency_power,
+            measured->min_distance,
+            measured->mean_distance,
+            {spectrum.width, spectrum.height, std::move(spectrum.values)}};
+}
+
+PointAnalysis analyze(const std::vector<Point>& points, const Domain& domain, double max_frequency,
+                      const Control& control) {
+    return analyze(std::span(&points, 1), domain, max_frequency, control);
+}
+
+}  // namespace ccdt::v1

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "ccdt/control.h"
+#include "ccdt/domain.h"
+#include "ccdt/exception.h"
+#include "ccdt/sample.h"
+#include "core/ccdt/ccdt.h"
+#include "core/geometry/domain.h"
+#include "core/geometry/point.h"
+#include "core/parallel/thread_executor.h"
+#include "core/result.h"
+
+namespace ccdt::v1 {
+
+/// Throws an error of core as an Exception.
+[[noreturn]] void raise(const ccdt::Error& error);
+
+[[noreturn]] void raise(FailureCode code, const std::string& message, std::string field);
+
+/// Returns the value of a result. Throws its error.
+/// @param prefix  prepended to the field of the error, if the error has one
+template <class T>
+T value_of(ccdt::Result<T> result, std::string_view prefix = {}) {
+    if (result) return *std::move(result);
+    ccdt::Error error = std::move(result.error());
+    if (!error.field.empty()) error.field.insert(0, prefix);
+    raise(error);
+}
+
+/// A computation in the terms of core, with its own threads.
+class Execution {
+public:
+    explicit Execution(const Control& control);
+
+    const ccdt::Control& control() const { return control_; }
+    ccdt::Executor& executor() { return executor_; }
+
+    /// Throws if a stop was requested.
+    void check_stop() const;
+
+private:
+    ccdt::ThreadExecutor executor_;
+    ccdt::Control control_;
+};
+
+std::vector<Point> points_of(std::span<const ccdt::Point> points);
+
+/// Converts points. Throws if a coordinate is not finite.
+/// @param field  field of the exception, to which the index of the point is appended
+std::vector<ccdt::Point> core_points(std::span<const Point> points, std::string_view field);
+
+ccdt::Quality core_quality(Quality quality);
+
+/// Builds a domain. Throws for an invalid domain.
+/// @param repair  whether invalid polygons are repaired
+ccdt::RepairedDomain make_domain(const Domain& domain, bool repair, const std::stop_token& stop);
+
+}  // namespace ccdt::v1

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/cli/request.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+
+#include "api/analyze/point_file_reader.h"
+#include "api/halftone/device_picture.h"
+#include "api/input/negotiation.h"
+#include "api/json/json_document.h"
+#include "api/text/numbers.h"
+#include "api/text/text.h"
+#include "server/cli/files.h"
+
+namespace ccdt::server {
+namespace {
+
+bool begins_like_json(std::string_view text) {
+    const auto start = api::trim(text, " \t\r\n");
+    return start.starts_with('{') || start.starts_with('[');
+}
+
+/// Encodes bytes as base64 (RFC 4648).
+std::string base64(std::string_view bytes) {
+    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const auto group = bytes.substr(i, 3);
+        std::uint32_t bits = 0;
+        for (std::size_t j = 0; j < 3; ++j)
+            bits = bits << 8 | (j < group.size() ? static_cast<unsigned char>(group[j]) : 0U);
+        for (std::size_t j = 0; j < 4; ++j) text += j <= group.size() ? kDigits[bits >> (18 - 6 * j) & 63] : '=';
+    }
+    return text;
+}
+
+/// Replaces the subject of a message about a body, which is a file or a value here.
+std::string with_subject(std::string_view subject, std::string message) {
+    constexpr std::string_view kBody = "the body";
+    if (message.starts_with(kBody)) message.replace(0, kBody.size(), subject);
+    return message;
+}
+
+/// Appends the value of an option as JSON. The parser of the API judges whether its type is right.
+Result<void> append_value(std::string& body, const Arguments::Given& given) {
+    const auto& [option, value] = given;
+    if (option->is_flag() && (value == "true" || value == "false")) {
+        body += value;
+        return {};
+    }
+    if (option->takes_json && begins_like_json(value)) {
+        if (const auto parsed = api::JsonDocument::parse(value); !parsed)
+            return failure(parsed.error().code, with_subject(option->member, parsed.error().message), option->member);
+        body += value;
+        return {};
+    }
+    if (option->takes_number) {
+        const auto parsed = api::JsonDocument::parse(value);
+        if (parsed && parsed->root().is_number()) {
+            body += value;
+            return {};
+        }
+    }
+    api::append_json_text(body, value);
+    return {};
+}
+
+/// Builds a JSON object from all options, after `first`, which is the beginning of an object.
+Result<std::string> build_object(std::string first, const Arguments& arguments) {
+    std::string body = std::move(first);
+    for (const auto& given : arguments.given) {
+        if (body.size() > 1) body += ',';
+        api::append_json_text(body, given.option->member);
+        body += ':';
+        if (auto appended = append_value(body, given); !appended) return tl::unexpected(appended.error());
+    }
+    return body += '}';
+}
+
+std::string list_of(const std::vector<Point>& points) {
+    std::string text = "[";
+    for (const Point& point : points) {
+        text += text.size() > 1 ? ",[" : "[";
+        api::append_shortest(text, point.x);
+        text += ',';
+        api::append_shortest(text, point.y);
+        text += ']';
+    }
+    return text += ']';
+}
+
+/// Whether the service accepts the options beside this body as query parameters.
+bool takes_query(const Arguments& arguments) {
+    return std::ranges::none_of(arguments.given, [](const auto& given) { return given.option->in_body; });
+}
+
+Result<std::string> build_sample_body(const Arguments& arguments, const std::string* map) {
+    return build_object(map == nullptr ? "{" : R"({"geometry":)" + *map, arguments);
+}
+
+Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
+    if (file == nullptr) return build_object("{", arguments);
+    const auto points = api::read_point_file(*file, arguments.limits);
+    if (!points) return tl::unexpected(points.error());
+    return build_object(R"({"points":)" + list_of(*points), arguments);
+}
+
+/// Returns the formats between which a command chooses.
+std::vector<const api::FileFormat*> formats_of(const Command& command, const Arguments& arguments) {
+    if (arguments.find("device") != nullptr) return api::files_of(api::device_formats());
+    return command.formats();
+}
+
+}  // namespace
+
+Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
+                                 std::string_view accept) {
+    if (input != nullptr && takes_query(arguments) && command.name != "analyze") {
+        ApiRequest request{*input, {}, std::string(accept)};
+        for (const auto& [option, value] : arguments.given) request.options.push_back({option->member, value});
+        return request;
+    }
+    auto body = command.name == "analyze" ? build_analyze_body(arguments, input) : build_sample_body(arguments, input);
+    return std::move(body).map([&](std::string text) { return ApiRequest{std::move(text), {}, std::string(accept)}; });
+}
+
+Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits) {
+    const auto& [body, options, accept] = request;
+    if (command.name == "halftone")
+        return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, accept, limits);
+    if (command.name == "sample") return api::parse_sample_request(body, options, accept, limits);
+    return api::parse_analyze_request(body, accept, limits);
+}
+
+Result<void> read_value_files(Arguments& arguments) {
+    for (auto& [option, value] : arguments.given) {
+        if (!option->takes_json || !value.starts_with('@')) continue;
+        auto content = read_file(value.substr(1));
+        if (!content)
+            return failure(ErrorCode::Unsupported, value.substr(1) + ": " + content.error().message, option->member);
+        value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + base64(*content) + R"("})";
+    }
+    return {};
+}
+
+Result<const api::FileFormat*> find_format(const Command& command, const Arguments& arguments,
+                                           const std::string& output) {
+    const auto formats = formats_of(command, arguments);
+    if (const std::string* const name = arguments.find("format")) {
+        const auto found = std::ranges::find(formats, *name, &api::FileFormat::name);
+        return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
+    }
+    if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
+    std::string suffix = std::filesystem::path(output).extension();
+    std::ranges::transform(suffix, suffix.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; });
+    suffix.erase(0, 1);
+    if (suffix == "tif") suffix = "tiff";
+    std::string known;
+    for (const api::FileFormat* format : formats) {
+        if (format->extension == suffix || format->name == suffix) return format;
+        const std::string name = '.' + std::string(format->extension);
+        if (known.find(name) == std::string::npos) known.append(known.empty() ? "" : ", ").append(name);
+    }
+    return failure(ErrorCode::Malformed,
+                   "--output " + output + ": the suffix names no format; it must be one of " + known +
+                       ", or --format must be given",
+                   "output");
+}
+
+bool is_text(const api::FileFormat& format) {
+    const std::string_view type = format.media_type;
+    return type.starts_with("text/") || type.find("json") != std::string_view::npos || type.ends_with("+xml");
+}
+
+DescribedError describe_error(const Error& error, std::span<const Option> options) {
+    // The limits of the service are flags of the program.
+    constexpr std::string_view kLimit = "this server's limit (";
+    std::string message = with_subject("the input", error.message);
+    if (const auto at = message.find(kLimit); at != std::string::npos) {
+        message.replace(at, kLimit.size(), "the limit (--");
+        constexpr std::string_view kOfBodies = "--max-body, memory";
+        if (const auto both = message.find(kOfBodies); both != std::string::npos)
+            message.replace(both, kOfBodies.size(), "--memory");
+    }
+    std::string_view rest = error.field;
+    if (rest.starts_with('/')) rest.remove_prefix(1);
+    const auto member = rest.substr(0, rest.find('/'));
+    rest.remove_prefix(member.size());
+    const auto option =
+        std::ranges::find_if(options, [&](const Option& each) { return !member.empty() && each.member == member; });
+    if (option == options.end()) return {{}, std::move(message)};
+    const std::string flag = "--" + option->name;
+    const bool repeats_field = message.starts_with(error.field) || message.starts_with(member);
+    if (!repeats_field) return {flag, flag + ": " + message};
+    const std::size_t length = message.starts_with(error.field) ? error.field.size() : member.size();
+    return {flag, flag + (length > member.size() ? std::string(rest) : "") + message.substr(length)};
+}
+
+}  // namespace ccdt::server

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/operation/parsed_request.h"
+#include "core/result.h"
+#include "server/cli/arguments.h"
+#include "server/cli/command.h"
+
+namespace ccdt::server {
+
+/// A request to the API in the form in which the service would receive it.
+struct ApiRequest {
+    std::string body;
+    std::vector<api::TextOption> options;  ///< options as text, in addition to those of the body
+    std::string accept;                    ///< media type that the name of the output chooses; empty: none
+};
+
+/// Builds the request for an input.
+///
+/// Options become query parameters if the service accepts them beside this input, and otherwise members of a JSON body.
+/// @param input   content of the input file; null: there is none
+/// @param accept  see ApiRequest
+/// Errors: Malformed for a value that begins like JSON and is not JSON, with the member as Error::field, and for a file
+/// of points that cannot be read; LimitExceeded for too many points.
+Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
+                                 std::string_view accept);
+
+/// Parses a request. The result may point into it.
+Result<api::ParsedPointer> parse_request(const Command& command, const ApiRequest& request, const api::Limits& limits);
+
+/// Replaces each value `@FILE` of an option that takes JSON by the content of the file. A file that is not JSON becomes
+/// an object with the member `image`, in base64.
+/// Errors: Unsupported, with the member as Error::field and the name of the file in the message.
+Result<void> read_value_files(Arguments& arguments);
+
+/// Finds the format of an output: the format that the option `format` names, or else the one that the suffix of the
+/// file's name chooses, or else the default.
+/// @param output  name of the file; `-` for standard output
+/// Errors: Malformed for an unknown suffix; the message lists the suffixes.
+Result<const api::FileFormat*> find_format(const Command& command, const Arguments& arguments,
+                                           const std::string& output);
+
+/// Whether a format consists of text, which a terminal can show.
+bool is_text(const api::FileFormat& format);
+
+/// Text of an error for users, and the option to which it refers.
+struct DescribedError {
+    std::string option;  ///< such as `--max-frequency`; empty: the error is about the input
+    std::string message;
+};
+
+/// Describes an error of the API: names options instead of members, and flags of the program instead of limits.
+DescribedError describe_error(const Error& error, std::span<const Option> options);
+
+}  // namespace ccdt::server

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "server/cli/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <new>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "api/json/json_document.h"
+#include "api/map/shapefile_reader.h"
+#include "core/parallel/thread_executor.h"
+#include "server/cli/arguments.h"
+#include "server/cli/decoding.h"
+#include "server/cli/files.h"
+#include "server/cli/help.h"
+#include "server/cli/interruption.h"
+#include "server/cli/messages.h"
+#include "server/cli/request.h"
+#include "server/cli/status.h"
+
+namespace ccdt::server {
+namespace {
+
+/// An input, its output, and the format of the output.
+struct Task {
+    std::string input;  ///< empty: there is none
+    std::string output;
+    const api::FileFormat* format = nullptr;
+};
+
+/// An error with the exit status that it causes.
+struct Failed {
+    int status;
+    Error error;
+};
+
+tl::unexpected<Failed> failed(int status, Error error) {
+    return tl::unexpected<Failed>(Failed{status, std::move(error)});
+}
+
+tl::unexpected<Failed> wrong_usage(std::string message) {
+    return failed(kWrongUsage, {ErrorCode::Malformed, std::move(message), {}});
+}
+
+/// Replaces `{name}` in the name of an output by the name of the input without folder and suffix.
+std::string output_for(const std::string& input, std::string output) {
+    constexpr std::string_view kPlaceholder = "{name}";
+    const std::string name = input == kStandardStream ? "stdin" : std::filesystem::path(input).stem().string();
+    for (std::size_t at = 0; (at = output.find(kPlaceholder, at)) != std::string::npos; at += name.size())
+        output.replace(at, kPlaceholder.size(), name);
+    return output;
+}
+
+/// Pairs each input with its output.
+tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const Arguments& arguments) {
+    std::vector<std::string> inputs = arguments.inputs;
+    if (std::ranges::count(inputs, kStandardStream) > 1) return wrong_usage("standard input (-) is given twice");
+    if (inputs.empty()) {
+        const auto is_given = [&](std::string_view name) { return arguments.find(name) != nullptr; };
+        const bool has_shape = is_given("domain") || is_given("polygon") || is_given("geometry");
+        const bool needs_none = command.name == "sample" ? has_shape : is_given("sets");
+        if (!needs_none)
+            return wrong_usage(std::string(command.name) +
+                               " needs an input: the name of a file, or - for standard input" +
+                               (command.name == "sample" ? ", or one of --domain, --polygon and --geometry" : ""));
+        inputs.emplace_back();
+    }
+    std::vector<Task> tasks;
+    std::map<std::string, std::string> input_of;  ///< by the path of the output
+    for (const std::string& input : inputs) {
+        const Task task{input, output_for(input, arguments.output.value_or(std::string(kStandardStream)))};
+        const std::string path = replaceable_path(task.output);
+        if (task.output == kStandardStream || !path.empty()) {
+            const auto [other, is_new] = input_of.try_emplace(task.output == kStandardStream ? "-" : path, input);
+            if (!is_new)
+                return wrong_usage(other->second + " and " + input + " have the same output, " + task.output +
+                                   "; use {name} in --output, as in 'out/{name}.svg'");
+        }
+        std::error_code none;
+        if (task.output != kStandardStream && !path.empty() && std::filesystem::equivalent(input, path, none))
+            return wrong_usage("--output " + task.output + " would replace the input " + input);
+        tasks.push_back(task);
+    }
+    return tasks;
+}
+
+/// Finds the formats of all outputs, and checks that they can be written.
+tl::expected<void, Failed> check_outputs(const Command& command, const Arguments& arguments, std::vector<Task>& tasks) {
+    for (Task& task : tasks) {
+        const auto format = find_format(command, arguments, task.output);
+        if (!format) return failed(kWrongUsage, format.error());
+        task.format = *format;
+        if (!arguments.output && isatty(STDOUT_FILENO) != 0 && !is_text(**format))
+            return wrong_usage("standard output is a terminal, and " + std::string((*format)->title) +
+                               " is not text; --output FILE writes to a file");
+        if (auto checked = check_output(task.output); !checked) return failed(kOutputFailed, checked.error());
+    }
+    return {};
+}
+
+/// Returns the exit status for an error of a computation.
+int status_of(const Error& error, std::span<const Option> options) {
+    switch (error.code) {
+        case ErrorCode::Malformed:
+            return describe_error(error, options).option.empty() ? kInputFailed : kWrongUsage;
+        case ErrorCode::NotAcceptable:
+            return kWrongUsage;
+        case ErrorCode::Unsupported:
+            return kInputFailed;
+        default:
+            return kFailed;
+    }
+}
+
+/// Computes the answers of a command.
+class Runner {
+public:
+    Runner(const Command& command, std::span<const Option> options, Arguments arguments, Interruption& interruption,
+           Messages& messages)
+        : command_(command),
+          options_(options),
+          arguments_(std::move(arguments)),
+          interruption_(interruption),
+          messages_(messages),
+          threads_(arguments_.threads) {}
+
+    /// @returns  exit status
+    int run() {
+        auto tasks = plan_tasks(command_, arguments_);
+        if (!tasks) return report({}, tasks.error());
+        // The decoder starts while options and input are read.
+        if (command_.name == "halftone") {
+            if (auto started = decoding_.start(); !started) return report({}, {kFailed, started.error()});
+        }
+        if (auto checked = check_outputs(command_, arguments_, *tasks); !checked) return report({}, checked.error());
+        if (auto read = read_value_files(arguments_); !read) return report({}, {kInputFailed, read.error()});
+        int status = 0;
+        for (const Task& task : *tasks) {
+            const auto answered = answer(task);
+            if (answered) continue;
+            const int failure = report(task.input, answered.error());
+            if (status == 0) status = failure;
+            if (failure == kWrongUsage) break;  // an option that is wrong for one input is wrong for all
+        }
+        return status;
+    }
+
+private:
+    int report(const std::string& input, const Failed& failed) {
+        std::vector<Error> errors{failed.error};
+        errors.insert(errors.end(), failed.error.others.begin(), failed.error.others.end());
+        for (const Error& error : errors) {
+            auto [option, message] = describe_error(error, options_);
+            if (!option.empty()) add_value(option, message);
+            const bool is_about_input = option.empty() || failed.status != kWrongUsage;
+            messages_.report_error({failed.status, is_about_input ? input : "", std::move(option), std::move(message)});
+        }
+        return failed.status;
+    }
+
+    /// Completes a message such as "--sites must be a number" by the value that is not valid.
+    void add_value(std::string_view option, std::string& message) const {
+        constexpr std::size_t kLongest = 64;
+        const std::string* const value = arguments_.find(option.substr(2));
+        if (value == nullptr || value->size() > kLongest || !message.starts_with(std::string(option) + " must be ") ||
+            message.find(", not ") != std::string::npos)
+            return;
+        message += ", not '" + *value + "'";
+    }
+
+    tl::expected<void, Failed> answer(const Task& task) {
+        const auto start = std::chrono::steady_clock::now();
+        std::optional<std::string> input;
+        if (!task.input.empty()) {
+            auto read = read_file(task.input);
+            if (!read) return failed(kInputFailed, read.error());
+            input = *std::move(read);
+        }
+        Arguments arguments = arguments_;
+        if (command_.name == "sample" && input && input->starts_with(api::kZipSignature)) {
+            if (auto converted = convert(*input, arguments); !converted) return converted;
+        }
+        const bool is_named = task.output != kStandardStream && arguments.find("format") == nullptr;
+        const auto request = build_request(command_, arguments, input ? &*input : nullptr,
+                                           is_named ? task.format->media_type : std::string_view());
+        if (!request) return failed(status_of(request.error(), options_), request.error());
+        input.reset();
+        OutputFile output(task.output, interruption_);
+        const auto computed = compute(task, *request, output);
+        if (!computed)
+            return failed(output.has_failed() ? kOutputFailed : status_of(computed.error(), options_),
+                          computed.error());
+        const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+        report_notes(task.input, computed->warnings, computed->repaired);
+        messages_.report_result(
+            {task.input, task.output, computed->media_type, output.written(), computed->sites, taken.count()});
+        return {};
+    }
+
+    /// Converts a zipped shapefile to GeoJSON, and removes the option `object`, which the conversion uses.
+    tl::expected<void, Failed> convert(std::string& archive, Arguments& arguments) {
+        const std::string* const object = arguments.find("object");
+        auto text = decoding_.read_shapefile(archive, object == nullptr ? "" : *object, arguments.memory);
+        if (!text) {
+            const int status = text.error().code == ErrorCode::Internal ? kFailed : kInputFailed;
+            return failed(status, text.error());
+        }
+        archive = *std::move(text);
+        std::erase_if(arguments.given, [](const auto& given) { return given.option->name == "object"; });
+        return {};
+    }
+
+    Result<api::Answer> compute(const Task& task, const ApiRequest& request, OutputFile& output) {
+        const auto parsed = parse_request(command_, request, arguments_.limits);
+        if (!parsed) return tl::unexpected(parsed.error());
+        const std::size_t needed = request.body.size() + (*parsed)->cost().memory;
+        if (needed > arguments_.memory) {
+            constexpr std::size_t kMebibyte = std::size_t{1} << 20;
+            return failure(ErrorCode::LimitExceeded, "the request may need " + std::to_string(needed / kMebibyte + 1) +
+                                                         " MiB of memory; the limit (--memory) is " +
+                                                         std::to_string(arguments_.memory / kMebibyte) + " MiB");
+        }
+        const Control control{
+            .stop = {},
+            .progress = [&](const Progress& progress) { messages_.report_progress(task.input, progress.done()); },
+            .executor = &threads_};
+        api::Timings timings;
+        auto answer = (*parsed)->run(decoding_.functions(), control, timings, &output);
+        if (!answer) return answer;
+        if (!answer->streamed) {
+            if (auto begun = output.begin(*answer); !begun) return tl::unexpected(begun.error());
+            if (auto written = output.write(answer->body); !written) return tl::unexpected(written.error());
+        }
+        if (auto finished = output.finish(); !finished) return tl::unexpected(finished.error());
+        return answer;
+    }
+
+    /// Prints all warnings, and one line about repairs, of which there may be many.
+    /// @param warnings, repairs  lists of objects with the member `detail`, as JSON; empty if there are none
+    void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
+        if (const auto list = api::JsonDocument::parse(warnings)) {
+            for (const api::JsonValue note : list->root()) messages_.warn(input, note.find("detail").value().text());
+        }
+        const auto list = api::JsonDocument::parse(repairs);
+        if (!list) return;
+        const std::size_t others = list->root().size() - 1;
+        const std::string first = (*list->root().begin()).find("detail").value().text();
+        messages_.warn(input, "the area was repaired: " + first +
+                                  (others == 0 ? "" : "; and " + std::to_string(others) + " other faults") +
+                                  "; --invalid=reject refuses it");
+    }
+
+    const Command& command_;
+    const std::span<const Option> options_;
+    Arguments arguments_;
+    Interruption& interruption_;
+    Messages& messages_;
+    ThreadExecutor threads_;
+    Decoding decoding_;
+};
+
+/// Returns the style of messages that a command line requests, even if it is not valid otherwise.
+Messages::Style style_of(std::span<const char* const> arguments) {
+    const auto is_given = [&](std::string_view a, std::string_view b) {
+        return std::ranges::any_of(arguments, [&](std::string_view each) { return each == a || each == b; });
+    };
+    if (is_given("--json", "--json")) return Messages::Style::Json;
+    return is_given("--quiet", "-q") ? Messages::Style::Quiet : Messages::Style::Text;
+}
+
+}  // namespace
+
+int run_command(const Command& command, std::span<const char* const> arguments) {
+    const auto options = options_of(command);
+    // A broken pipe at standard output ends the program, but not one at standard error.
+    std::signal(SIGPIPE, SIG_IGN);
+    Interruption interruption;
+    Messages messages(style_of(arguments), interruption);
+    try {
+        auto parsed = parse_arguments(options, arguments);
+        if (!parsed) {
+            messages.report_error({kWrongUsage, {}, parsed.error().field, parsed.error().message});
+            return kWrongUsage;
+        }
+        if (parsed->help) return print(command_help(command, terminal_width()));
+        return Runner(command, options, *std::move(parsed), interruption, messages).run();
+    } catch (const std::bad_alloc&) {
+        messages.report_error({kFailed, {}, {}, "there is not enough memory"});
+    } catch (const std::exception& exception) {
+        messages.report_error({kFailed, {}, {}, exception.what()});
+    }
+    return kFailed;
+}
+
+}  // namespace ccdt::server

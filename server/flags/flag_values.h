@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace ccdt::server {
+
+/// Parses a whole number.
+/// Errors: Malformed; the message describes the valid values, such as "a whole number from 1 to 1024".
+Result<std::size_t> parse_whole(std::string_view text, std::uint64_t low, std::uint64_t high);
+
+/// Parses a number of bytes of at most 1 TiB, with an optional unit KiB, MiB or GiB.
+/// @param low  smallest number without a unit
+/// Errors: Malformed; the message describes the valid values.
+Result<std::size_t> parse_bytes(std::string_view text, std::uint64_t low = 1);
+
+}  // namespace ccdt::server

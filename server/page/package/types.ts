@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Types of requests and answers, derived from the types that `pack` generates from api/openapi.json.
+
+import type { components, paths } from "./openapi.js";
+
+type Schemas = components["schemas"];
+
+export type HalftoneOptions = Schemas["HalftoneOptions"];
+export type DeviceOptions = Schemas["DeviceOptions"];
+export type SampleRequest = Schemas["SampleRequest"] | Schemas["PixelRequest"];
+export type AnalyzeRequest = Schemas["AnalyzeRequest"];
+export type Capabilities = Schemas["Capabilities"];
+export type JobState = Schemas["Job"];
+
+/** An error of one option. `pointer` is a JSON Pointer or the name of the option. */
+export type OptionError = NonNullable<Schemas["Problem"]["errors"]>[number];
+
+/** Options for a map in a file. `sites` is a number or the name of a property that counts points. */
+export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & { sites?: number | string };
+
+export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;
+export type DeviceFormat = NonNullable<DeviceOptions["format"]>;
+export type SampleFormat = NonNullable<Schemas["SampleOptions"]["format"]>;
+export type AnalyzeFormat = NonNullable<AnalyzeRequest["format"]>;
+
+/** Media types of the formats, as in the answer of `/capabilities`. */
+interface MediaTypes {
+  json: "application/json";
+  geojson: "application/geo+json";
+  ndjson: "application/x-ndjson";
+  geojsonseq: "application/geo+json-seq";
+  csv: "text/csv";
+  npy: "application/x-npy";
+  svg: "image/svg+xml";
+  png: "image/png";
+  mask: "image/png";
+  mask16: "image/png";
+  webp: "image/webp";
+  tiff: "image/tiff";
+  bmp: "image/bmp";
+  raw: "application/octet-stream";
+  escpos: "application/x-escpos";
+  pdf: "application/pdf";
+  hpgl: "application/vnd.hp-hpgl";
+  gcode: "text/x-gcode";
+  dxf: "image/vnd.dxf";
+}
+
+/** Content of an answer: an object for JSON and GeoJSON, a string for other text, otherwise a Blob. */
+export type Answer<P extends "/halftone" | "/sample" | "/analyze", F extends keyof MediaTypes> =
+  paths[P]["post"]["responses"][200]["content"] extends infer Contents ? Contents[MediaTypes[F] & keyof Contents] : never;
+
+/** Content of a file. */
+export type Bytes = Blob | ArrayBuffer | ArrayBufferView;
+
+/** A file: its content, its address, or the response that contains it. */
+export type FileInput = Bytes | string | URL | Response;
+
+export interface ConnectionOptions {
+  /** API key, if the server requires one. */
+  key?: string | null;
+  /** Replaces the global `fetch`. */
+  fetch?: typeof globalThis.fetch;
+  /** Maximum number of repetitions of a request while the server is busy (429 or 503); 3 by default. */
+  retries?: number;
+  /** Ends all calls that have no signal of their own. */
+  signal?: AbortSignal;
+}
+
+export interface RequestOptions {
+  body?: Bytes | string | FormData;
+  /** Media type of the body. */
+  type?: string;
+  headers?: Record<string, string>;
+  /** Ends the request, and cancels its computation; null: neither this nor the signal of the connection does. */
+  signal?: AbortSignal | null;
+  /** Runs the computation as a job, and receives its states. The job is cancelled if the request ends early. */
+  onProgress?: (state: JobState) => void;
+  /** Replaces the number of the connection. */
+  retries?: number;
+  /** Lets the request outlive a page in a browser. */
+  keepalive?: boolean;
+}

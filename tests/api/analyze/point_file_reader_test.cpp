@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/analyze/point_file_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/output/npy_header.h"
+
+namespace ccdt::api {
+namespace {
+
+using Points = std::vector<Point>;
+
+std::string array_of(std::size_t columns, std::vector<double> values) {
+    return npy_header("<f8", values.size() / columns, columns) +
+           std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+}
+
+TEST(PointFileReader, ReadsTheColumnsXAndYOfCsv) {
+    const Points expected{{0.5, -1e-3}, {2, 3}};
+    EXPECT_EQ(read_point_file("x,y\r\n0.5,-1e-3\r\n2,3\r\n", {}), expected);
+    EXPECT_EQ(read_point_file("x,y\n0.5,-0.001\n2,3", {}), expected);
+    EXPECT_EQ(read_point_file("\"y\",name,x\n-1e-3,\"a \"\"b\"\",\nc\",0.5\n3,,2\n", {}), expected);
+    EXPECT_EQ(read_point_file("x,y\r\n", {}), Points());
+}
+
+TEST(PointFileReader, ReadsTheFirstColumnsOfNpy) {
+    EXPECT_EQ(read_point_file(array_of(2, {1, 2, 3, 4}), {}), (Points{{1, 2}, {3, 4}}));
+    EXPECT_EQ(read_point_file(array_of(3, {1, 2, 9, 3, 4, 9}), {}), (Points{{1, 2}, {3, 4}}));
+}
+
+TEST(PointFileReader, ReadsListsAnswersAndGeoJson) {
+    const Points expected{{1, 2}, {3, 4}};
+    EXPECT_EQ(read_point_file(" [[1,2],[3,4]]", {}), expected);
+    EXPECT_EQ(read_point_file(R"({"sites":2,"points":[[1,2],[3,4]]})", {}), expected);
+    EXPECT_EQ(read_point_file(R"({"type":"MultiPoint","coordinates":[[1,2],[3,4]]})", {}), expected);
+}
+
+TEST(PointFileReader, NamesTheFaultyPlace) {
+    struct Case {
+        std::string file;
+        std::string_view named;
+    };
+    const std::string header = array_of(2, {}), floats = npy_header("<f4", 1, 2);
+    const Case cases[] = {
+        {"", "line 1"},
+        {"a,b\n1,2\n", "line 1"},
+        {"x\n1\n", "line 1"},
+        {"x,y\n1,2\n1,2,3\n", "line 3 has 3 columns; the first line has 2"},
+        {"x,y\n1,2\n\n", "line 3 has 1 columns"},
+        {"x,y,t\n1,2,\"a\nb\"\n1,z,c\n", "line 4: y must be a finite number, not 'z'"},
+        {"x,y\n1,inf\n", "line 2: y must be a finite number"},
+        {"x,y\n1,\"2\n", "line 2: a quoted field has no end"},
+        {"x,y\n1,\"2\"3\n", "line 2: there is text after a quoted field"},
+        {"\x93NUMPY\x02", "version 1.0"},
+        {header.substr(0, 9), "ends within its header"},
+        {header.substr(0, 60), "ends within its header"},
+        {array_of(1, {1, 2}), "at least two columns"},
+        {floats + "12345678", "float64"},
+        {array_of(2, {1, 2}) + "x", "has 17 bytes of data"},
+        {array_of(2, {1, 2, 3, NAN}), "row 1 of the NPY file is not finite"},
+        {R"({"points":[[1,2],[3]]})", "/points/1"},
+        {R"({"sets":[]})", "/type is missing"},
+        {"[[1,2]", "JSON"},
+    };
+    for (const auto& [file, named] : cases) {
+        const auto points = read_point_file(file, {});
+        ASSERT_FALSE(points) << file;
+        EXPECT_EQ(points.error().code, ErrorCode::Malformed) << file;
+        EXPECT_NE(points.error().message.find(named), std::string::npos) << points.error().message;
+    }
+}
+
+TEST(PointFileReader, LimitsTheNumberOfPoints) {
+    const Limits two{.max_sites = 2};
+    for (const std::string& file :
+         {std::string("x,y\n1,2\n3,4\n5,6\n"), array_of(2, {1, 2, 3, 4, 5, 6}), std::string("[[1,2],[3,4],[5,6]]")}) {
+        const auto points = read_point_file(file, two);
+        ASSERT_FALSE(points);
+        EXPECT_EQ(points.error().code, ErrorCode::LimitExceeded);
+        EXPECT_NE(points.error().message.find("max-sites"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace ccdt::api

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The npm package, installed from its tarball into an empty project: its client in Debian's Node.js (CCDT_NODE), its
+// types, its element in a page, and the examples of its README.
+
+import assert from "node:assert/strict";
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { cp, mkdir, mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import path from "node:path";
+import { after, before, test } from "node:test";
+
+import { closeAtLimit, data, run, serveOrigin, startServer, useBrowser } from "./harness.js";
+
+const require = createRequire(path.join(process.env.CCDT_NODE_MODULES, "of-the-tests"));
+const ts = require("typescript");
+
+const root = path.resolve(import.meta.dirname, "../..");
+const key = "package-0123456789abcdef";
+const world = useBrowser();
+
+let folder, project, origin, limited, page;
+
+/** Makes the package in a new folder, and returns the path of its tarball. */
+async function pack(name) {
+  const target = path.join(folder, name);
+  await mkdir(target);
+  return path.join(target, (await run(path.join(root, "server/page/package/pack"), [target])).trim());
+}
+
+/** Runs a script in the project with Debian's Node.js. Fails unless it exits with 0. */
+async function runInProject(script, environment) {
+  const child = spawn(process.env.CCDT_NODE, [script], { cwd: project, stdio: ["ignore", "inherit", "inherit"], env: { ...process.env, ...environment } });
+  closeAtLimit(() => child.kill("SIGKILL"));
+  const [code] = await once(child, "exit");
+  assert.equal(code, 0);
+}
+
+/** Returns the examples in the package's README, with the address of the server under test. */
+async function examplesOf(language) {
+  const readme = await readFile(path.join(project, "node_modules/ccdt/README.md"), "utf8");
+  const blocks = [...readme.matchAll(new RegExp(`^\`\`\`${language}\n(.*?)^\`\`\`$`, "gms"))];
+  return blocks.map(([, text]) => text.replaceAll("http://localhost:8080", world.url));
+}
+
+before(async () => {
+  folder = await mkdtemp(path.join(tmpdir(), "ccdt-package-"));
+  project = path.join(folder, "project");
+  await mkdir(project);
+  await writeFile(path.join(project, "package.json"), JSON.stringify({ private: true, type: "module" }));
+  const [tarball, again] = await Promise.all([pack("first"), pack("second")]);
+  assert.deepEqual(await readFile(tarball), await readFile(again), "packing is not reproducible");
+  await run("npm", ["install", "--offline", "--no-audit", "--no-fund", tarball], { cwd: project });
+  await cp(path.join(import.meta.dirname, "package"), project, { recursive: true });
+  await cp(path.join(data, "images/chelsea.png"), path.join(project, "photo.jpg"));
+  await writeFile(path.join(folder, "keys"), `package:${key}\n`);
+  limited = await startServer([`--api-key-file=${path.join(folder, "keys")}`, "--rate-limit=1", "--rate-burst=1"]);
+  origin = await serveOrigin((address) => (address === "/" ? page : readFile(path.join(project, address))));
+});
+
+after(async () => {
+  origin.close();
+  limited.server.kill();
+  await rm(folder, { recursive: true });
+});
+
+test("the package has no dependencies, and names its licence", async () => {
+  const contentOf = (name) => readFile(path.join(project, "node_modules/ccdt", name), "utf8");
+  const { dependencies, license } = JSON.parse(await contentOf("package.json"));
+  assert.deepEqual([dependencies, license], [undefined, "GPL-3.0-or-later"]);
+  assert.match(await contentOf("LICENSE"), /GNU GENERAL PUBLIC LICENSE/);
+});
+
+test("the client works in Debian's Node.js", () =>
+  runInProject("client.test.js", { CCDT_URL: world.url, CCDT_LIMITED: limited.url, CCDT_KEY: key, CCDT_DATA: data }));
+
+test("the types accept right uses and reject wrong ones", () => {
+  const options = { strict: true, noEmit: true, types: [], target: ts.ScriptTarget.ESNext, module: ts.ModuleKind.NodeNext };
+  const program = ts.createProgram([path.join(project, "types.ts")], options);
+  const complaints = ts.getPreEmitDiagnostics(program).map(({ file, start, messageText }) =>
+    `${file?.getLineAndCharacterOfPosition(start).line + 1}: ${ts.flattenDiagnosticMessageText(messageText, "\n")}`);
+  assert.deepEqual(complaints, []);
+});
+
+test("the examples of the README run in Node.js", async () => {
+  const examples = await examplesOf("js");
+  assert.ok(examples.length > 0);
+  await writeFile(path.join(project, "examples.js"), examples.join(""));
+  await runInProject("examples.js");
+  assert.match(await run("file", ["dots.png"], { cwd: project }), /PNG image data/);
+});
+
+test("the example of the README shows dots in a page of another origin, as the client returns them", async () => {
+  [page] = await examplesOf("html");
+  await world.page.goto(origin.url);
+  const shown = await world.page.waitForFunction(() => {
+    const [picture, drawing] = document.querySelector("ccdt-halftone").shadowRoot?.children ?? [];
+    return drawing?.hidden && picture.naturalWidth > 0 && picture.src;
+  });
+  const [inElement, inClient] = await world.page.evaluate(async ([address, url]) => {
+    const { Client } = await import("/node_modules/ccdt/client.js");
+    const dots = await new Client(url).halftone("photo.jpg", { sites: 20000, color: "cmyk", width: 451 });
+    return Promise.all([await fetch(address), new Response(dots)].map(async (one) => [...new Uint8Array(await one.arrayBuffer())]));
+  }, [await shown.jsonValue(), world.url]);
+  assert.ok(inElement.length > 1000);
+  assert.deepEqual(inElement, inClient);
+});

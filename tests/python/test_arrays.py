@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays and other objects of Python, in and out."""
+
+import io
+import pickle
+import re
+
+import ccdt
+import numpy as np
+import pytest
+import shapely.geometry
+from harness import PICTURES
+from PIL import Image
+from profiles import DISPLAY_P3, rgb_profile
+
+SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
+
+
+def dots(picture, **options):
+    return ccdt.halftone(picture, 100, format="json", **options).points
+
+
+def raises(field, text):
+    """Expects an error about a field, whose text matches."""
+    class Expected:
+        def __enter__(self):
+            self.context = pytest.raises(ccdt.Error, match=text)
+            self.info = self.context.__enter__()
+
+        def __exit__(self, *arguments):
+            handled = self.context.__exit__(*arguments)
+            assert self.info.value.field == field
+            return handled
+
+    return Expected()
+
+
+@pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "read-only", "big-endian", "list"])
+def test_layouts_do_not_matter(ramp, layout):
+    expected = dots(ramp)
+    wide = np.zeros((48, 128), np.uint8)
+    wide[:, ::2] = ramp
+    fixed = ramp.copy()
+    fixed.flags.writeable = False
+    pictures = {"fortran": np.asfortranarray(ramp), "strided": wide[:, ::2],
+                "reversed": np.ascontiguousarray(ramp[::-1, ::-1])[::-1, ::-1], "read-only": fixed,
+                "big-endian": (ramp.astype(np.uint16) * 257).astype(">u2"),
+                "list": ramp[..., None]}
+    assert np.array_equal(dots(pictures[layout]), expected)
+
+
+def test_types_with_the_same_values_give_the_same_dots(ramp):
+    black_white = ramp > 127
+    assert np.array_equal(dots(black_white), dots(black_white * np.uint8(255)))
+    assert np.array_equal(dots(black_white.astype(np.float64)), dots(black_white))
+    assert np.array_equal(dots(black_white.astype(np.float32), linear=True), dots(black_white))
+    shades = ramp / 255
+    assert np.allclose(dots(shades), dots(ramp), atol=0.05)
+    assert not np.allclose(dots(shades, linear=True), dots(ramp), atol=0.05)
+
+
+@pytest.mark.parametrize(("picture", "text"), [
+    (np.zeros((0, 5), np.uint8), "at least one pixel"),
+    (np.zeros(5, np.uint8), "shape"),
+    (np.zeros((2, 2, 5), np.uint8), "shape"),
+    (np.zeros((2, 2), np.int64), "int64"),
+    (np.zeros((2, 2), complex), "complex128"),
+    (np.full((2, 2), np.nan), "nan"),
+    (np.full((2, 2), np.inf), "inf"),
+    (np.full((2, 2), 255.0), "from 0 to 1, not from 255 to 255"),
+    (7, "not int"),
+], ids=str)
+def test_unusable_arrays_are_refused(picture, text):
+    with raises("picture", text):
+        ccdt.halftone(picture)
+
+
+def test_a_picture_of_one_pixel_has_dots():
+    assert dots(np.zeros((1, 1), np.uint8)).shape == (100, 2)
+
+
+def test_pictures_without_ink_are_refused():
+    with pytest.raises(ccdt.Error) as refused:
+        dots(np.full((8, 8), 255, np.uint8))
+    assert refused.value.code == "unusable"
+
+
+def test_images_of_pillow_equal_their_files(tmp_path):
+    image = Image.fromarray(np.asarray(Image.open(PICTURES / "chelsea.png").resize((90, 60))))
+    profile = rgb_profile(DISPLAY_P3, 1.8)
+    for name, options in (("plain.png", {}), ("turned.jpg", {"exif": turned(image), "quality": 95}),
+                          ("profile.png", {"icc_profile": profile})):
+        image.save(tmp_path / name, **options)
+        with Image.open(tmp_path / name) as opened:
+            assert np.array_equal(dots(opened), dots(tmp_path / name)), name
+    assert not np.array_equal(dots(tmp_path / "profile.png"), dots(tmp_path / "plain.png"))
+    palette = image.convert("P")
+    assert np.array_equal(dots(palette), dots(palette.convert("RGB")))
+    inks = image.convert("CMYK")
+    inks.save(tmp_path / "inks.tif")
+    assert np.array_equal(dots(inks), dots(tmp_path / "inks.tif"))
+
+
+def turned(image):
+    """Returns EXIF data that turn an image by a quarter."""
+    exif = image.getexif()
+    exif[0x0112] = 6
+    return exif
+
+
+def test_files_are_given_in_several_ways(cat):
+    expected = dots(cat)
+    path = PICTURES / "chelsea.png"
+    with open(path, "rb") as file:
+        for picture in (path, str(path), file, io.BytesIO(cat), bytearray(cat)):
+            assert np.array_equal(dots(picture), expected)
+
+
+def test_broken_files_are_refused():
+    with pytest.raises(ccdt.Error, match="PNG") as refused:
+        ccdt.halftone(b"no picture")
+    assert refused.value.code == "unsupported"
+
+
+def test_points_are_an_array():
+    points = ccdt.sample(SQUARE, 50)
+    assert isinstance(points, np.ndarray) and points.dtype == np.float64 and points.shape == (50, 2)
+    assert points.flags.writeable and points.base is not None
+    assert ((points > 0) & (points < 1)).all()
+    for part in (points[:10], points[0], points * 2, points.mean(axis=0)):
+        assert type(part) is np.ndarray  # pylint: disable=unidiomatic-typecheck
+    assert isinstance(points.mean(), float)
+    with pytest.raises(AttributeError):
+        points.copy().write("csv")
+
+
+def test_points_know_more(tmp_path):
+    points = ccdt.sample(SQUARE, 50, mesh=True, order="progressive")
+    assert np.array_equal(points.ranks, np.arange(50)) and points.ranks.dtype == np.uint32
+    assert np.array_equal(points.vertices[:50], points)
+    corners = points.vertices[points.triangles]
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert (doubled > 0).all() and np.isclose(doubled.sum(), 2)
+    assert len(points.variations) == 6 and points.variation > 0
+    assert points.features is None and points.classes is None
+    points.save(tmp_path / "points.geojson")
+    assert (tmp_path / "points.geojson").read_bytes() == points.write("geojson")
+    assert points.image().ndim == 2
+
+
+def test_dot_maps_have_features_and_classes():
+    def feature(x, ones, twos):
+        ring = [[x, 0], [x + 1, 0], [x + 1, 1], [x, 1], [x, 0]]
+        return {"type": "Feature", "properties": {"ones": ones, "twos": twos},
+                "geometry": {"type": "Polygon", "coordinates": [ring]}}
+
+    collection = {"type": "FeatureCollection", "features": [feature(0, 10, 5), feature(1, 20, 15)]}
+    points = ccdt.sample(collection, classes=["ones", "twos"], order="progressive")
+    assert len(points) == 50
+    assert np.array_equal(points.features, (points[:, 0] > 1).astype(int))
+    assert np.bincount(points.classes).tolist() == [30, 20]
+    assert sorted(points.ranks[points.classes == 1]) == list(range(20))
+    counted = ccdt.sample(collection, "ones")
+    assert np.bincount(counted.features).tolist() == [10, 20] and counted.classes is None
+
+
+def test_geometries_of_shapely_are_domains():
+    polygon = shapely.geometry.Polygon(SQUARE).difference(shapely.geometry.Point(0.5, 0.5).buffer(0.25))
+    points = ccdt.sample(polygon, 80, avoid=shapely.geometry.box(0, 0, 0.2, 0.2))
+    inside = polygon.difference(shapely.geometry.box(0, 0, 0.2, 0.2))
+    assert all(inside.contains(shapely.geometry.Point(point)) for point in points)
+
+
+@pytest.mark.parametrize(("arguments", "options", "field", "text"), [
+    ((SQUARE, 0), {}, "sites", "1 to 2000000"),
+    (([[0, 0], [1, np.nan], [1, 1]], 5), {}, "polygon/1/1", "finite"),
+    (([[0, 0, 0], [1, 0, 0], [1, 1, 0]], 5), {}, "polygon", "[n, 2]"),
+    ((SQUARE, 5), {"density": np.ones(3)}, "density", "[rows, columns]"),
+    ((SQUARE, 5), {"density": [[1, -1]]}, "density/values/1", "at least 0"),
+    ((SQUARE, 5), {"density": np.zeros((2, 2))}, "density/values", "zero"),
+    ((SQUARE, 5), {"quality": "good"}, "quality", "draft"),
+    ((SQUARE, 5), {"fixed": {1, 2}}, "fixed", "set"),
+    ((SQUARE, 5), {"threads": 0}, "threads", "at least 1"),
+    ((SQUARE, 5), {"seed": 2**53}, "seed", "9007199254740991"),
+], ids=str)
+def test_errors_name_the_field_and_the_limit(arguments, options, field, text):
+    with raises(field, re.escape(text)):
+        ccdt.sample(*arguments, **options)
+
+
+def test_several_errors_are_reported_at_once():
+    with pytest.raises(ccdt.Error) as refused:
+        ccdt.sample(SQUARE, 0, seed=-1)
+    assert {field for field, _ in refused.value.errors} == {"sites", "seed"}
+    again = pickle.loads(pickle.dumps(refused.value))
+    assert (str(again), again.field, again.errors) == (str(refused.value), refused.value.field, refused.value.errors)
+
+
+def test_unknown_options_are_refused():
+    with pytest.raises(TypeError, match="'site'.*quality"):
+        ccdt.sample(SQUARE, 5, site=3)
+    with pytest.raises(TypeError, match="'color'"):
+        ccdt.halftone(np.zeros((2, 2), np.uint8), device="1bit", color="cmyk")
+
+
+def test_dots_of_a_drawing_are_those_of_its_image(ramp):
+    halftone = ccdt.halftone(ramp, 60, scale=8)
+    assert halftone.image().shape == (48 * 8, 64 * 8) and (halftone.width, halftone.height) == (64, 48)
+    assert len(halftone) == 60 and halftone.radii.shape == (60,) and halftone.radius == halftone.radii.max()
+    pixels = np.floor(halftone.points * 8).astype(int)
+    shades = halftone.image()[pixels[:, 1], pixels[:, 0]]
+    assert np.array_equal(shades == 255, halftone.side == 1)
+    assert halftone.ground and all(ring.shape[1] == 2 for ring in halftone.ground)
+    assert halftone._repr_png_() == halftone.write("png")
+
+
+def test_colours_have_inks_or_kinds(cat):
+    listed = ccdt.halftone(cat, 300, color="cmyk", format="json")
+    assert listed.inks == ["cyan", "magenta", "yellow", "black"] and set(listed.ink) <= {0, 1, 2, 3}
+    assert listed.side is None and listed.flips is None and (listed.radii == listed.radius).all()
+    drawn = ccdt.halftone(cat, 300, color="cmyk")
+    assert set(drawn.flips) <= set(range(1, 8)) and drawn.ink is None and drawn.side is None
+    assert drawn.image().shape[2] == 3
+
+
+def test_halftones_are_written_in_other_formats(ramp, tmp_path):
+    halftone = ccdt.halftone(ramp, 60, width_mm=50)
+    for name in ("a.svg", "a.tif", "a.webp", "a.pdf", "a.csv", "a.json", "a.npy"):
+        halftone.save(tmp_path / name)
+    assert np.array_equal(np.load(tmp_path / "a.npy")[:, :2], halftone.points)
+    with raises("dots", "a pen can only add ink"):
+        halftone.save(tmp_path / "a.gcode")
+    with raises("format", "extension"):
+        halftone.save(tmp_path / "a.heic")
+    with raises("format", "bmp is not one of png"):
+        halftone.write("bmp")
+    with raises("width_mm", "pdf needs it"):
+        ccdt.halftone(ramp, 60).write("pdf")
+    assert not (tmp_path / "a.gcode").exists()
+    device = ccdt.halftone(ramp, device="gray4")
+    device.save(tmp_path / "a.bmp")
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "a.bmp").convert("L")), device.image())
+
+
+def test_sizes_are_limited_for_each_format():
+    strip = np.zeros((4, 400), np.uint8)
+    with raises("width", "20000 x 200 pixels.*at most 16383"):
+        ccdt.halftone(strip, 60, format="svg", width=20000).write("webp")
+    listed = ccdt.halftone(np.zeros((600, 600), np.uint8), 60, format="json", scale=16)
+    with raises("scale", "9600 x 9600 pixels.*64000000"):
+        listed.image()
+
+
+def test_results_can_be_pickled(ramp):
+    points = ccdt.sample(ccdt.Torus(), 100, order="progressive")
+    again = pickle.loads(pickle.dumps(points))
+    assert np.array_equal(again, points) and np.array_equal(again.ranks, points.ranks)
+    assert again.write("csv") == points.write("csv")
+    halftone = ccdt.halftone(ramp, 60)
+    again = pickle.loads(pickle.dumps(halftone))
+    assert np.array_equal(again.points, halftone.points) and again.write() == halftone.write()
+    device = ccdt.halftone(ramp, device="1bit")
+    assert np.array_equal(pickle.loads(pickle.dumps(device)).image(), device.image())
+    analysis = ccdt.analyze(points)
+    assert np.array_equal(pickle.loads(pickle.dumps(analysis)).power, analysis.power)
+
+
+def test_analyze_takes_sets_and_refuses_others():
+    sets = np.stack([ccdt.sample(ccdt.Torus(), 64, seed=seed) for seed in range(2)])
+    assert ccdt.analyze(sets).sets == 2
+    for points, text in ((np.zeros((3, 3)), r"\[n, 2\]"), ([[0, 0], [1]], "equal length")):
+        with raises("points", text):
+            ccdt.analyze(points)
+    with raises("points/1", "domain|outside|inside"):
+        ccdt.analyze([[0, 0], [2, 0]])

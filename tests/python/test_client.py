@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The client of a server."""
+
+import pathlib
+import subprocess
+import sys
+
+import ccdt
+import numpy as np
+import pytest
+from ccdt.client import Client
+from harness import PICTURES, Server
+
+LONG = {"sites": 400_000, "iterations": 1000, "passes": 100}
+
+
+@pytest.fixture(scope="module")
+def client(server):
+    return Client(server.url(""))
+
+
+def test_answers_are_those_of_the_package(client, cat, tmp_path):
+    answer = client.halftone(PICTURES / "chelsea.png", 500, color="cmyk", antialias=False)
+    assert answer.media_type == "image/png"
+    answer.save(tmp_path / "dots.png")
+    expected = ccdt.halftone(cat, 500, color="cmyk", antialias=False).write()
+    assert bytes(answer) == expected == (tmp_path / "dots.png").read_bytes()
+    points = ccdt.sample(ccdt.Rectangle(2, 1), 200, seed=1)
+    assert client.sample(ccdt.Rectangle(2, 1), 200, seed=1).json()["points"] == points.tolist()
+    polygon = np.array([[0, 0], [1, 0], [0, 1]])
+    assert bytes(client.sample(polygon, 20, format="npy")) == ccdt.sample(polygon, 20).write("npy")
+    figures = client.analyze(points, ccdt.Rectangle(2, 1)).json()
+    assert figures["power"] == ccdt.analyze(points).power.tolist()
+    assert client.capabilities()["halftone"]
+
+
+def test_errors_name_the_field(client):
+    with pytest.raises(ccdt.Error, match="1 to 2000000") as refused:
+        client.sample(ccdt.Torus(), 0)
+    assert (refused.value.status, refused.value.code, refused.value.field) == (400, "http_400", "sites")
+    with pytest.raises(ccdt.Error, match="PNG") as refused:
+        client.halftone(b"no picture")
+    assert refused.value.status == 415
+    with pytest.raises(ccdt.Error, match="http://"):
+        Client("localhost")
+
+
+def test_jobs_report_progress(client):
+    shares = []
+    answer = client.sample(ccdt.Torus(), 500, progress=shares.append, format="npy")
+    assert bytes(answer) == ccdt.sample(ccdt.Torus(), 500).write("npy")
+    assert shares == sorted(shares) and shares[-1] == 1
+
+
+def test_jobs_end_with_the_error_of_the_request(client):
+    with pytest.raises(ccdt.Error) as refused:
+        client.start_sample([[0, 0], [1, 1], [2, 2]], 5).result()
+    assert (refused.value.status, refused.value.field) == (422, "polygon")
+
+
+def test_jobs_can_be_cancelled(client):
+    job = client.start_sample(ccdt.Torus(), **LONG)
+    states = job.events()
+    next(states)
+    job.cancel()
+    assert list(states)[-1]["status"] == "cancelled"
+    with pytest.raises(ccdt.Error) as refused:
+        job.result()
+    assert refused.value.status == 410
+
+
+def test_keys_are_sent(tmp_path):
+    keys = tmp_path / "keys"
+    keys.write_text("alice:alice-0123456789abcdef\n")
+    with Server(f"--api-key-file={keys}") as server:
+        with pytest.raises(ccdt.Error) as refused:
+            Client(server.url("")).sample(ccdt.Torus(), 5)
+        assert refused.value.status == 401
+        assert len(Client(server.url(""), "alice-0123456789abcdef").sample(ccdt.Torus(), 5).json()["points"]) == 5
+
+
+def test_requests_wait_while_the_server_is_busy():
+    with Server("--rate-limit=1", "--rate-burst=1") as server:
+        client = Client(server.url(""), patience=30)
+        assert [len(client.sample(ccdt.Torus(), 5).json()["points"]) for _ in range(2)] == [5, 5]
+        impatient = Client(server.url(""), patience=0)
+        with pytest.raises(ccdt.Error) as refused:
+            for _ in range(3):
+                impatient.sample(ccdt.Torus(), 5)
+        assert refused.value.status == 429
+
+
+def test_the_client_needs_the_standard_library_alone(server):
+    """Runs without site packages, so that neither NumPy nor the other modules of Debian can be imported."""
+    package = str(pathlib.Path(ccdt.__file__).parent.parent)
+    script = f"""
+import sys
+sys.path.insert(0, {package!r})
+from ccdt.client import Client
+import ccdt
+print(len(Client({server.url("")!r}).sample(ccdt.Torus(), 5).json()["points"]))
+print(any(name.startswith("numpy") or name == "ccdt._core" for name in sys.modules))
+"""
+    output = subprocess.run([sys.executable, "-S", "-E", "-c", script], capture_output=True, text=True, check=True)
+    assert output.stdout.split() == ["5", "False"]

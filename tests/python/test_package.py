@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package as a whole: its types, its installation by pip, its documentation and its example."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import ccdt
+import pytest
+from harness import PATIENCE, PICTURES, ROOT
+from PIL import Image
+
+SOURCE = ROOT / "api" / "python"
+
+
+def execute(*command, **options):
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def test_modules_are_loaded_when_they_are_needed():
+    script = """
+import sys, ccdt
+print("numpy" in sys.modules, "ccdt._core" in sys.modules)
+import numpy
+ccdt.halftone(numpy.zeros((8, 8), numpy.uint8), 10)
+print("ccdt._codec" in sys.modules)
+"""
+    assert execute(sys.executable, "-c", script).split() == ["False", "False", "False"]
+
+
+def test_names_are_listed_and_described():
+    assert set(ccdt.__all__) <= set(dir(ccdt))
+    for name in ccdt.__all__:
+        assert getattr(ccdt, name).__doc__
+    with pytest.raises(AttributeError, match="nothing"):
+        ccdt.nothing  # pylint: disable=no-member,pointless-statement
+
+
+def test_types_are_consistent(tmp_path):
+    execute("mypy", "--config-file", SOURCE / "pyproject.toml", "--cache-dir", tmp_path, SOURCE / "ccdt")
+
+
+def test_pip_installs_the_package_without_network(tmp_path):
+    """Uses the build folder of the tests, so that nothing is compiled again."""
+    execute(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
+    environment = {**os.environ, "PYTHONPATH": "", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index", "--no-cache-dir", SOURCE,
+            "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
+    script = "import ccdt, importlib.metadata as m; print(ccdt.__file__, m.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)"
+    output = execute(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
+    assert output.startswith(str(tmp_path))
+    version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
+    assert f" {version} (9, 2)" in output
+
+
+def test_wheels_are_reproducible(tmp_path):
+    script = ("import build_backend, pathlib, sys; "
+              "print(build_backend.build_wheel(sys.argv[1], {'build-dir': sys.argv[2]}))")
+    wheels = []
+    for name in ("first", "second"):
+        (tmp_path / name).mkdir()
+        file = execute(sys.executable, "-c", script, tmp_path / name, os.environ["CCDT_BUILD"], cwd=SOURCE,
+                       env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"}).split()[-1]
+        wheels.append((tmp_path / name / file).read_bytes())
+    assert wheels[0] == wheels[1]
+
+
+def test_examples_of_the_readme_run(tmp_path):
+    (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
+    blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    local = [block for block in blocks if "localhost" not in block]
+    assert len(local) > 2
+    execute(sys.executable, "-c", "\n".join(local), cwd=tmp_path)
+    assert Image.open(tmp_path / "dots.png").size == (1203, 800)
+
+
+def test_examples_of_the_readme_call_the_server(server, tmp_path):
+    (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")
+    blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    remote = [block.replace("http://localhost:8080", server.url("")) for block in blocks if "localhost" in block]
+    assert remote
+    execute(sys.executable, "-c", "\n".join(remote), cwd=tmp_path)
+    assert (tmp_path / "dots.svg").read_bytes().startswith(b"<svg")
+
+
+def test_the_gallery_makes_its_pictures(tmp_path):
+    execute(sys.executable, SOURCE / "examples" / "gallery.py", tmp_path)
+    pictures = sorted(path.name for path in tmp_path.iterdir())
+    assert pictures == ["colour.png", "device.png", "halftone.png", "map.png", "mask.png", "spectrum.png"]
+    for name in pictures:
+        with Image.open(tmp_path / name) as picture:
+            low, high = picture.convert("L").getextrema()
+            assert high - low > 100, name

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The package computes what the service answers."""
+
+import io
+import json
+import typing
+import urllib.parse
+
+import ccdt
+import numpy as np
+import pytest
+from ccdt import _core, _options
+from harness import POLYGONS, ask, post_json
+from PIL import Image
+
+SQUARE = [[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]]
+
+
+@pytest.mark.parametrize("options", [
+    {},
+    {"sites": 500, "format": "svg"},
+    {"sites": 500, "format": "csv", "color": "cmyk"},
+    {"sites": 500, "format": "tiff", "palette": ["#c30", "#036"], "levels": (0.1, 0.9)},
+    {"sites": 300, "format": "gcode", "width_mm": 50, "dots": "ink", "seed": 3},
+    {"device": "spectra6", "width": 90},
+    {"device": "1bit", "width": 64, "format": "raw", "invert_bits": True},
+], ids=str)
+def test_halftones_are_those_of_the_service(server, cat, options):
+    texts = {name: ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value).lower()
+             if isinstance(value, bool) else str(value) for name, value in options.items()}
+    answer = ask(server, "/halftone?" + urllib.parse.urlencode(texts), data=cat)
+    assert answer.status == 200
+    assert ccdt.halftone(cat, **options).write() == answer.body
+
+
+@pytest.mark.parametrize(("domain", "options", "members"), [
+    (SQUARE, {}, {"polygon": SQUARE}),
+    (np.array(SQUARE), {"seed": 5, "quality": "draft"}, {"polygon": SQUARE}),
+    (ccdt.Torus(2, 1), {"order": "progressive"}, {"domain": {"type": "torus", "width": 2, "height": 1}}),
+    (ccdt.Rectangle(2, 1), {"fixed": np.array([[1, 0.5]])},
+     {"domain": {"type": "rectangle", "width": 2, "height": 1}}),
+    (json.loads((POLYGONS / "Switzerland-10m.geojson").read_text()), {"coordinates": "lonlat"},
+     {"geometry": json.loads((POLYGONS / "Switzerland-10m.geojson").read_text())}),
+], ids=["list", "array", "torus", "rectangle", "geojson"])
+def test_points_are_those_of_the_service(server, domain, options, members):
+    sent = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in options.items()}
+    answer = post_json(server, "/sample", {"sites": 400, "format": "npy", **sent, **members})
+    assert answer.status == 200
+    assert ccdt.sample(domain, 400, **options).write("npy") == answer.body
+
+
+def test_densities_are_those_of_the_service(server):
+    density = np.arange(12.0).reshape(3, 4)[:, ::-1] / 7
+    members = {"width": 4, "height": 3, "values": density.ravel().tolist()}
+    answer = post_json(server, "/sample", {"sites": 300, "polygon": SQUARE, "density": members, "format": "npy"})
+    assert ccdt.sample(SQUARE, 300, density=density).write("npy") == answer.body
+
+
+def test_sets_of_pixels_are_those_of_the_service(server):
+    body = {"sites": 64, "domain": {"type": "pixels", "width": 32, "height": 16}, "calibration": {"height": 2},
+            "density": {"width": 2, "height": 1, "values": [1, 3]}, "format": "npy"}
+    expected = np.load(io.BytesIO(post_json(server, "/sample", body).body))
+    found = ccdt.sample(ccdt.Pixels(32, 16), 64, density=[[1, 3]], calibration={"height": 2})
+    assert found.dtype == bool and found.shape == (16, 32) and found.sum() == 64
+    assert np.array_equal(found, expected)
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_masks_are_those_of_the_service(server, bits):
+    name = {8: "mask", 16: "mask16"}[bits]
+    body = {"domain": {"type": "torus", "width": 16, "height": 32}, "seed": 4, "format": name}
+    expected = np.asarray(post_json(server, "/sample", body).picture())
+    found = ccdt.mask(16, 32, seed=4, bits=bits)
+    assert found.dtype == (np.uint8 if bits == 8 else np.uint16)
+    assert np.array_equal(found, expected)
+
+
+def test_analyses_are_those_of_the_service(server):
+    points = ccdt.sample(ccdt.Torus(2, 1), 500)
+    members = {"points": points.tolist(), "domain": {"type": "torus", "width": 2, "height": 1}, "spectrum": True}
+    expected = post_json(server, "/analyze", members).json()
+    found = ccdt.analyze(points, spectrum=True)
+    for name in ("frequency", "power", "anisotropy_db"):
+        assert getattr(found, name).tolist() == expected[name]
+    for name in ("low_frequency_power", "min_distance", "mean_distance", "sets"):
+        assert getattr(found, name) == expected[name]
+    assert found.spectrum.shape == (expected["spectrum"]["height"], expected["spectrum"]["width"])
+    assert found.spectrum.ravel().tolist() == expected["spectrum"]["values"]
+    assert found.write("svg") == post_json(server, "/analyze", {**members, "format": "svg"}).body
+
+
+@pytest.mark.parametrize("mode", ["L", "LA", "RGB", "RGBA", "1", "I;16"])
+def test_arrays_equal_files_of_the_same_pixels(mode):
+    random = np.random.default_rng(1)
+    smooth = np.add.outer(np.arange(24), np.arange(36)) * 4
+    shape = (24, 36, *{"LA": (2,), "RGB": (3,), "RGBA": (4,)}.get(mode, ()))
+    pixels = (smooth if len(shape) == 2 else smooth[..., None]) + random.integers(0, 16, shape)
+    pixels = pixels > 120 if mode == "1" else pixels.astype(np.uint16) * 257 if mode == "I;16" \
+        else pixels.astype(np.uint8)
+    file = io.BytesIO()
+    Image.fromarray(pixels, mode=None if mode in ("1", "I;16") else mode).save(file, "PNG")
+    for options in ({"color": "cmyk"}, {"format": "json"}):
+        from_array = ccdt.halftone(pixels, 200, **options)
+        from_file = ccdt.halftone(file.getvalue(), 200, **options)
+        assert np.array_equal(from_array.points, from_file.points)
+        assert from_array.write("png") == from_file.write("png")
+
+
+def test_large_pictures_are_reduced_as_from_files():
+    pixels = np.tile(np.linspace(0, 255, 2400).astype(np.uint8), (2000, 1))
+    file = io.BytesIO()
+    Image.fromarray(pixels).save(file, "PNG")
+    from_array = ccdt.halftone(pixels, 100, width=200)
+    assert from_array.write("png") == ccdt.halftone(file.getvalue(), 100, width=200).write("png")
+
+
+def test_options_have_the_names_of_the_tables():
+    hidden = {"format", "on_deadline"}  # the format is a parameter; there is no deadline
+    halftone = set(_core.halftone_options()) - hidden
+    assert set(_options.all_names(_options.HalftoneOptions)) | {"sites"} == halftone
+    assert set(_options.all_names(_options.DeviceOptions)) | {"device"} == set(_core.device_options()) - hidden
+    shapes = {"polygon", "geometry", "domain"}
+    parameters = {"sites", "density", "seed"}
+    assert set(_options.all_names(_options.SampleOptions)) | shapes | parameters == set(_core.sample_options()) - hidden
+    assert (set(_options.all_names(_options.PixelOptions)) | {"domain"} | parameters
+            == set(_core.pixel_options()) - hidden)
+    analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress"}
+    assert analyze | {"sets"} == set(_core.analyze_options()) - hidden
