@@ -123,10 +123,12 @@ def draw_globe(file, _):
 
 
 def draw_thinner(file, _):
-    """Draws the strokes of a drawing less wide, so that they can be told apart."""
+    """Draws the strokes of a drawing less wide, so that they can be told apart. Coordinates in hundredths of a
+    millimetre are fine enough, and make the file smaller.
+    """
+    text = re.sub(r"\d+\.\d{3,}", lambda m: f"{float(m[0]):.2f}", file.read_text())
     drawing = file.with_suffix(".strokes.svg")
-    drawing.write_text(re.sub(r'stroke-width="([\d.]+)"', lambda m: f'stroke-width="{0.45 * float(m[1]):g}"',
-                              file.read_text()))
+    drawing.write_text(re.sub(r'stroke-width="([\d.]+)"', lambda m: f'stroke-width="{0.45 * float(m[1]):g}"', text))
     return drawing
 
 
