@@ -2,7 +2,9 @@
 #include "ccdt/service.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <set>
@@ -145,18 +147,29 @@ std::string read_file(const std::filesystem::path& file) {
     return bytes;
 }
 
-/// Writes a file beside the output, which it then replaces.
-void write_file(const std::filesystem::path& file, const std::string& bytes) {
+/// Returns the file that is written first and then renamed. Devices and pipes are written directly.
+std::filesystem::path draft_of(const std::filesystem::path& file) {
+    static std::atomic<unsigned> drafts = 0;
+    std::error_code ignored;
+    const auto status = std::filesystem::status(file, ignored);
+    if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) return file;
     std::filesystem::path draft = file;
-    draft += ".part" + std::to_string(getpid());
+    draft += ".part" + std::to_string(getpid()) + '-' + std::to_string(drafts++);
+    return draft;
+}
+
+/// Writes a file, which appears when it is complete.
+void write_file(const std::filesystem::path& file, const std::string& bytes) {
+    const std::filesystem::path draft = draft_of(file);
     errno = 0;
     std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
     stream << bytes;
     stream.close();
-    if (stream && std::rename(draft.c_str(), file.c_str()) == 0) return;
+    const bool is_in_place = draft == file;
+    if (stream && (is_in_place || std::rename(draft.c_str(), file.c_str()) == 0)) return;
     const int reason = errno;
     std::error_code ignored;
-    std::filesystem::remove(draft, ignored);
+    if (!is_in_place) std::filesystem::remove(draft, ignored);
     errno = reason;
     fail(file, "written", "output");
 }

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the wheel of the package (PEP 517) with CMake and the standard library alone, so that pip needs no network.
+"""Builds the wheel and the source archive of the package (PEP 517) with CMake and the standard library alone, so that
+pip needs no network.
 
     pip install .
     pip install . --config-settings build-dir=FOLDER
 
 Without `build-dir`, the package is compiled in build/python of the source tree. A folder that CMake has configured
-already is used as it is. Files in the wheel have the time SOURCE_DATE_EPOCH, if that variable is set.
+already is used as it is. Files in the archives have the time SOURCE_DATE_EPOCH, if that variable is set.
 """
 
 import base64
+import gzip
 import hashlib
+import io
 import os
 import pathlib
 import re
@@ -17,6 +20,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
+import tarfile
 import tempfile
 import time
 import zipfile
@@ -54,10 +58,14 @@ def compile_package(folder):
                    check=True)
 
 
+def timestamp():
+    """Returns the time of the files in archives, in seconds."""
+    return max(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())), EARLIEST)
+
+
 def add(wheel, name, data, listing):
     """Adds a file to the wheel, and its digest to the listing."""
-    moment = time.gmtime(max(int(os.environ.get("SOURCE_DATE_EPOCH", time.time())), EARLIEST))[:6]
-    info = zipfile.ZipInfo(name, moment)
+    info = zipfile.ZipInfo(name, time.gmtime(timestamp())[:6])
     info.external_attr = 0o644 << 16
     info.compress_type = zipfile.ZIP_DEFLATED
     wheel.writestr(info, data)
@@ -85,3 +93,29 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
             add(wheel, f"{information}/LICENSE", (ROOT / "LICENSE").read_bytes(), listing)
             add(wheel, f"{information}/RECORD", "".join([*listing, f"{information}/RECORD,,\n"]).encode(), [])
     return name
+
+
+def sources():
+    """Yields the path of each file in the source archive, and its bytes."""
+    yield "PKG-INFO", metadata().encode()
+    # pip expects this file at the top. The folder of the backend is relative to it.
+    settings = (HERE / "pyproject.toml").read_text().replace('backend-path = ["."]', 'backend-path = ["api/python"]')
+    yield "pyproject.toml", settings.encode()
+    for path in (ROOT / "CMakeLists.txt", ROOT / "LICENSE", *sorted((ROOT / "core").rglob("*")),
+                 *sorted((ROOT / "api").rglob("*"))):
+        if path.is_file() and "__pycache__" not in path.parts:
+            yield path.relative_to(ROOT).as_posix(), path.read_bytes()
+
+
+def build_sdist(sdist_directory, config_settings=None):  # pylint: disable=unused-argument
+    """Builds the source archive, and returns the name of its file. Called by build frontends."""
+    base = f"ccdt-{version()}"
+    unpacked = io.BytesIO()
+    with tarfile.open(fileobj=unpacked, mode="w", format=tarfile.PAX_FORMAT) as archive:
+        for name, data in sources():
+            info = tarfile.TarInfo(f"{base}/{name}")
+            info.size, info.mtime = len(data), timestamp()
+            archive.addfile(info, io.BytesIO(data))
+    packed = gzip.compress(unpacked.getvalue(), mtime=0)
+    (pathlib.Path(sdist_directory) / f"{base}.tar.gz").write_bytes(packed)
+    return f"{base}.tar.gz"

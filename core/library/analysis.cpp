@@ -13,6 +13,7 @@ PointAnalysis analyze(std::span<const std::vector<Point>> sets, const Domain& do
                       const Control& control) {
     if (!std::holds_alternative<Rectangle>(domain) && !std::holds_alternative<Torus>(domain))
         raise(FailureCode::Malformed, "the domain of an analysis must be a Rectangle or a Torus", "domain");
+    check_range(max_frequency, 1, 16, "max_frequency");
     const auto made = make_domain(domain, false, control.stop).domain;
     std::vector<std::vector<ccdt::Point>> given;
     for (const auto& set : sets) given.push_back(core_points(set, "sets/" + std::to_string(given.size())));

@@ -111,6 +111,13 @@ void raise(FailureCode code, const std::string& message, std::string field) {
     throw Exception(code, message, std::move(field));
 }
 
+void check_range(double value, double min, double max, const char* name) {
+    if (value >= min && value <= max) return;
+    raise(FailureCode::Malformed,
+          std::string(name) + " is " + shortest(value) + ", but must be from " + shortest(min) + " to " + shortest(max),
+          name);
+}
+
 Execution::Execution(const Control& control) : executor_(threads_of(control)), control_{control.stop, {}, &executor_} {
     if (!control.progress) return;
     control_.progress = [call = control.progress](const ccdt::Progress& progress) {

@@ -25,6 +25,9 @@ namespace ccdt::v1 {
 
 [[noreturn]] void raise(FailureCode code, const std::string& message, std::string field);
 
+/// Throws if an option is not in its range. NaN is in no range.
+void check_range(double value, double min, double max, const char* name);
+
 /// Returns the value of a result. Throws its error.
 /// @param prefix  prepended to the field of the error, if the error has one
 template <class T>

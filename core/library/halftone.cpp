@@ -35,16 +35,10 @@ std::size_t pixels_of(const PictureView& picture) {
 }
 
 void check_picture(const PictureView& picture) {
-    const auto check_side = [](int side, const char* name) {
-        if (side < 1)
-            raise(FailureCode::Malformed,
-                  std::string(name) + " is " + std::to_string(side) + ", but must be at least 1", name);
-    };
-    check_side(picture.width, "width");
-    check_side(picture.height, "height");
-    if (picture.channels < 1 || picture.channels > 4)
-        raise(FailureCode::Malformed, "channels is " + std::to_string(picture.channels) + ", but must be from 1 to 4",
-              "channels");
+    constexpr double kMaxSide = std::numeric_limits<int>::max();
+    check_range(picture.width, 1, kMaxSide, "width");
+    check_range(picture.height, 1, kMaxSide, "height");
+    check_range(picture.channels, 1, 4, "channels");
     const std::size_t wanted = pixels_of(picture) * static_cast<std::size_t>(picture.channels);
     const std::size_t given = std::visit([](const auto& values) { return values.size(); }, picture.values);
     if (given == wanted) return;
@@ -62,8 +56,7 @@ ccdt::Options run_options(std::size_t sites, const HalftoneOptions& options) {
     run.seed = options.seed;
     run.quality = core_quality(options.quality);
     if (const auto checked = ccdt::check(run); !checked) raise(checked.error());
-    if (!(options.detail >= 0 && options.detail <= 1))
-        raise(FailureCode::Malformed, "detail must be a number from 0 to 1", "detail");
+    check_range(options.detail, 0, 1, "detail");
     if (options.quality == Quality::Stealthy)
         raise(FailureCode::Malformed, "quality cannot be Stealthy for a halftone, whose density varies", "quality");
     if (options.colour && options.sides != Sides::Both)

@@ -37,12 +37,12 @@ constexpr auto kHalftoneExamples = std::to_array<std::string_view>({
 constexpr auto kSampleExamples = std::to_array<std::string_view>({
     "ccdt sample map.geojson --sites 5000 -o dots.csv",
     "ccdt sample districts.zip --sites people --per 500 --properties name -o dots.geojson",
-    R"(ccdt sample --domain '{"type":"torus","width":1,"height":1}' --sites 1000 -o dots.npy)",
+    R"(ccdt sample --domain '{"type":"torus","width":1,"height":1}' --sites 1000 -o points.csv)",
     "ccdt sample --polygon @shape.json --density @weights.png --sites 1000 -o dots.svg",
 });
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
-    "ccdt analyze dots.csv -o spectrum.svg",
-    R"(ccdt analyze dots.npy --domain '{"type":"rectangle","width":4,"height":3}')",
+    "ccdt analyze points.csv -o spectrum.svg",
+    R"(ccdt analyze points.npy --domain '{"type":"rectangle","width":4,"height":3}')",
 });
 
 const std::array kCommands = {

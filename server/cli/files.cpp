@@ -52,7 +52,7 @@ std::string replaceable_path(const std::string& name) {
     return is_special ? std::string() : path.string();
 }
 
-Result<std::string> read_file(const std::string& name) {
+Result<std::string> read_file(const std::string& name, std::size_t max_bytes) {
     constexpr std::size_t kPiece = std::size_t{1} << 16;
     const bool is_standard = name == kStandardStream;
     const UniqueFd file(is_standard ? dup(STDIN_FILENO) : open(name.c_str(), O_RDONLY | O_CLOEXEC));
@@ -60,13 +60,16 @@ Result<std::string> read_file(const std::string& name) {
     struct stat status {};
     std::string bytes;
     if (fstat(file.get(), &status) == 0 && S_ISREG(status.st_mode))
-        bytes.reserve(static_cast<std::size_t>(status.st_size) + kPiece);
+        bytes.reserve(std::min(static_cast<std::size_t>(status.st_size), max_bytes) + kPiece);
     while (true) {
         const std::size_t size = bytes.size();
         bytes.resize(size + kPiece);
         const ssize_t count = read(file.get(), bytes.data() + size, kPiece);
         bytes.resize(size + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
         if (count == 0) return bytes;
+        if (bytes.size() > max_bytes)
+            return failure(ErrorCode::LimitExceeded,
+                           "the file has more bytes than the limit (--memory), " + std::to_string(max_bytes));
         if (count < 0 && errno != EINTR) return failure(ErrorCode::Unsupported, std::strerror(errno));
     }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -14,8 +15,10 @@ namespace ccdt::server {
 /// Name of standard input and of standard output.
 inline constexpr std::string_view kStandardStream = "-";
 
-/// Reads a file, or standard input. Errors: Unsupported; the message does not contain the name.
-Result<std::string> read_file(const std::string& name);
+/// Reads a file, or standard input. The messages of errors do not contain the name.
+/// @param max_bytes  the memory limit
+/// Errors: Unsupported if the file cannot be read; LimitExceeded.
+Result<std::string> read_file(const std::string& name, std::size_t max_bytes);
 
 /// Writes an answer to a file or to standard output.
 ///

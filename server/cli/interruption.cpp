@@ -10,14 +10,13 @@ namespace ccdt::server {
 
 Interruption::Interruption() {
     sigemptyset(&signals_);
-    // SIGUSR1 ends the watcher.
-    for (const int number : {SIGHUP, SIGINT, SIGTERM, SIGUSR1}) {
+    for (const int number : {SIGHUP, SIGINT, SIGQUIT, SIGTERM}) {
         struct sigaction action {};
         sigaction(number, nullptr, &action);
         // A signal that is ignored, as SIGHUP is below nohup, stays ignored.
         if (action.sa_handler != SIG_IGN) sigaddset(&signals_, number);
     }
-    sigaddset(&signals_, SIGUSR1);
+    sigaddset(&signals_, SIGUSR1);  // ends the watcher
     pthread_sigmask(SIG_BLOCK, &signals_, &before_);
     watcher_ = std::jthread([this](const std::stop_token& stop) { wait_for_signals(stop); });
 }

@@ -138,9 +138,9 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 Result<void> read_value_files(Arguments& arguments) {
     for (auto& [option, value] : arguments.given) {
         if (!option->takes_json || !value.starts_with('@')) continue;
-        auto content = read_file(value.substr(1));
+        auto content = read_file(value.substr(1), arguments.memory);
         if (!content)
-            return failure(ErrorCode::Unsupported, value.substr(1) + ": " + content.error().message, option->member);
+            return failure(content.error().code, value.substr(1) + ": " + content.error().message, option->member);
         value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + base64(*content) + R"("})";
     }
     return {};
@@ -191,7 +191,11 @@ DescribedError describe_error(const Error& error, std::span<const Option> option
     rest.remove_prefix(member.size());
     const auto option =
         std::ranges::find_if(options, [&](const Option& each) { return !member.empty() && each.member == member; });
-    if (option == options.end()) return {{}, std::move(message)};
+    if (option == options.end()) {
+        // The message may not say which part of the input is wrong.
+        if (!message.starts_with(error.field)) message.insert(0, error.field + ": ");
+        return {{}, std::move(message)};
+    }
     const std::string flag = "--" + option->name;
     const bool repeats_field = message.starts_with(error.field) || message.starts_with(member);
     if (!repeats_field) return {flag, flag + ": " + message};

@@ -34,7 +34,7 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 
 /// Replaces each value `@FILE` of an option that takes JSON by the content of the file. A file that is not JSON becomes
 /// an object with the member `image`, in base64.
-/// Errors: Unsupported, with the member as Error::field and the name of the file in the message.
+/// Errors: those of read_file(), with the member as Error::field and the name of the file in the message.
 Result<void> read_value_files(Arguments& arguments);
 
 /// Finds the format of an output: the format that the option `format` names, or else the one that the suffix of the

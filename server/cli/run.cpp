@@ -2,8 +2,8 @@
 #include "server/cli/run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "api/json/json_document.h"
@@ -27,6 +26,7 @@
 #include "server/cli/messages.h"
 #include "server/cli/request.h"
 #include "server/cli/status.h"
+#include "server/processes/signals.h"
 
 namespace ccdt::server {
 namespace {
@@ -143,7 +143,8 @@ public:
             if (auto started = decoding_.start(); !started) return report({}, {kFailed, started.error()});
         }
         if (auto checked = check_outputs(command_, arguments_, *tasks); !checked) return report({}, checked.error());
-        if (auto read = read_value_files(arguments_); !read) return report({}, {kInputFailed, read.error()});
+        if (auto read = read_value_files(arguments_); !read)
+            return report({}, {status_of(read.error(), options_), read.error()});
         int status = 0;
         for (const Task& task : *tasks) {
             const auto answered = answer(task);
@@ -162,6 +163,8 @@ private:
         for (const Error& error : errors) {
             auto [option, message] = describe_error(error, options_);
             if (!option.empty()) add_value(option, message);
+            if (error.field.starts_with("/points/") && arguments_.find("domain") == nullptr)
+                message += "; without --domain, it is a torus of 1 x 1";
             const bool is_about_input = option.empty() || failed.status != kWrongUsage;
             messages_.report_error({failed.status, is_about_input ? input : "", std::move(option), std::move(message)});
         }
@@ -182,8 +185,8 @@ private:
         const auto start = std::chrono::steady_clock::now();
         std::optional<std::string> input;
         if (!task.input.empty()) {
-            auto read = read_file(task.input);
-            if (!read) return failed(kInputFailed, read.error());
+            auto read = read_file(task.input, arguments_.memory);
+            if (!read) return failed(status_of(read.error(), options_), read.error());
             input = *std::move(read);
         }
         Arguments arguments = arguments_;
@@ -282,8 +285,9 @@ Messages::Style style_of(std::span<const char* const> arguments) {
 
 int run_command(const Command& command, std::span<const char* const> arguments) {
     const auto options = options_of(command);
-    // A broken pipe at standard output ends the program, but not one at standard error.
-    std::signal(SIGPIPE, SIG_IGN);
+    // A broken pipe at standard output ends the program, but not one at standard error. A file that exceeds a limit of
+    // its size (ulimit -f) is an error like a full disk.
+    ignore_signals(std::array{SIGPIPE, SIGXFSZ});
     Interruption interruption;
     Messages messages(style_of(arguments), interruption);
     try {

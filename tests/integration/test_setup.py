@@ -16,8 +16,8 @@ from harness import NODE, ROOT, execute
 
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
-           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/site",
-           "docker/snapshot", "docker/owners", "docker/sbom", "docker/release")
+           "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot",
+           "docker/owners", "docker/sbom", "docker/release", "docker/site")
 LIST = ROOT / "docker" / "packages.txt"
 
 

@@ -296,9 +296,11 @@ class Case(unittest.TestCase):
             "white": (UNUSABLE, "values", "white"),
             "black": (UNUSABLE, "values", "black"),
             "wrong size": (MALFORMED, "values", "72 values, not 64"),
-            "no width": (MALFORMED, "width", "at least 1"),
+            "no width": (MALFORMED, "width", "is 0, but must be from 1 to 2147483647"),
             "five channels": (MALFORMED, "channels", "from 1 to 4"),
             "colour of ink": (MALFORMED, "colour", "Both"),
+            "nan detail": (MALFORMED, "detail", "is nan, but must be from 0 to 1"),
+            "high frequency": (MALFORMED, "max_frequency", "is 17, but must be from 1 to 16"),
             "analysis of polygon": (MALFORMED, "domain", "Rectangle or a Torus"),
             "analysis outside": (UNUSABLE, "sets/0/1", "outside"),
             "analysis of nan": (MALFORMED, "sets/0/1", "nan"),
@@ -326,8 +328,8 @@ class Case(unittest.TestCase):
 
     def test_files_have_the_bytes_of_the_service(self):
         folder = pathlib.Path(self.installed.folder.name)
-        crossing = folder / "domain.json"
-        crossing.write_text(json.dumps({**TORUS, "sites": 200}))
+        torus = folder / "torus.json"
+        torus.write_text(json.dumps({**TORUS, "sites": 200}))
         points = folder / "points.json"
         points.write_text(json.dumps({"points": self.memory["uniform"], **TORUS}))
         italy, countries = POLYGONS / "Italy-110m.geojson", POLYGONS / "two-countries.zip"
@@ -338,7 +340,7 @@ class Case(unittest.TestCase):
             ("sample", italy, "dots.csv", {"sites": "400", "coordinates": "lonlat"}, "text/csv"),
             ("sample", italy, "dots.geojson", {"sites": "50"}, "application/geo+json"),
             ("sample", countries, "map.csv", {"sites": "70"}, "text/csv"),
-            ("sample", crossing, "tile.npy", {}, "application/x-npy"),
+            ("sample", torus, "tile.npy", {}, "application/x-npy"),
             ("analyze", points, "spectrum.svg", {}, "image/svg+xml"),
         )
         for number, (operation, source, name, options, media_type) in enumerate(cases):
@@ -372,6 +374,8 @@ class Case(unittest.TestCase):
             (("halftone", folder / "none", kept), f"{UNAVAILABLE} input: {folder}/none cannot be read: No such file"),
             (("halftone", picture, folder / "dots.doc"), f"{NOT_ACCEPTABLE} output: no format has the suffix"),
             (("halftone", picture, folder / "none" / "dots.png"), f"{UNAVAILABLE} output: {folder}/none/dots.png cannot"),
+            (("halftone", picture, "/dev/full", "format", "svg"),
+             f"{UNAVAILABLE} output: /dev/full cannot be written: No space left"),
             (("sample", picture, folder / "dots.csv", "sites", "9"), f"{MALFORMED} "),
             (("sample", POLYGONS / "two-countries.zip", kept, "sites", "9", "object", "none"), f"{UNUSABLE} object: "),
             (("analyze", picture, folder / "plot.svg", "sites", "9"), f"{MALFORMED} sites: the options of an analysis"),

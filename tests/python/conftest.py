@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all tests of the Python package share. The environment variable PYTHONPATH contains the folder of the package."""
+"""Fixtures of all tests of the Python package. The environment variable PYTHONPATH names the folder of the package."""
 
 import pathlib
 import sys

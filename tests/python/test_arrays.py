@@ -130,8 +130,11 @@ def test_points_are_an_array():
     for part in (points[:10], points[0], points * 2, points.mean(axis=0)):
         assert type(part) is np.ndarray  # pylint: disable=unidiomatic-typecheck
     assert isinstance(points.mean(), float)
-    with pytest.raises(AttributeError):
-        points.copy().write("csv")
+    assert points._repr_png_() == points.write("png")
+    copy = points.copy()
+    assert copy._repr_png_() is None
+    with pytest.raises(AttributeError, match="part or a copy"):
+        copy.write("csv")
 
 
 def test_points_know_more(tmp_path):

@@ -6,6 +6,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import tarfile
 
 import ccdt
 import pytest
@@ -50,23 +51,40 @@ def test_pip_installs_the_package_without_network(tmp_path):
     environment = {**os.environ, "PYTHONPATH": "", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
     execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index", "--no-cache-dir", SOURCE,
             "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
-    script = "import ccdt, importlib.metadata as m; print(ccdt.__file__, m.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)"
+    script = ("import ccdt, importlib.metadata as data; "
+              "print(ccdt.__file__, data.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)")
     output = execute(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
     assert output.startswith(str(tmp_path))
     version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
     assert f" {version} (9, 2)" in output
 
 
-def test_wheels_are_reproducible(tmp_path):
-    script = ("import build_backend, pathlib, sys; "
-              "print(build_backend.build_wheel(sys.argv[1], {'build-dir': sys.argv[2]}))")
-    wheels = []
-    for name in ("first", "second"):
-        (tmp_path / name).mkdir()
-        file = execute(sys.executable, "-c", script, tmp_path / name, os.environ["CCDT_BUILD"], cwd=SOURCE,
-                       env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"}).split()[-1]
-        wheels.append((tmp_path / name / file).read_bytes())
-    assert wheels[0] == wheels[1]
+def build(function, folder):
+    """Builds an archive at a fixed time, and returns its path."""
+    folder.mkdir()
+    script = (f"import build_backend, sys; "
+              f"print(build_backend.{function}(sys.argv[1], {{'build-dir': sys.argv[2]}}))")
+    output = execute(sys.executable, "-c", script, folder, os.environ["CCDT_BUILD"], cwd=SOURCE,
+                     env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"})
+    return folder / output.split()[-1]
+
+
+@pytest.mark.parametrize("function", ["build_wheel", "build_sdist"])
+def test_archives_are_reproducible(function, tmp_path):
+    first, second = (build(function, tmp_path / name).read_bytes() for name in ("first", "second"))
+    assert first == second
+
+
+def test_the_source_archive_can_be_built(tmp_path):
+    """CMake configures the unpacked archive, which therefore has all files that it names."""
+    with tarfile.open(build("build_sdist", tmp_path / "packed")) as archive:
+        archive.extractall(tmp_path)
+    (root,) = tmp_path.glob("ccdt-*")
+    assert 'backend-path = ["api/python"]' in (root / "pyproject.toml").read_text()
+    assert (root / "PKG-INFO").read_text().startswith("Metadata-Version: 2.1\nName: ccdt\n")
+    execute("cmake", "-S", root, "-B", tmp_path / "build", "-G", "Ninja", "-DCCDT_BUILD_PROGRAMS=OFF",
+            "-DCCDT_BUILD_PYTHON=ON", "-DBUILD_TESTING=OFF")
+    assert "ccdt_python" in execute("ninja", "-C", tmp_path / "build", "-t", "targets", "all")
 
 
 def test_examples_of_the_readme_run(tmp_path):

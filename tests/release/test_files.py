@@ -157,10 +157,16 @@ class Refusals(unittest.TestCase):
         self.assertEqual(sorted(path.name for path in self.out.iterdir()), ["SHA256SUMS", "ccdt-3.2.1-notes.md"])
 
     def test_keeps_other_files(self):
-        self.out.mkdir()
-        (self.out / "letter").write_text("dear")
-        self.assertIn(f"{self.out} contains other files than those of a release", self.fails(self.out, "notes"))
-        self.assertEqual((self.out / "letter").read_text(), "dear")
+        for earlier in (False, True):
+            with self.subTest(earlier=earlier):
+                if earlier:
+                    (self.out / "letter").unlink()
+                    self.assertEqual(release(self.out, "notes", root=self.root).returncode, 0)
+                self.out.mkdir(exist_ok=True)
+                (self.out / "letter").write_text("dear")
+                self.assertIn(f"{self.out} contains files that do not belong to a release:\nletter\n",
+                              self.fails(self.out, "notes"))
+                self.assertEqual((self.out / "letter").read_text(), "dear")
 
     def test_needs_a_section_in_the_changelog(self):
         self.write_changelog("3.2.10")

@@ -8,7 +8,9 @@
 ///     ccdt::halftone_file("photo.jpg", "dots.png", {{"sites", "20000"}, {"color", "cmyk"}});
 ///
 /// Unlike the service, the library decodes pictures and maps in the calling process, without a sandbox. Do not use it
-/// for files of strangers. ccdt/ccdt.h describes the compatibility of versions and the use of threads.
+/// for untrusted files. If the program itself uses OpenImageIO, note that decoding sets the attributes `threads` to
+/// 1 and `try_all_readers` to 0 for the whole process. ccdt/ccdt.h describes the compatibility of versions and the use
+/// of threads.
 
 #include <cstddef>
 #include <filesystem>

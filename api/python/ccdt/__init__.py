@@ -14,7 +14,6 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any, List
 
-from .client import Client
 from .domains import Pixels, Rectangle, Torus
 from .errors import Error
 
@@ -22,12 +21,15 @@ if TYPE_CHECKING:
     from ._analysis import Analysis, analyze
     from ._halftone import DevicePicture, Halftone, halftone
     from ._sample import Points, mask, sample
+    from .client import Client
 
 __all__ = ["Analysis", "Client", "DevicePicture", "Error", "Halftone", "Pixels", "Points", "Rectangle", "Torus",
            "analyze", "halftone", "mask", "sample"]
 
-_MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "DevicePicture": "_halftone", "Halftone": "_halftone",
-            "halftone": "_halftone", "Points": "_sample", "mask": "_sample", "sample": "_sample"}
+# Modules that are loaded when one of their names is first used.
+_MODULES = {"Analysis": "_analysis", "analyze": "_analysis", "Client": "client", "DevicePicture": "_halftone",
+            "Halftone": "_halftone", "halftone": "_halftone", "Points": "_sample", "mask": "_sample",
+            "sample": "_sample"}
 
 
 def __getattr__(name: str) -> Any:

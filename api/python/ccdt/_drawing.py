@@ -68,7 +68,7 @@ class Drawing:
         """
         return _core.png_pixels(self._answer("png"))
 
-    def _repr_png_(self) -> bytes:
+    def _repr_png_(self) -> Optional[bytes]:
         return self.write("png")
 
 

@@ -27,9 +27,10 @@ class Halftone(Drawing):
     Files and pixels show exactly the dots of ``points``.
     """
 
-    def __init__(self, kept: Kept, table: Floats) -> None:
+    def __init__(self, kept: Kept, table: Floats, radius: Optional[float]) -> None:
         self._kept = kept
         self._table = table
+        self._radius = radius
         self._info: Optional[Dict[str, Any]] = None
 
     def _answer(self, format: str) -> _core.Answer:
@@ -42,17 +43,17 @@ class Halftone(Drawing):
 
     @property
     def radii(self) -> Floats:
-        """Radii of the dots in pixels of the picture, float64 [n]."""
+        """Radii of the dots in pixels of the picture, float64 [n]; NaN if ``radius`` is None."""
         if self._has_sizes():
             return self._table[:, 2]
         return np.full(len(self), np.nan if self.radius is None else self.radius)
 
     @property
     def radius(self) -> Optional[float]:
-        """Radius of the largest dots, in pixels of the picture; None if it is chosen for each drawing."""
+        """Radius of the largest dots, in pixels of the picture; None if it is chosen when the dots are drawn."""
         if self._has_sizes():
             return float(self._table[:, 2].max(initial=0))
-        return self._answer("csv").radius
+        return self._radius
 
     @property
     def side(self) -> Optional[npt.NDArray[np.uint8]]:
@@ -189,5 +190,5 @@ def halftone(picture: Any, sites: Optional[int] = None, *, device: Optional[str]
         answer = _core.answer_device(pixels, linear, list(texts.items()), running(threads, progress))
         return DevicePicture(pixels, linear, texts, answer)
     kept = Kept(_core.Halftone, pixels, linear, list(texts.items()))
-    placed = kept.run(threads, progress)
-    return Halftone(kept, npy_array(placed.write("npy", running(threads))))
+    answer = kept.run(threads, progress).write("npy", running(threads))
+    return Halftone(kept, npy_array(answer), answer.radius)

@@ -175,4 +175,5 @@ def npy_array(answer: _core.Answer) -> npt.NDArray[Any]:
     head = memoryview(answer)  # type: ignore[arg-type]
     end = 10 + int.from_bytes(head[8:10], "little")
     header = ast.literal_eval(bytes(head[10:end]).decode("latin-1"))
-    return np.frombuffer(answer, dtype=header["descr"], offset=end).reshape(header["shape"])  # type: ignore[call-overload, no-any-return]
+    flat: npt.NDArray[Any] = np.frombuffer(head, dtype=header["descr"], offset=end)
+    return flat.reshape(header["shape"])

@@ -50,7 +50,7 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         self._domain = None
         self._info = None
 
-    def __array_wrap__(self, array: Any, context: Any = None) -> Any:
+    def __array_wrap__(self, array: Any, context: Any = None, return_scalar: bool = False) -> Any:
         return array[()] if array.ndim == 0 else np.asarray(array)
 
     def __getitem__(self, key: Any) -> Any:
@@ -68,6 +68,9 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         if self._kept is None:
             raise AttributeError("only the array that sample() returned can be written, not a part or a copy of it")
         return self._kept.write(format)
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return None if self._kept is None else super()._repr_png_()
 
     @property
     def info(self) -> Dict[str, Any]:

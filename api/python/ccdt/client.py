@@ -8,7 +8,6 @@
 
 from __future__ import annotations
 
-import email.utils
 import json
 import os
 import random
@@ -259,13 +258,11 @@ def _read(picture: Any) -> bytes:
 
 
 def _seconds_to_wait(retry_after: Optional[str]) -> float:
-    """Returns the time that a server asks to wait, and up to a tenth more, so that clients do not return together."""
-    seconds = 1.0
-    if retry_after is not None and retry_after.isdigit():
-        seconds = float(retry_after)
-    elif retry_after is not None:
-        date = email.utils.parsedate_to_datetime(retry_after)
-        seconds = max(date.timestamp() - time.time(), 0.0)
+    """Returns the time that a server asks to wait, or else a second, and up to a tenth more.
+
+    The addition keeps clients that were refused together from returning together.
+    """
+    seconds = float(retry_after) if retry_after is not None and retry_after.isdigit() else 1.0
     return seconds * random.uniform(1, 1.1)
 
 

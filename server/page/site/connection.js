@@ -281,7 +281,7 @@ export class Connection {
    * @param {AbortSignal | null} [waiting]  ends the wait for a busy server
    */
   async #send(method, path, { type, headers, retries = this.retries, ...options }, waiting) {
-    const url = new URL(path.replace(/^\//, ""), this.#url);
+    const url = new URL(this.#url + path.replace(/^\//, ""));  // always the server that the key is for
     const sent = new Headers(headers);
     if (type) sent.set("Content-Type", type);
     if (this.key) sent.set("Authorization", `Bearer ${this.key}`);

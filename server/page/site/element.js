@@ -2,8 +2,8 @@
 // Custom element that shows a picture as dots, in pages of any origin:
 // <ccdt-halftone src=photo.jpg sites=20000 color=cmyk alt="A cat"></ccdt-halftone>
 //
-// Requests dots from the server in the attribute `server` or, without it, from the one that this module was loaded from.
-// Until the answer arrives, and if the request fails, draws a conventional halftone screen in the browser.
+// Requests dots from the server in the attribute `server`, by default the one that this module was loaded from. Until
+// the answer arrives, and if the request fails, draws a conventional halftone screen in the browser.
 
 import { Connection } from "./connection.js";
 
@@ -277,7 +277,7 @@ export class HalftoneElement extends Base {
 
   /** Returns dots that the server computes as a job. */
   async #askForDots(picture, query, run) {
-    const client = new Connection(this.getAttribute("server") ?? new URL("/", here));
+    const client = new Connection(this.getAttribute("server") || new URL("/", here));
     const onProgress = ({ progress }) => this.#reportProgress(run, progress);
     const response = await client.request("POST", `halftone?${query}`, { body: picture, signal: run.signal, onProgress });
     return response.blob();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -535,6 +536,41 @@ TEST(Halftone, ListsRadiusAndSideOfEachDot) {
     EXPECT_TRUE(list("csv") == table) << "CSV must have the same numbers";
     EXPECT_NE(table.find(",ink\r\n"), std::string::npos);
     EXPECT_NE(table.find(",paper\r\n"), std::string::npos);
+}
+
+const PointFormat& format_named(std::string_view name) {
+    return **std::ranges::find(halftone_formats(), name, [](const PointFormat* each) { return each->file.name; });
+}
+
+/// Places the dots of a request, and writes them in another format.
+Result<Answer> write_as(std::string_view format, const std::string& image, const Options& options) {
+    const auto request = *parse_halftone(image, options, "", {});
+    Timings timings;
+    const auto placed = *place_halftone(request, {}, decode_inline(), {}, timings);
+    return write_answer(request, placed, format_named(format), {}, {}, timings);
+}
+
+TEST(PlacedHalftone, HasTheSameDotsInAllFormats) {
+    const std::string photo = photograph("camera.png");
+    const Options options = {{"sites", "300"}, {"dots", "both"}, {"scale", "2"}};
+    for (const char* format : {"svg", "csv", "npy", "tiff"}) {
+        Options direct = options;
+        direct.push_back({"format", format});
+        EXPECT_TRUE(write_as(format, photo, options)->body == answer(photo, direct)->body) << format;
+    }
+}
+
+TEST(PlacedHalftone, RejectsFormatsThatCannotDrawIt) {
+    const auto check = [](std::string_view format, const Options& options, ErrorCode code, const std::string& field) {
+        const auto written = write_as(format, photograph("camera.png"), options);
+        ASSERT_FALSE(written) << format;
+        EXPECT_EQ(written.error().code, code) << written.error().message;
+        EXPECT_EQ(written.error().field, field);
+    };
+    check("gcode", {{"sites", "50"}, {"width_mm", "50"}}, ErrorCode::Malformed, "dots");
+    check("svg", {{"sites", "50"}, {"background", "transparent"}}, ErrorCode::Malformed, "dots");
+    check("pdf", {{"sites", "50"}}, ErrorCode::Malformed, "width_mm");
+    check("png", {{"sites", "50"}, {"scale", "16"}, {"format", "json"}}, ErrorCode::LimitExceeded, "scale");
 }
 
 TEST(HalftoneOptions, ChooseSidesOfDots) {

@@ -321,6 +321,23 @@ TEST(SampleRequest, NegotiatesFormat) {
     EXPECT_EQ(parse(body + R"(,"format":"csv"})", "text/html")->output.format->file.name, "csv");
 }
 
+TEST(PlacedSample, HasTheSamePointsInAllFormats) {
+    const auto request = *parse('{' + kSquare + R"(,"sites":60,"order":"progressive"})");
+    Timings timings;
+    const auto placed = *place_sample(request, {}, decode_inline(), {}, timings);
+    for (const PointFormat* format : sample_formats()) {
+        const std::string name(format->file.name);
+        const auto written = write_answer(request, placed, *format, {}, {}, timings);
+        if (format->vector() != nullptr && format->vector()->in_millimetres) {
+            ASSERT_FALSE(written) << name;
+            EXPECT_EQ(written.error().field, "/width_mm");
+        } else if (format->repeats()) {
+            const std::string direct = '{' + kSquare + R"(,"sites":60,"order":"progressive","format":")" + name + "\"}";
+            EXPECT_TRUE(written->body == answer(direct)->body) << name;
+        }
+    }
+}
+
 TEST(Sample, PlacesRequestedNumberInsidePolygon) {
     const auto json = sample('{' + kSquare + R"(,"holes":[[[1,1],[3,1],[3,3],[1,3]]],"sites":100,"seed":5})");
     EXPECT_EQ(json.at("sites"), 100);

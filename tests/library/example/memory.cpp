@@ -221,6 +221,11 @@ void show_failures(const Pixels& pixels) {
              ccdt::halftone({8, 8, 5, std::span<const float>(white)}, 10);
          }},
         {"colour of ink", [&] { halftone_of(black, 8, {.sides = ccdt::Sides::Ink, .colour = true}); }},
+        {"nan detail", [&] { halftone_of(black, 8, {.detail = kNan}); }},
+        {"high frequency",
+         [] {
+             ccdt::analyze({{0.5, 0.5}, {0.2, 0.2}}, ccdt::Torus{1, 1}, 17);
+         }},
         {"analysis of polygon",
          [] {
              ccdt::analyze({{0.5, 0.5}, {0.2, 0.2}}, kSquareWithHole);

@@ -119,12 +119,13 @@ test("a signal of the client ends all calls that have none of their own", async 
   const controller = new AbortController();
   const mine = new Client(url, { signal: controller.signal });
   const job = await mine.halftone(picture, long, { job: true });
-  const ends = Promise.allSettled([mine.halftone(picture, long), job.result()]);
   for await (const { status } of client.job(job.id)) {
     if (status === "running") break;
   }
+  const ends = Promise.allSettled([mine.halftone(picture, long), job.result()]);
   controller.abort(new Error("enough"));
   for (const { reason } of await ends) assert.equal(reason, controller.signal.reason);
+  assert.equal((await (await client.request("GET", `jobs/${job.id}`)).json()).status, "running");
   await job.delete();
 });
 
