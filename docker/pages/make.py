@@ -37,7 +37,8 @@ REFERENCE = re.compile(r'(?:href|src)="([^"]*)"')
 def run_doxygen(program, version, folder):
     """Writes the pages into `folder / "html"`, and a list of their contents to `folder / "tags.xml"`."""
     for name, title in INSERTED.items():
-        (folder / f"{name}.md").write_text(f"# {title} {{#{name}}}\n\n\\htmlonly\n<div>@{name}@</div>\n\\endhtmlonly\n")
+        (folder / f"{name}.md").write_text(
+            f"# {title} {{#{name}}}\n\n\\htmlonly[block]\n<div>@{name}@</div>\n\\endhtmlonly\n")
     settings = (HERE / "Doxyfile").read_text() + "\n".join([
         f"OUTPUT_DIRECTORY = {folder}", "HTML_OUTPUT = html", f"GENERATE_TAGFILE = {folder / 'tags.xml'}",
         f"PROJECT_NUMBER = {version}", f"STRIP_FROM_PATH = {ROOT} {folder}",
@@ -56,7 +57,7 @@ def read_headers(tags):
         path = pathlib.Path(compound.findtext("path")) / compound.findtext("name")
         if path.suffix != ".h":
             continue
-        symbols = {re.sub("^ccdt::(?:(?:api|server)::)?", "", found.text): classes[found.text]
+        symbols = {re.sub("^ccdt::(?:(?:api|server|v1)::)?", "", found.text): classes[found.text]
                    for found in compound.iterfind("class")}
         for member in compound.iterfind("member"):
             name = member.findtext("name")
@@ -64,15 +65,29 @@ def read_headers(tags):
         yield path.relative_to(ROOT), compound.findtext("filename"), symbols
 
 
+def readme_pages(tags):
+    """Yields for each README its path, the page that Doxygen makes of the file, which is empty, and the page of its
+    contents.
+    """
+    for compound in xml.etree.ElementTree.parse(tags).iterfind("compound[@kind='file']"):
+        path = pathlib.Path(compound.findtext("path")) / compound.findtext("name")
+        if path.suffix == ".md" and path.is_relative_to(ROOT):
+            yield path.relative_to(ROOT), compound.findtext("filename"), readme_for_doxygen.page(path)
+
+
 def reference(tags):
-    """Returns the content of the reference: all headers by folder, with the symbols that they declare."""
+    """Returns the content of the reference: the pages, and all headers by folder with the symbols that they declare."""
     folders = collections.defaultdict(list)
     for path, page, symbols in sorted(read_headers(tags)):
         names = ", ".join(f'<a href="{target}">{html.escape(name)}</a>' for name, target in sorted(symbols.items()))
         folders[path.parent.as_posix()].append(
             f'<dt><a href="{page}">{path.name}</a></dt><dd>{names}</dd>')
     is_public = {name: name.startswith(PUBLIC) for name in folders}
-    parts = []
+    titles = {page.findtext("filename"): page.findtext("title")
+              for page in xml.etree.ElementTree.parse(tags).iterfind("compound[@kind='page']")}
+    readmes = [f'<li><a href="{page}">{html.escape(titles[page], quote=False)}</a> <small>{path}</small></li>'
+               for path, _, page in sorted(readme_pages(tags))]
+    parts = ["<h2>Pages</h2>", "<ul>", *readmes, "</ul>"]
     for title, public in (("Public headers", True), ("Internals", False)):
         chosen = [name for name in folders if is_public[name] == public]
         if chosen:
@@ -81,17 +96,6 @@ def reference(tags):
                 next(top for top in (PUBLIC if public else INTERNAL) if name.startswith(top))), name)):
             parts += [f"<h3>{name}</h3>", '<dl class="headers">', *folders[name], "</dl>"]
     return "\n".join(parts) + "\n"
-
-
-def readme_pages(tags):
-    """Returns the pages that Doxygen makes for READMEs as files, which are empty, and the pages of their contents."""
-    root = xml.etree.ElementTree.parse(tags).getroot()
-    found = {}
-    for compound in root.iterfind("compound[@kind='file']"):
-        path = pathlib.Path(compound.findtext("path")) / compound.findtext("name")
-        if path.suffix == ".md" and path.is_relative_to(ROOT):
-            found[compound.findtext("filename")] = readme_for_doxygen.page(path)
-    return found
 
 
 def without_scripts(tag):
@@ -123,6 +127,8 @@ def completed(text, inserted, readmes):
                   r'<span class="comment"></span>', "", text)
     text = re.sub(r'(<span class="lineno">)<a [^>]*>( *\d+)</a>', r"\1\2", text)
     text = TAG.sub(lambda tag: without_scripts(tag[0]), text)
+    # Columns of long texts must not become narrow on a phone.
+    text = re.sub(r'class="markdownTableBodyNone">((?:(?!</td>).){60})', r'class="markdownTableBodyNone long">\1', text)
     # Parts that scroll must be reachable by keyboard.
     text = re.sub(r'class="(?:fragment|markdownTable|memproto|memberdecls|params)"', r'\g<0> tabindex="0"', text)
     text = REFERENCE.sub(lambda link: link[0].replace(link[1], readmes.get(link[1], link[1])), text)
@@ -160,7 +166,7 @@ def main(doxygen, programs, version, out):
             for _, target in readme_for_doxygen.PICTURE.findall(readme.read_text()):
                 shutil.copy(readme.parent / target, pages / "pictures")
         inserted = {"gallery": gallery.make(programs, pages / "gallery"), "reference": reference(folder / "tags.xml")}
-        readmes = readme_pages(folder / "tags.xml")
+        readmes = {empty: page for _, empty, page in readme_pages(folder / "tags.xml")}
         for page in pages.glob("*.html"):
             page.write_text(completed(page.read_text(), inserted, readmes))
         new = out.with_name(out.name + ".new")

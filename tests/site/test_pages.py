@@ -94,10 +94,18 @@ class Pages(unittest.TestCase):
             self.assertNotIn("/tmp/", page.text.replace("/tmp/ccdt", ""), page.path.name)
 
     def test_include_all_readmes(self):
-        for path in [*ROOT.glob("[a-z]*/README.md"), ROOT / "CHANGELOG.md"]:
-            title = re.search("^# (.*)$", path.read_text(), re.MULTILINE)[1]
-            titles = [page for page in PAGES.values() if f"<h1>{title}" in page.text]
-            self.assertEqual(len(titles), 1, path)
+        readmes = [path for top in ("core", "api", "server") for path in (ROOT / top).rglob("README.md")]
+        readmes += [ROOT / "README.md", ROOT / "tests" / "README.md", ROOT / "CHANGELOG.md"]
+        expected = [re.search("^# (.*)$", path.read_text(), re.MULTILINE)[1].replace("`", "") for path in readmes]
+        shown = [re.sub("<[^>]*>", "", re.search("<h1>(.*?)</h1>", page.text, re.DOTALL)[1]).strip()
+                 for page in PAGES.values()]
+        for title in expected:
+            self.assertEqual(shown.count(title), expected.count(title), title)
+
+    def test_list_public_headers_first(self):
+        titles = re.findall("<h([23])>(.*?)</h", PAGES["reference.html"].text)
+        self.assertEqual(titles[:3], [("2", "Pages"), ("2", "Public headers"), ("3", "core/include/ccdt")])
+        self.assertIn(("3", "api/include/ccdt"), titles[:titles.index(("2", "Internals"))])
 
     def test_list_all_headers(self):
         listed = PAGES["reference.html"].text
