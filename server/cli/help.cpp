@@ -21,12 +21,13 @@ constexpr std::string_view kPurpose =
 
 /// Describes the forms of options and their values.
 std::string describe_forms(std::span<const Option> options) {
-    const std::string forms =
+    std::string text =
         "Options may be mixed with inputs, and written as --name=value and with underscores instead of hyphens.";
-    if (std::ranges::none_of(options, &Option::is_json)) return forms;
-    return forms +
-           " A value JSON is JSON text, or @FILE for the JSON in a file. Where an image is accepted, FILE may be a "
-           "picture.";
+    if (std::ranges::any_of(options, &Option::is_json))
+        text +=
+            " A value JSON is JSON text, or @FILE for the JSON in a file. Where an image is accepted, FILE may be a "
+            "picture.";
+    return text;
 }
 
 /// Returns the forms of an option: `-o, --output`.
