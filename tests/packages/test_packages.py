@@ -15,7 +15,8 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent.parent / "integration"))
-from harness import PICTURES, TOOLS, Server, ask, execute, wait_until  # pylint: disable=wrong-import-position
+from harness import (  # pylint: disable=wrong-import-position
+    PICTURES, TOOLS, Server, ask, descendants, execute, wait_until)
 
 HERE = pathlib.Path(__file__).parent
 BUILD = pathlib.Path(os.environ["CCDT_BUILD"])
@@ -83,13 +84,6 @@ def bare_debian():
     return archive
 
 
-def descendants(process):
-    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            yield int(child)
-            yield from descendants(child)
-
-
 class Machine:
     """A bare Debian 12 that systemd has booted in namespaces without a network. The packages are in its /root."""
 
@@ -142,6 +136,10 @@ class Machine:
         self.process.wait()
         self.process.stderr.close()
         self.folder.cleanup()
+        # The control groups can be removed as soon as the kernel has ended their processes.
+        wait_until(lambda: execute(["find", "/sys/fs/cgroup", "-depth", "-path", f"*/ccdt-packages-{self.process.pid}*",
+                                    "-type", "d", "-exec", "rmdir", "{}", "+"], stderr=subprocess.DEVNULL,
+                                   check=False).returncode == 0, "the removal of the control groups")
 
 
 def setUpModule():  # pylint: disable=invalid-name
