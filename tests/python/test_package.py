@@ -87,6 +87,13 @@ def test_the_source_archive_can_be_built(tmp_path):
     assert "ccdt_python" in execute("ninja", "-C", tmp_path / "build", "-t", "targets", "all")
 
 
+def test_the_example_of_the_project_makes_a_picture(tmp_path):
+    (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    execute(sys.executable, "-c", "\n".join(block for block in blocks if "import ccdt\n" in block), cwd=tmp_path)
+    assert Image.open(tmp_path / "dots.png").size == (1203, 800)
+
+
 def test_examples_of_the_readme_run(tmp_path):
     (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
     blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
