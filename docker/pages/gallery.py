@@ -12,6 +12,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import urllib.request
 
 import numpy
@@ -304,7 +305,7 @@ def run(exhibit, programs, folder):
         done = subprocess.run([programs / program, *arguments], cwd=folder, capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         if done.returncode != 0:
-            raise RuntimeError(f"{command}\n{done.stderr}")
+            sys.exit(f"this command of the gallery failed: {command}\n{done.stderr}")
     file = folder / exhibit.output()
     return exhibit.draw(file, programs) if exhibit.draw else file
 
