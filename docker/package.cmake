@@ -11,8 +11,6 @@ set(CPACK_PACKAGE_NAME ccdt)
 set(CPACK_PACKAGE_CONTACT ${CCDT_MAINTAINER})
 set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
-    OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
 set(CPACK_STRIP_FILES ON)
 # Several threads would make the bytes of the archives depend on the number of cores.
 set(CPACK_THREADS 1)
@@ -23,8 +21,6 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SOURCE ccdt)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 get_cmake_property(ccdt_components COMPONENTS)
@@ -37,10 +33,11 @@ and reproduce the tones of a picture or another density. Its method is
 Capacity-Constrained Delaunay Triangulation.")
 
 # Describes the package of a component, if the component has install rules.
+# Its control files other than `control` are those in docker/debian/PACKAGE.
 #   DEPENDS      packages in addition to those of the shared libraries that the files load
 #   DESCRIPTION  paragraph that follows the introduction, which all packages have
 macro(ccdt_add_package component package)
-    cmake_parse_arguments(ARG "" "SECTION;SUMMARY;DESCRIPTION" "DEPENDS" ${ARGN})
+    cmake_parse_arguments(ARG "" "SECTION;SUMMARY;DESCRIPTION" "DEPENDS;SUGGESTS" ${ARGN})
     if(${component} IN_LIST ccdt_components)
         list(APPEND CPACK_COMPONENTS_ALL ${component})
         string(TOUPPER ${component} prefix)
@@ -48,15 +45,23 @@ macro(ccdt_add_package component package)
         set(${prefix}_PACKAGE_NAME ${package})
         set(${prefix}_PACKAGE_SECTION ${ARG_SECTION})
         list(JOIN ARG_DEPENDS ", " ${prefix}_PACKAGE_DEPENDS)
+        list(JOIN ARG_SUGGESTS ", " ${prefix}_PACKAGE_SUGGESTS)
         set(${prefix}_DESCRIPTION "${ARG_SUMMARY}\n${ccdt_introduction}\n\n${ARG_DESCRIPTION}")
-        file(GLOB ${prefix}_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/docker/debian/${package}/*)
+        set(${prefix}_PACKAGE_CONTROL_EXTRA)
+        file(GLOB controls CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/docker/debian/${package}/*)
+        foreach(control IN LISTS controls)
+            cmake_path(GET control FILENAME name)
+            configure_file(${control} ${PROJECT_BINARY_DIR}/debian/${package}/${name} @ONLY)
+            list(APPEND ${prefix}_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/${package}/${name})
+        endforeach()
     endif()
 endmacro()
 
 ccdt_add_package(command ccdt SECTION graphics
     SUMMARY "halftones and evenly spread points by one command"
     DESCRIPTION "This package contains the command ccdt, which reads and writes files."
-    DEPENDS "ccdt-decoder ${ccdt_same_version}" fonts-dejavu-core)
+    DEPENDS "ccdt-decoder ${ccdt_same_version}" fonts-dejavu-core
+    SUGGESTS ccdt-server)
 
 ccdt_add_package(server ccdt-server SECTION web
     SUMMARY "halftones and evenly spread points over HTTP"
@@ -73,7 +78,8 @@ sandbox, for the packages ccdt and ccdt-server.")
 
 ccdt_add_package(library libccdt1 SECTION libs
     SUMMARY "library for halftones and evenly spread points"
-    DESCRIPTION "This package contains the shared libraries.")
+    DESCRIPTION "This package contains the shared libraries."
+    DEPENDS fonts-dejavu-core)
 
 ccdt_add_package(development libccdt-dev SECTION libdevel
     SUMMARY "library for halftones and evenly spread points (development files)"
@@ -85,6 +91,7 @@ CMake and pkg-config."
 ccdt_add_package(python python3-ccdt SECTION python
     SUMMARY "halftones and evenly spread points in Python"
     DESCRIPTION "This package contains the module ccdt for Python 3."
-    DEPENDS "python3 (>= 3.11)" "python3 (<< 3.12)" python3-numpy)
+    DEPENDS "python3 (>= 3.11)" "python3 (<< 3.12)" python3-numpy fonts-dejavu-core
+    SUGGESTS python3-pil python3-shapely)
 
 include(CPack)

@@ -102,6 +102,21 @@ std::string list(std::span<const FileFormat* const> formats, std::string_view Fi
 
 }  // namespace
 
+Result<std::size_t> format_of_suffix(std::string_view suffix, std::span<const FileFormat* const> offered) {
+    std::string name = lower(suffix.substr(std::min<std::size_t>(suffix.size(), 1)));
+    if (name == "tif") name = "tiff";
+    const auto matches = [&](const FileFormat* format) { return format->extension == name || format->name == name; };
+    const auto found = std::find_if(offered.begin(), offered.end(), matches);
+    if (found != offered.end()) return static_cast<std::size_t>(found - offered.begin());
+    std::vector<std::string_view> known;
+    for (const FileFormat* format : offered) {
+        if (std::find(known.begin(), known.end(), format->extension) == known.end()) known.push_back(format->extension);
+    }
+    std::string message = "the suffix names no format; it must be one of";
+    for (const auto extension : known) message.append(extension == known.front() ? " ." : ", .").append(extension);
+    return failure(ErrorCode::Malformed, std::move(message));
+}
+
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered) {
     const auto name = read_text(input);
     if (!name) return tl::unexpected(name.error());

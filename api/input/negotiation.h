@@ -18,6 +18,14 @@ namespace ccdt::api {
 /// Errors: Malformed for any other name; the message lists the formats.
 Result<std::size_t> read_format(const Input& input, std::span<const FileFormat* const> offered);
 
+/// Finds the format that the suffix of a file's name stands for. A suffix is the extension or the name of a format, in
+/// lower or upper case, or `.tif`.
+/// @param suffix   with the dot; empty if the name has no suffix
+/// @param offered  formats that the endpoint writes; the first one with the suffix is chosen
+/// @returns        index of the format
+/// Errors: Malformed for any other suffix; the message lists the extensions.
+Result<std::size_t> format_of_suffix(std::string_view suffix, std::span<const FileFormat* const> offered);
+
 /// Returns the file formats of the rows of a table.
 template <class Row>
 std::vector<const FileFormat*> files_of(std::span<const Row* const> rows) {

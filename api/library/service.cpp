@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <set>
 #include <system_error>
 #include <utility>
 
@@ -17,6 +16,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/image/image_codec.h"
 #include "api/input/negotiation.h"
+#include "api/map/object_option.h"
 #include "api/map/shapefile_reader.h"
 #include "api/operation/parsed_request.h"
 #include "api/output/formats.h"
@@ -33,14 +33,7 @@ using Options = std::vector<api::TextOption>;
 /// Converts a zipped shapefile to GeoJSON. Removes the option `object`, which selects a shapefile of the archive.
 std::string geojson_of(std::string_view archive, Options& options) {
     constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // as in the service
-    const auto found = std::ranges::find(options, "object", &api::TextOption::name);
-    std::string object;
-    if (found != options.end()) {
-        object = std::move(found->value);
-        options.erase(found);
-    }
-    if (std::ranges::find(options, "object", &api::TextOption::name) != options.end())
-        raise(FailureCode::Malformed, "object is given twice", "object");
+    const std::string object = value_of(api::take_object(options));
     std::string text;
     const auto take = [&](std::string_view piece) {
         if (piece.size() > kMaxBytes - text.size()) return false;
@@ -115,20 +108,13 @@ std::vector<const api::FileFormat*> formats_of(Operation operation) {
     return files;
 }
 
-/// Returns the media type of the format that a suffix stands for.
+/// Returns the media type of the format that the suffix of an output stands for.
 std::string_view media_type_of(Operation operation, const std::filesystem::path& output) {
-    const std::string suffix = output.extension().string();
     const auto formats = formats_of(operation);
-    const auto matches = [&](const api::FileFormat* format) { return suffix == '.' + std::string(format->extension); };
-    const auto found = std::ranges::find_if(formats, matches);
-    if (found != formats.end()) return (*found)->media_type;
-    std::set<std::string> suffixes;
-    for (const auto* format : formats) suffixes.insert('.' + std::string(format->extension));
-    std::string list;
-    for (const std::string& each : suffixes) list.append(list.empty() ? "" : ", ").append(each);
+    const auto found = api::format_of_suffix(output.extension().string(), formats);
+    if (found) return formats[*found]->media_type;
     raise(FailureCode::NotAcceptable,
-          "no format has the suffix of " + output.string() + "; give the option format, or one of the suffixes " + list,
-          "output");
+          output.string() + ": " + found.error().message + ", or the option format must be given", "output");
 }
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what, const char* field) {

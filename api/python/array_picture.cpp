@@ -2,7 +2,9 @@
 #include "api/python/array_picture.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
+#include <stop_token>
 #include <string>
 #include <string_view>
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,7 +17,6 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/operation/parsed_request.h"
-#include "api/output/json_writer.h"
 #include "api/python/array_picture.h"
 #include "api/python/decode_capsule.h"
 #include "api/python/interruptible.h"
@@ -96,30 +94,32 @@ const api::Decode& file_decode() {
 class PictureInput {
 public:
     /// @param picture  bytes, or an array as in decode_array()
-    PictureInput(py::object picture, bool linear) : owner_(std::move(picture)) {
-        if (py::isinstance<py::bytes>(owner_)) {
-            const std::string_view bytes = py::reinterpret_borrow<py::bytes>(owner_);
-            decode = file_decode();
-            file = api::read_image_header(bytes, limits.max_pixels).map([&](const api::ImageHeader& header) {
-                return api::ImageFile{bytes, header};
-            });
-        } else {
-            const auto pixels = py::cast<py::array>(owner_);
-            decode = decode_array(pixels, linear);
-            file = file_of(pixels, limits.max_pixels);
-        }
-    }
+    PictureInput(py::object picture, bool linear)
+        : picture_(std::move(picture)), decode_(decoders(linear)), file_(read_header()) {}
 
     api::HalftoneInput with(const std::vector<api::TextOption>& options) const {
-        return api::read_halftone(file, options);
+        return api::read_halftone(file_, options);
     }
-
-    api::Limits limits;
-    api::Decode decode;
+    const api::Limits& limits() const { return limits_; }
+    const api::Decode& decode() const { return decode_; }
 
 private:
-    py::object owner_;
-    Result<api::ImageFile> file = failure(ErrorCode::Internal, "");
+    bool is_file() const { return py::isinstance<py::bytes>(picture_); }
+    py::array pixels() const { return py::cast<py::array>(picture_); }
+
+    api::Decode decoders(bool linear) const { return is_file() ? file_decode() : decode_array(pixels(), linear); }
+
+    Result<api::ImageFile> read_header() const {
+        if (!is_file()) return file_of(pixels(), limits_.max_pixels);
+        const std::string_view bytes = py::reinterpret_borrow<py::bytes>(picture_);
+        const auto with_bytes = [&](const api::ImageHeader& header) { return api::ImageFile{bytes, header}; };
+        return api::read_image_header(bytes, limits_.max_pixels).map(with_bytes);
+    }
+
+    api::Limits limits_;
+    py::object picture_;  ///< owns the memory to which the other members refer
+    api::Decode decode_;
+    Result<api::ImageFile> file_;
 };
 
 /// Finds a format by name. Throws ccdt.Error if the endpoint does not have it.
@@ -148,20 +148,20 @@ public:
         const api::PointFormat& chosen = format.empty() ? *request_.format : format_of(api::halftone_formats(), format);
         return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
             api::Timings timings;
-            return api::write_answer(request_, placed_, chosen, input_.limits, control, timings);
+            return api::write_answer(request_, placed_, chosen, input_.limits(), control, timings);
         }));
     }
 
 private:
     api::HalftoneRequest parsed(const OptionList& options) const {
         const auto list = text_options(options);
-        return value_or_raise(api::parse_halftone(input_.with(list), "", input_.limits));
+        return value_or_raise(api::parse_halftone(input_.with(list), "", input_.limits()));
     }
 
     Result<api::PlacedHalftone> placed(const Running& running) const {
         return run_interruptible(running.threads, running.progress, [&](const Control& control) {
             api::Timings timings;
-            return api::place_halftone(request_, input_.limits, input_.decode, control, timings);
+            return api::place_halftone(request_, input_.limits(), input_.decode(), control, timings);
         });
     }
 
@@ -174,10 +174,10 @@ private:
 AnswerPointer answer_device(py::object picture, bool linear, const OptionList& options, const Running& running) {
     const PictureInput input(std::move(picture), linear);
     const auto list = text_options(options);
-    const auto request = value_or_raise(api::parse_device(input.with(list), "", input.limits));
+    const auto request = value_or_raise(api::parse_device(input.with(list), "", input.limits()));
     return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
         api::Timings timings;
-        return api::run_device(request, input.limits, input.decode, control, timings);
+        return api::run_device(request, input.limits(), input.decode(), control, timings);
     }));
 }
 
@@ -300,13 +300,9 @@ PYBIND11_MODULE(_core, module) {
             return py::buffer_info(reinterpret_cast<unsigned char*>(answer.body.data()),
                                    static_cast<py::ssize_t>(answer.body.size()));
         })
-        .def_readonly("media_type", &api::Answer::media_type)
-        .def_property_readonly("warnings", [](const api::Answer& answer) { return answer.warnings; })
-        .def_property_readonly("radius",
-                               [](const api::Answer& answer) -> std::optional<double> {
-                                   return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
-                               })
-        .def_readonly("plot_seconds", &api::Answer::plot_seconds);
+        .def_property_readonly("radius", [](const api::Answer& answer) -> std::optional<double> {
+            return answer.dots ? std::optional(answer.dots->radius) : std::nullopt;
+        });
 
     py::class_<Halftone>(module, "Halftone")
         .def(py::init<py::object, bool, const OptionList&, const Running&>(), py::arg("picture"), py::arg("linear"),

@@ -66,9 +66,10 @@ auto run_interruptible(std::size_t threads, const pybind11::object& progress, Wo
             changed.notify_one();
         });
         double reported = 0;
-        for (std::unique_lock lock(mutex); !is_over;) {
+        for (std::unique_lock lock(mutex);;) {
             changed.wait_for(lock, kPoll, [&] { return is_over || (done > reported && !interruption); });
-            if (is_over || interruption) continue;
+            if (is_over) break;
+            if (interruption) continue;
             const double share = done;
             lock.unlock();
             {

@@ -8,7 +8,7 @@ set(source ${here}/../..)
 
 # The time of the last commit, or of the source archive, makes the packages reproducible. CPack and string(TIMESTAMP)
 # read this variable.
-if(NOT DEFINED ENV{SOURCE_DATE_EPOCH})
+if("$ENV{SOURCE_DATE_EPOCH}" STREQUAL "")
     execute_process(COMMAND git -C ${source} log -1 --format=%ct
         OUTPUT_VARIABLE time OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
     if(NOT time)
@@ -17,25 +17,24 @@ if(NOT DEFINED ENV{SOURCE_DATE_EPOCH})
     set(ENV{SOURCE_DATE_EPOCH} ${time})
 endif()
 
-set(file_permissions FILE_PERMISSIONS OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
-set(folder_permissions DIRECTORY_PERMISSIONS
-    OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
-
-# Compresses a file, reproducibly and as the Debian policy requires.
-function(compress file)
-    execute_process(COMMAND gzip -9nf ${file} COMMAND_ERROR_IS_FATAL ANY)
+# Compresses files, reproducibly and as the Debian policy requires.
+function(compress)
+    execute_process(COMMAND gzip -9nf ${ARGN} COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 
-# Adds what every package must contain: its licence, the changes of the package, and those of the project.
+# Adds the documents that every package contains: its licence, its changes, and those of the project. Adds its exceptions
+# for lintian, if any, and compresses its manual pages.
 function(add_documents package root)
     set(folder ${root}/usr/share/doc/${package})
     string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)
     configure_file(${here}/changelog.in ${folder}/changelog @ONLY)
     configure_file(${here}/copyright ${folder}/copyright COPYONLY)
     configure_file(${source}/CHANGELOG.md ${folder}/CHANGELOG.md COPYONLY)
-    file(CHMOD_RECURSE ${folder} ${file_permissions})
-    compress(${folder}/changelog)
-    compress(${folder}/CHANGELOG.md)
+    if(EXISTS ${here}/${package}.lintian-overrides)
+        configure_file(${here}/${package}.lintian-overrides ${root}/usr/share/lintian/overrides/${package} COPYONLY)
+    endif()
+    file(GLOB pages ${root}/usr/share/man/*/*)
+    compress(${folder}/changelog ${folder}/CHANGELOG.md ${pages})
 endfunction()
 
 # Adds the unit of the server, the file of its settings, which lists the variables that the server knows, and the
@@ -48,7 +47,6 @@ function(add_service root)
         OUTPUT_VARIABLE variables COMMAND_ERROR_IS_FATAL ANY)
     file(READ ${here}/ccdt-server.default introduction)
     file(WRITE ${root}/etc/default/ccdt-server "${introduction}${variables}")
-    file(CHMOD_RECURSE ${root}/etc ${root}/lib ${root}/usr/share ${file_permissions})
     compress(${root}/usr/share/doc/ccdt-server/README.md)
 endfunction()
 
@@ -59,5 +57,6 @@ foreach(component IN LISTS CPACK_COMPONENTS_ALL)
         add_service(${root})
     endif()
     add_documents(${CPACK_DEBIAN_${prefix}_PACKAGE_NAME} ${root})
-    file(CHMOD_RECURSE ${root} ${folder_permissions})
+    # The modes must not depend on the umask.
+    execute_process(COMMAND chmod -R u=rwX,go=rX ${root} COMMAND_ERROR_IS_FATAL ANY)
 endforeach()

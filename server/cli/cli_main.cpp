@@ -11,9 +11,9 @@
 
 #include "server/cli/command.h"
 #include "server/cli/completion.h"
+#include "server/cli/console.h"
 #include "server/cli/help.h"
 #include "server/cli/run.h"
-#include "server/cli/status.h"
 #include "server/processes/child_program.h"
 
 namespace ccdt::server {

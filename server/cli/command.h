@@ -30,12 +30,14 @@ std::span<const Command> commands();
 /// Finds a command by name; null if there is none.
 const Command* find_command(std::string_view name);
 
-/// Another command: a row of the table of all words that may follow `ccdt`.
+/// A command that computes no answers: a row of another table in command.cpp.
 struct OtherCommand {
     std::string_view name;
     std::string_view synopsis;
     std::string_view summary;
 };
+
+/// Returns all commands that compute no answers.
 std::span<const OtherCommand> other_commands();
 
 /// Returns the options of a command: those of the API, then those of the program.
@@ -61,6 +63,8 @@ struct ExitStatus {
     std::string_view value;
     std::string_view meaning;
 };
+
+/// Returns all exit statuses, for help texts.
 std::span<const ExitStatus> exit_statuses();
 
 }  // namespace ccdt::server

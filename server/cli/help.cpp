@@ -10,7 +10,7 @@ namespace ccdt::server {
 namespace {
 
 constexpr std::size_t kIndent = 8;   ///< indentation of the description of an option
-constexpr std::size_t kColumn = 12;  ///< width of the column of commands and exit statuses
+constexpr std::size_t kColumn = 14;  ///< width of the column of commands and exit statuses
 
 constexpr std::string_view kPurpose =
     "Places dots evenly and according to a density, by Capacity-Constrained Delaunay Triangulation: turns pictures "
@@ -19,9 +19,16 @@ constexpr std::string_view kPurpose =
     "those "
     "of ccdt-server, for the same input, options and seed.";
 
-constexpr std::string_view kJsonValues =
-    "A value JSON is JSON text, or @FILE for the JSON in a file. Where an image is accepted, FILE may be a picture. "
-    "Options may be written with underscores instead of hyphens, and as --name=value.";
+/// Describes the forms of options and their values.
+std::string describe_forms(std::span<const Option> options) {
+    std::string text =
+        "Options may be mixed with inputs, and written as --name=value and with underscores instead of hyphens.";
+    if (std::ranges::any_of(options, &Option::is_json))
+        text +=
+            " A value JSON is JSON text, or @FILE for the JSON in a file. Where an image is accepted, FILE may be a "
+            "picture.";
+    return text;
+}
 
 /// Returns the forms of an option: `-o, --output`.
 std::string forms_of(const Option& option) {
@@ -75,15 +82,17 @@ std::string program_help(std::size_t width) {
     for (const OtherCommand& command : other_commands()) text += row(command.name, command.summary, width);
     text += "\nExamples:\n";
     for (const Command& command : commands()) text.append("  ").append(command.examples.front()).append("\n");
-    return text + "\nExit status:\n" + exit_status_rows(width) +
-           "\nccdt help COMMAND or ccdt COMMAND --help lists the options of a command. ccdt --version prints the "
-           "version.\n";
+    return text + "\nExit status:\n" + exit_status_rows(width) + '\n' +
+           wrapped(
+               "ccdt help COMMAND or ccdt COMMAND --help lists the options of a command. ccdt --version prints the "
+               "version.",
+               0, width);
 }
 
 std::string command_help(const Command& command, std::size_t width) {
-    std::string text = "Usage: " + title_of(command) + "\n\n" + wrapped(command.details, 0, width) + '\n' +
-                       wrapped(kJsonValues, 0, width);
     const auto options = options_of(command);
+    std::string text = "Usage: " + title_of(command) + "\n\n" + wrapped(command.details, 0, width) + '\n' +
+                       wrapped(describe_forms(options), 0, width);
     for (const auto& [title, members] : group_options(options)) {
         text.append("\n").append(title).append(":\n");
         for (const Option* option : members) {
@@ -130,9 +139,9 @@ std::string command_manual(const Command& command) {
     page.add_command(title_of(command));
     page.begin_section("DESCRIPTION");
     page.add_paragraph(command.details);
-    page.add_paragraph(kJsonValues);
-    page.begin_section("OPTIONS");
     const auto options = options_of(command);
+    page.add_paragraph(describe_forms(options));
+    page.begin_section("OPTIONS");
     for (const auto& [title, members] : group_options(options)) {
         page.begin_subsection(title);
         for (const Option* option : members) {

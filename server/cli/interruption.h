@@ -26,7 +26,7 @@ public:
     /// @returns  the result of the function
     std::string create_file(const std::function<std::string()>& create);
 
-    /// Ends the responsibility for the file, which is complete or was removed.
+    /// Forgets the file, which is complete or was removed.
     void release_file();
 
     /// Sets the text that ends the current line of the terminal when the program is interrupted; may be empty.

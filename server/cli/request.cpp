@@ -98,7 +98,10 @@ bool takes_query(const Arguments& arguments) {
 }
 
 Result<std::string> build_sample_body(const Arguments& arguments, const std::string* map) {
-    return build_object(map == nullptr ? "{" : R"({"geometry":)" + *map, arguments);
+    if (map == nullptr) return build_object("{", arguments);
+    // Otherwise, a map that is not JSON would make the whole body invalid, at another byte.
+    if (const auto parsed = api::JsonDocument::parse(*map); !parsed) return tl::unexpected(parsed.error());
+    return build_object(R"({"geometry":)" + *map, arguments);
 }
 
 Result<std::string> build_analyze_body(const Arguments& arguments, const std::string* file) {
@@ -154,20 +157,10 @@ Result<const api::FileFormat*> find_format(const Command& command, const Argumen
         return found == formats.end() ? formats.front() : *found;  // the parser reports an unknown name
     }
     if (output == kStandardStream || replaceable_path(output).empty()) return formats.front();
-    std::string suffix = std::filesystem::path(output).extension();
-    std::ranges::transform(suffix, suffix.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? c + ('a' - 'A') : c; });
-    suffix.erase(0, 1);
-    if (suffix == "tif") suffix = "tiff";
-    std::string known;
-    for (const api::FileFormat* format : formats) {
-        if (format->extension == suffix || format->name == suffix) return format;
-        const std::string name = '.' + std::string(format->extension);
-        if (known.find(name) == std::string::npos) known.append(known.empty() ? "" : ", ").append(name);
-    }
+    const auto found = api::format_of_suffix(std::filesystem::path(output).extension().string(), formats);
+    if (found) return formats[*found];
     return failure(ErrorCode::Malformed,
-                   "--output " + output + ": the suffix names no format; it must be one of " + known +
-                       ", or --format must be given",
-                   "output");
+                   "output " + output + ": " + found.error().message + ", or --format must be given", "output");
 }
 
 bool is_text(const api::FileFormat& format) {
@@ -189,8 +182,10 @@ DescribedError describe_error(const Error& error, std::span<const Option> option
     if (rest.starts_with('/')) rest.remove_prefix(1);
     const auto member = rest.substr(0, rest.find('/'));
     rest.remove_prefix(member.size());
-    const auto option =
-        std::ranges::find_if(options, [&](const Option& each) { return !member.empty() && each.member == member; });
+    const auto is_named = [member](const Option& option) {
+        return !member.empty() && member == (option.member.empty() ? option.name : option.member);
+    };
+    const auto option = std::ranges::find_if(options, is_named);
     if (option == options.end()) {
         // The message may not say which part of the input is wrong.
         if (!message.starts_with(error.field)) message.insert(0, error.field + ": ");

@@ -19,13 +19,13 @@
 #include "api/map/shapefile_reader.h"
 #include "core/parallel/thread_executor.h"
 #include "server/cli/arguments.h"
+#include "server/cli/console.h"
 #include "server/cli/decoding.h"
 #include "server/cli/files.h"
 #include "server/cli/help.h"
 #include "server/cli/interruption.h"
 #include "server/cli/messages.h"
 #include "server/cli/request.h"
-#include "server/cli/status.h"
 #include "server/processes/signals.h"
 
 namespace ccdt::server {
@@ -83,7 +83,8 @@ tl::expected<std::vector<Task>, Failed> plan_tasks(const Command& command, const
         if (task.output == kStandardStream || !path.empty()) {
             const auto [other, is_new] = input_of.try_emplace(task.output == kStandardStream ? "-" : path, input);
             if (!is_new)
-                return wrong_usage(other->second + " and " + input + " have the same output, " + task.output +
+                return wrong_usage(other->second + " and " + input + " have the same output, " +
+                                   (task.output == kStandardStream ? "standard output" : task.output) +
                                    "; use {name} in --output, as in 'out/{name}.svg'");
         }
         std::error_code none;
@@ -252,7 +253,10 @@ private:
     /// @param warnings, repairs  lists of objects with the member `detail`, as JSON; empty if there are none
     void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
         if (const auto list = api::JsonDocument::parse(warnings)) {
-            for (const api::JsonValue note : list->root()) messages_.warn(input, note.find("detail").value().text());
+            for (const api::JsonValue note : list->root()) {
+                const std::string& place = note.find("pointer").value().text();
+                messages_.warn(input, place + (place.empty() ? "" : ": ") + note.find("detail").value().text());
+            }
         }
         const auto list = api::JsonDocument::parse(repairs);
         if (!list) return;
@@ -274,20 +278,18 @@ private:
 
 /// Returns the style of messages that a command line requests, even if it is not valid otherwise.
 Messages::Style style_of(std::span<const char* const> arguments) {
-    const auto is_given = [&](std::string_view a, std::string_view b) {
-        return std::ranges::any_of(arguments, [&](std::string_view each) { return each == a || each == b; });
+    const auto is_given = [&](std::string_view name) {
+        return std::ranges::find(arguments, name, [](const char* each) { return std::string_view(each); }) !=
+               arguments.end();
     };
-    if (is_given("--json", "--json")) return Messages::Style::Json;
-    return is_given("--quiet", "-q") ? Messages::Style::Quiet : Messages::Style::Text;
+    if (is_given("--json")) return Messages::Style::Json;
+    return is_given("--quiet") || is_given("-q") ? Messages::Style::Quiet : Messages::Style::Text;
 }
 
 }  // namespace
 
 int run_command(const Command& command, std::span<const char* const> arguments) {
     const auto options = options_of(command);
-    // A broken pipe at standard output ends the program, but not one at standard error. A file that exceeds a limit of
-    // its size (ulimit -f) is an error like a full disk.
-    ignore_signals(std::array{SIGPIPE, SIGXFSZ});
     Interruption interruption;
     Messages messages(style_of(arguments), interruption);
     try {
@@ -297,6 +299,9 @@ int run_command(const Command& command, std::span<const char* const> arguments) 
             return kWrongUsage;
         }
         if (parsed->help) return print(command_help(command, terminal_width()));
+        // A broken pipe at standard output ends the program, but not one at standard error. A file that exceeds a limit
+        // of its size (ulimit -f) is an error like a full disk.
+        ignore_signals(std::array{SIGPIPE, SIGXFSZ});
         return Runner(command, options, *std::move(parsed), interruption, messages).run();
     } catch (const std::bad_alloc&) {
         messages.report_error({kFailed, {}, {}, "there is not enough memory"});

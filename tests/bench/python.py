@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Times of the Python package: PYTHONPATH=build/test/python /usr/bin/python3 tests/bench/python.py [SERVER_URL]
 
-Prints a table for api/python/README.md: the least time of several runs, in milliseconds. With the URL of a server
-without a cache, the table has the times of the client, too.
+Prints a table for api/python/README.md: the least processor time of several runs, of all threads, in milliseconds.
+Processor time varies less on a busy machine. With the URL of a server without a cache, the table also has the times of
+the client, without those of the server.
 """
 
 import json
@@ -19,19 +20,19 @@ PICTURE = pathlib.Path(__file__).resolve().parents[1] / "data" / "images" / "cam
 
 
 def least(function, runs=15):
-    """Returns the least time of several calls, in milliseconds."""
+    """Returns the least processor time of several calls, in milliseconds."""
     times = []
     for _ in range(runs):
-        start = time.perf_counter()
+        start = time.process_time()
         function()
-        times.append(1000 * (time.perf_counter() - start))
+        times.append(1000 * (time.process_time() - start))
     return min(times)
 
 
 def loading(statement, runs=15):
-    """Returns the least time of a statement in a new interpreter that has imported NumPy, in milliseconds."""
-    script = ("import numpy, time; start = time.perf_counter()\n" + statement
-              + "\nprint(1000 * (time.perf_counter() - start))")
+    """Returns the least processor time of a statement in a new interpreter that has imported NumPy, in milliseconds."""
+    script = ("import numpy, time; start = time.process_time()\n" + statement
+              + "\nprint(1000 * (time.process_time() - start))")
     return min(float(subprocess.run([sys.executable, "-c", script], capture_output=True, check=True).stdout)
                for _ in range(runs))
 

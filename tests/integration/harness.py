@@ -69,6 +69,15 @@ def read_line(process, what):
     return process.stdout.readline()
 
 
+def descendants(process):
+    """Returns the ids of all descendants of a process."""
+    found = []
+    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
+        for child in (task / "children").read_text().split():
+            found += [int(child), *descendants(child)]
+    return found
+
+
 class Server:
     """A running server on a free port, and its log.
 

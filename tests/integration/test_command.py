@@ -150,7 +150,7 @@ class Files(Folder):
         own = self.folder / "own.png"
         shutil.copy(PICTURE, own)
         cases = ((2, (PICTURE, OTHER, "-o", self.folder / "a.svg"), f"{OTHER} have the same output"),
-                 (2, (PICTURE, OTHER), "have the same output, -"),
+                 (2, (PICTURE, OTHER), "have the same output, standard output"),
                  (2, (own, "-o", f"{self.folder}/{{name}}.png"), f"would replace the input {own}"),
                  (2, (PICTURE, "-o", self.folder / "a.jpg"), ".png, .json, .svg"),
                  (4, (PICTURE, "-o", self.folder / "no" / "a.svg"), f"{self.folder}/no: No such file or directory"),
@@ -278,6 +278,7 @@ class Errors(Folder):
                 (3, ("halftone", ROOT / "LICENSE"), "the supported formats are PNG"),
                 (3, ("sample", ROOT / "LICENSE", "--sites=3"), "the input is not valid JSON"),
                 (3, ("analyze", ROOT / "LICENSE"), "line 1 must name the columns"),
+                (1, ("analyze", "-", "--domain", '{"type":"torus","width":0.2,"height":1}'), "/points/1: the point lies"),
                 (3, ("sample", *domain, "--sites=3", "--density=@/no/file"), "--density: /no/file: No such file")):
             with self.subTest(arguments=arguments):
                 result = run(*arguments, input=b"x,y\n0.1,0.2\n0.3,0.4\n")
@@ -301,10 +302,12 @@ class Errors(Folder):
         self.assertEqual(finished["bytes"], (self.folder / "camera.svg").stat().st_size)
         error = json.loads(run("halftone", PICTURE, "--json", "--scale=x").stderr)
         self.assertEqual((error["status"], error["option"]), (2, "--scale"))
+        error = json.loads(run("halftone", PICTURE, "--json", "-o", "a.jpg").stderr)
+        self.assertEqual((error["status"], error["option"], error["message"][:16]), (2, "--output", "--output a.jpg: "))
 
     def test_warnings_are_printed_unless_quiet(self):
         arguments = ("sample", POLYGONS / "Italy-110m.geojson", "--sites=9", "--format=csv")
-        self.assertIn(b"warning: points are even in degrees", run(*arguments).stderr)
+        self.assertIn(b"points are even in degrees", run(*arguments).stderr)
         self.assertEqual(run(*arguments, "-q").stderr, b"")
 
 

@@ -14,7 +14,7 @@ import tempfile
 import time
 import unittest
 
-from harness import PATIENCE, Call, Server, ask, file_of, flat, post_json, wait_until
+from harness import PATIENCE, Call, Server, ask, descendants, file_of, flat, post_json, wait_until
 from raw import SANITIZED, Raw
 
 RECTANGLE = {"type": "rectangle", "width": 2, "height": 1}
@@ -39,15 +39,6 @@ def probe(server):
     Its body is too long for the queue of short requests.
     """
     return ask(server, "/halftone?nonsense=1", data=b"x" * 70_000)
-
-
-def descendants(process):
-    """Returns the ids of all descendants of a process."""
-    found = []
-    for task in pathlib.Path(f"/proc/{process}/task").iterdir():
-        for child in (task / "children").read_text().split():
-            found += [int(child), *descendants(child)]
-    return found
 
 
 def wait_for_status(server, status):

@@ -17,7 +17,7 @@ from harness import NODE, ROOT, execute
 SCRIPTS = ("server/run", "tests/run", "tests/style/check", "tests/style/lint", "tests/bench/service/run",
            "tests/fuzz/run", "tests/page/install", "tests/deploy/install", "tests/soak/run", ".ci/run",
            "server/page/package/pack", "docker/collect", "docker/packages", "docker/install", "docker/snapshot",
-           "docker/owners", "docker/sbom", "docker/release", "docker/site")
+           "docker/owners", "docker/sbom", "docker/release", "docker/site", "tests/packages/boot")
 LIST = ROOT / "docker" / "packages.txt"
 
 
@@ -74,7 +74,7 @@ class Setup(unittest.TestCase):
         self.assertEqual(released[1], version, "the first released version in CHANGELOG.md")
 
     def test_the_list_has_its_sections(self):
-        self.assertEqual(set(sections()), {"build", "run", "test", "site", "fuzz", "tools"})
+        self.assertEqual(set(sections()), {"build", "run", "package", "test", "site", "fuzz", "tools"})
 
     def test_sections_are_printed_as_listed(self):
         for name, packages in sections().items():
@@ -102,7 +102,7 @@ class Setup(unittest.TestCase):
         self.assertIn("numpy", modules)
         packages = {module: package_of(module) for module in modules}
         self.assertEqual({module: package for module, package in packages.items()
-                          if package not in sections()["test"]}, {})
+                          if package not in sections()["test"] + sections()["site"]}, {})
 
     def test_the_image_installs_from_the_list(self):
         text = (ROOT / "docker" / "Dockerfile").read_text()

@@ -372,7 +372,7 @@ class Case(unittest.TestCase):
             (("halftone", broken, kept), f"{UNUSABLE} : "),
             (("halftone", folder, kept), f"{UNAVAILABLE} input: {folder} cannot be read: Is a directory"),
             (("halftone", folder / "none", kept), f"{UNAVAILABLE} input: {folder}/none cannot be read: No such file"),
-            (("halftone", picture, folder / "dots.doc"), f"{NOT_ACCEPTABLE} output: no format has the suffix"),
+            (("halftone", picture, folder / "dots.doc"), f"{NOT_ACCEPTABLE} output: {folder}/dots.doc: the suffix names no format"),
             (("halftone", picture, folder / "none" / "dots.png"), f"{UNAVAILABLE} output: {folder}/none/dots.png cannot"),
             (("halftone", picture, "/dev/full", "format", "svg"),
              f"{UNAVAILABLE} output: /dev/full cannot be written: No space left"),

@@ -2,6 +2,7 @@
 """Arrays and other objects of Python, in and out."""
 
 import io
+import json
 import pickle
 import re
 
@@ -9,7 +10,7 @@ import ccdt
 import numpy as np
 import pytest
 import shapely.geometry
-from harness import PICTURES
+from harness import PICTURES, POLYGONS
 from PIL import Image
 from profiles import DISPLAY_P3, rgb_profile
 
@@ -35,7 +36,7 @@ def raises(field, text):
     return Expected()
 
 
-@pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "read-only", "big-endian", "list"])
+@pytest.mark.parametrize("layout", ["fortran", "strided", "reversed", "read-only", "big-endian", "one channel"])
 def test_layouts_do_not_matter(ramp, layout):
     expected = dots(ramp)
     wide = np.zeros((48, 128), np.uint8)
@@ -45,7 +46,7 @@ def test_layouts_do_not_matter(ramp, layout):
     pictures = {"fortran": np.asfortranarray(ramp), "strided": wide[:, ::2],
                 "reversed": np.ascontiguousarray(ramp[::-1, ::-1])[::-1, ::-1], "read-only": fixed,
                 "big-endian": (ramp.astype(np.uint16) * 257).astype(">u2"),
-                "list": ramp[..., None]}
+                "one channel": ramp[..., None]}
     assert np.array_equal(dots(pictures[layout]), expected)
 
 
@@ -174,7 +175,16 @@ def test_geometries_of_shapely_are_domains():
     assert all(inside.contains(shapely.geometry.Point(point)) for point in points)
 
 
+def test_files_with_geojson_are_domains(tmp_path):
+    path = POLYGONS / "Italy-110m.geojson"
+    assert np.array_equal(ccdt.sample(path, 30), ccdt.sample(json.loads(path.read_text()), 30))
+    (tmp_path / "a.geojson").write_text("{")
+    with raises("domain", "a.geojson"):
+        ccdt.sample(str(tmp_path / "a.geojson"), 30)
+
+
 @pytest.mark.parametrize(("arguments", "options", "field", "text"), [
+    ((None, 5), {}, "domain", "NoneType"),
     ((SQUARE, 0), {}, "sites", "1 to 2000000"),
     (([[0, 0], [1, np.nan], [1, 1]], 5), {}, "polygon/1/1", "finite"),
     (([[0, 0, 0], [1, 0, 0], [1, 1, 0]], 5), {}, "polygon", "[n, 2]"),

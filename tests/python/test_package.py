@@ -49,8 +49,8 @@ def test_pip_installs_the_package_without_network(tmp_path):
     """Uses the build folder of the tests, so that nothing is compiled again."""
     execute(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
     environment = {**os.environ, "PYTHONPATH": "", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index", "--no-cache-dir", SOURCE,
-            "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
+    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index",
+            "--no-cache-dir", SOURCE, "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
     script = ("import ccdt, importlib.metadata as data; "
               "print(ccdt.__file__, data.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)")
     output = execute(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
@@ -85,6 +85,13 @@ def test_the_source_archive_can_be_built(tmp_path):
     execute("cmake", "-S", root, "-B", tmp_path / "build", "-G", "Ninja", "-DCCDT_BUILD_PROGRAMS=OFF",
             "-DCCDT_BUILD_PYTHON=ON", "-DBUILD_TESTING=OFF")
     assert "ccdt_python" in execute("ninja", "-C", tmp_path / "build", "-t", "targets", "all")
+
+
+def test_the_example_of_the_project_makes_a_picture(tmp_path):
+    (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+    execute(sys.executable, "-c", "\n".join(block for block in blocks if "import ccdt\n" in block), cwd=tmp_path)
+    assert Image.open(tmp_path / "dots.png").size == (1203, 800)
 
 
 def test_examples_of_the_readme_run(tmp_path):

@@ -51,8 +51,8 @@ def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray
     return np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
 
 
-def read_file(source: Any, name: str) -> bytes:
-    """Returns the bytes of a file: given as bytes, as a path, or as an open file."""
+def read_file(source: Any, name: str, others: str = "") -> bytes:
+    """Returns the bytes of a file: given as bytes, as a path, or as an open file. Errors name the `others`, too."""
     if isinstance(source, (bytes, bytearray, memoryview)):
         return bytes(source)
     if isinstance(source, (str, os.PathLike)):
@@ -60,8 +60,7 @@ def read_file(source: Any, name: str) -> bytes:
             return file.read()
     if hasattr(source, "read"):
         return bytes(source.read())
-    raise Error(f"{name} must be an array, an image, a path, bytes or an open file, not {type(source).__name__}",
-                field=name)
+    raise Error(f"{name} must be {others}a path, bytes or an open file, not {type(source).__name__}", field=name)
 
 
 def pillow_picture(image: Any, name: str) -> Picture:
@@ -87,7 +86,7 @@ def picture_of(source: Any, name: str = "picture") -> Picture:
         return pillow_picture(source, name)
     if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):
         return array_picture(np.asarray(source), name)
-    return read_file(source, name)
+    return read_file(source, name, "an array, an image of Pillow, ")
 
 
 def array_json(value: Any, name: str) -> str:

@@ -131,9 +131,9 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     Options, ranges, defaults and positions are those of ``POST /sample`` of ccdt-server.
 
     Args:
-        domain: positions [n, 2] of the corners of a polygon; GeoJSON or TopoJSON as a dict; an object with
-            ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`; or
-            :class:`Pixels`.
+        domain: positions [n, 2] of the corners of a polygon; GeoJSON or TopoJSON, as a dict or as the path of a file;
+            an object with ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`;
+            or :class:`Pixels`.
         sites: exact number of points; in a dot map, the name of the property that has the counts.
         density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
             first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as

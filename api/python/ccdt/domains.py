@@ -3,8 +3,12 @@
 
 from __future__ import annotations
 
+import json
+import os
 from dataclasses import dataclass
 from typing import Any, Dict, Union
+
+from .errors import Error
 
 
 @dataclass(frozen=True)
@@ -40,8 +44,21 @@ def region_members(domain: Any) -> Dict[str, Any]:
     """Returns the member of a request that gives its area: `domain`, `geometry` or `polygon`."""
     if isinstance(domain, (Torus, Rectangle, Pixels)):
         return {"domain": domain_member(domain)}
+    if isinstance(domain, (str, os.PathLike)):
+        domain = _read_json(domain)
     if hasattr(domain, "__geo_interface__"):
         domain = domain.__geo_interface__
     if isinstance(domain, dict):
         return {"domain" if domain.get("type") in ("torus", "rectangle", "pixels") else "geometry": domain}
-    return {"polygon": domain}
+    if hasattr(domain, "__len__"):
+        return {"polygon": domain}
+    raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON, an object with "
+                f"__geo_interface__, or a torus, a rectangle or pixels, not {type(domain).__name__}", field="domain")
+
+
+def _read_json(path: Union[str, os.PathLike[str]]) -> Any:
+    with open(path, "rb") as file:
+        try:
+            return json.load(file)
+        except ValueError as reason:
+            raise Error(f"domain: {os.fspath(path)!r} is not a file with GeoJSON: {reason}", field="domain") from None

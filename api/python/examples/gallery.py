@@ -2,7 +2,6 @@
 """Makes six pictures in a folder: gallery.py FOLDER. Editors that know percent cells run it step by step."""
 
 # %% Pictures and maps of the tests of this project
-import json
 import pathlib
 import sys
 
@@ -28,8 +27,8 @@ panel.save(OUTPUT / "device.png")
 print(f"{len(np.unique(panel.image().reshape(-1, 3), axis=0))} colours")
 
 # %% Points on a map, evenly spread on the earth's surface
-switzerland = json.loads((DATA / "polygons" / "Switzerland-10m.geojson").read_text())
-ccdt.sample(switzerland, 4000, coordinates="lonlat", width=800).save(OUTPUT / "map.png")
+country = DATA / "polygons" / "Switzerland-10m.geojson"
+ccdt.sample(country, 4000, coordinates="lonlat", width=800).save(OUTPUT / "map.png")
 
 # %% The spectrum of points on a torus: no power at low frequencies
 points = ccdt.sample(ccdt.Torus(), 4096)

@@ -67,5 +67,20 @@ TEST(Format, IsChosenByName) {
     EXPECT_EQ(svg.error().message, "format 'svg' is not available here; the formats are png, json");
 }
 
+TEST(Negotiation, FindsFormatsBySuffix) {
+    static constexpr FileFormat kPlot{"hpgl", "HPGL", "plt", "application/vnd.hp-hpgl", ""};
+    static constexpr FileFormat kTiff{"tiff", "TIFF", "tiff", "image/tiff", ""};
+    static constexpr std::array<const FileFormat*, 4> kFiles = {&kPng, &kPlot, &kTiff, &kJson};
+    EXPECT_EQ(format_of_suffix(".png", kFiles), 0U);
+    EXPECT_EQ(format_of_suffix(".PLT", kFiles), 1U);
+    EXPECT_EQ(format_of_suffix(".hpgl", kFiles), 1U);
+    EXPECT_EQ(format_of_suffix(".Tif", kFiles), 2U);
+    for (const auto* suffix : {"", ".", "png", ".pn", ".pngs"}) {
+        const auto found = format_of_suffix(suffix, kFiles);
+        ASSERT_FALSE(found) << suffix;
+        EXPECT_EQ(found.error().message, "the suffix names no format; it must be one of .png, .plt, .tiff, .json");
+    }
+}
+
 }  // namespace
 }  // namespace ccdt::api

@@ -92,6 +92,15 @@ TEST(Help, DescribesEveryOptionWithinTheWidth) {
     }
 }
 
+TEST(Help, ListsCommandsInAColumn) {
+    const std::string help = program_help(80);
+    for (const OtherCommand& command : other_commands()) {
+        const auto name = help.find("\n  " + std::string(command.name) + "  ");
+        ASSERT_NE(name, std::string::npos) << command.name;
+        EXPECT_EQ(help.substr(name + 15, 4), command.summary.substr(0, 4)) << command.name;
+    }
+}
+
 TEST(Help, WrapsAtBlanks) {
     EXPECT_EQ(wrapped("one two three", 2, 9), "  one two\n  three\n");
     EXPECT_EQ(wrapped("a incomprehensibilities b", 0, 5), "a\nincomprehensibilities\nb\n");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "server/cli/status.h"
+#include "server/cli/console.h"
 
 #include <algorithm>
 #include <cerrno>
