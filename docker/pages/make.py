@@ -162,7 +162,9 @@ def main(doxygen, programs, version, out):
         pages = folder / "html"
         (pages / "gallery").mkdir()
         (pages / "pictures").mkdir()
-        for readme in [ROOT / "README.md", *ROOT.glob("[a-z]*/**/README.md")]:
+        # Folders of builds contain READMEs of other projects.
+        sources = [path for path in ROOT.glob("[a-z]*/") if path.name not in ("build", "dist")]
+        for readme in [ROOT / "README.md", *(path for folder in sources for path in folder.rglob("README.md"))]:
             for _, target in readme_for_doxygen.PICTURE.findall(readme.read_text()):
                 shutil.copy(readme.parent / target, pages / "pictures")
         inserted = {"gallery": gallery.make(programs, pages / "gallery"), "reference": reference(folder / "tags.xml")}
