@@ -12,6 +12,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import urllib.request
 
 import numpy
@@ -223,11 +224,11 @@ SECTIONS = (
                     before=("camera.jpg", "The photograph of the man with the camera")),
             Exhibit("A spiral in each dot. Here the pen is thinner than the spirals need, to show the strokes.",
                     "The man with the camera drawn by spirals",
-                    "ccdt halftone camera.jpg --style spiral --pen 1 --sites 3000 --width-mm 180 -o spiral.svg",
+                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 3000 --width-mm 180 -o spiral.svg",
                     draw=draw_thinner),
             Exhibit("Concentric circles, one pen for each ink, also thinner than needed.",
                     "The astronaut drawn by concentric circles in four colours",
-                    "ccdt halftone astronaut.jpg --style circles --pen 1.3 --color cmyk --sites 4000 --width-mm 180 "
+                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 4000 --width-mm 180 "
                     "-o circles.svg", draw=draw_thinner),
             Exhibit("G-code: touches of the pen, and in blue its way between them.",
                     "The path of a plotter that draws the man with the camera: dots, and blue lines between them",
@@ -304,7 +305,7 @@ def run(exhibit, programs, folder):
         done = subprocess.run([programs / program, *arguments], cwd=folder, capture_output=True, text=True,
                               timeout=PATIENCE, check=False)
         if done.returncode != 0:
-            raise RuntimeError(f"{command}\n{done.stderr}")
+            sys.exit(f"this command of the gallery failed: {command}\n{done.stderr}")
     file = folder / exhibit.output()
     return exhibit.draw(file, programs) if exhibit.draw else file
 
