@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from . import _core
 from ._options import Progress
-from .domains import region_members
+from .domains import jsonable, region_members
 from .errors import Error
 
 # A picture as the extension module takes it: the bytes of a file, or an array [height, width, channels].
@@ -104,23 +104,12 @@ def array_json(value: Any, name: str) -> str:
     return _core.json_of(array)
 
 
-def _jsonable(value: Any) -> Any:
-    """Returns what the module json can write instead of a value that it does not know."""
-    if hasattr(value, "__geo_interface__"):
-        return value.__geo_interface__
-    if isinstance(value, np.ndarray) and value.ndim > 0:
-        return value.tolist()
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
-
-
 def json_of(value: Any, name: str) -> str:
     """Writes a value as JSON: arrays, objects with a geometry, and what the module json can write."""
     if isinstance(value, np.ndarray) and value.ndim > 0:
         return array_json(value, name)
     try:
-        return json.dumps(value, default=_jsonable, allow_nan=False)
+        return json.dumps(value, default=jsonable, allow_nan=False)
     except (TypeError, ValueError) as reason:
         raise Error(f"{name} is not valid: {reason}", field=name) from None
 
