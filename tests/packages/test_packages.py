@@ -51,7 +51,7 @@ def timed(what):
 
 
 def make_packages(folder, **environment):
-    """Makes the packages from the build, and returns their files. gzip is faster than xz."""
+    """Makes the packages from the build, and returns their files. Compresses them by gzip, which is faster than xz."""
     done = execute([os.environ["CCDT_CPACK"], "--config", BUILD / "CPackConfig.cmake", "-B", folder,
                     "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip"], PATIENCE_TO_INSTALL,
                    capture_output=True, text=True, check=False, env={**os.environ, **environment})

@@ -17,12 +17,12 @@ from ._options import Progress
 from .domains import jsonable, region_members
 from .errors import Error
 
-# A picture as the extension module takes it: the bytes of a file, or an array [height, width, channels].
+# A picture for the extension module: the bytes of a file, or an array [height, width, channels].
 Picture = Union[bytes, npt.NDArray[Any]]
 
 
 def running(threads: Optional[int] = None, progress: Progress = None) -> _core.Running:
-    """Returns how to run a computation: by default on all processors of this process."""
+    """Returns the settings of a computation. By default, it uses all processors of this process."""
     if threads is None:
         threads = len(os.sched_getaffinity(0))
     if threads < 1:
@@ -31,7 +31,7 @@ def running(threads: Optional[int] = None, progress: Progress = None) -> _core.R
 
 
 def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray[Any]:
-    """Returns an array as the extension module takes it. Copies it only if its type or its layout requires that."""
+    """Converts an array for the extension module. Copies it only if its type or its layout requires that."""
     shape = array.shape
     if not (array.ndim == 2 or array.ndim == 3 and 1 <= shape[2] <= 4):
         raise Error(f"{name} must have the shape [height, width] or [height, width, 1 to 4], not {list(shape)}",
@@ -64,7 +64,7 @@ def read_file(source: Any, name: str, others: str = "") -> bytes:
 
 
 def pillow_picture(image: Any, name: str) -> Picture:
-    """Returns the upright pixels of an image of Pillow, or a file of it if colours must be converted."""
+    """Returns the upright pixels of an image of Pillow, or a TIFF file if its colours must be converted."""
     import io
 
     from PIL import ImageOps
@@ -81,7 +81,7 @@ def pillow_picture(image: Any, name: str) -> Picture:
 
 
 def picture_of(source: Any, name: str = "picture") -> Picture:
-    """Returns a picture as the extension module takes it."""
+    """Converts a picture for the extension module."""
     if hasattr(source, "getexif"):  # an image of Pillow
         return pillow_picture(source, name)
     if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):

@@ -255,9 +255,9 @@ def _read(picture: Any) -> bytes:
 
 
 def _seconds_to_wait(retry_after: Optional[str]) -> float:
-    """Returns the time that a server asks to wait, or else a second, and up to a tenth more.
+    """Returns the delay that the server asks for, by default one second, plus a random part of up to a tenth.
 
-    The addition keeps clients that were refused together from returning together.
+    The random part keeps clients that were refused together from returning together.
     """
     seconds = float(retry_after) if retry_after is not None and retry_after.isdigit() else 1.0
     return seconds * random.uniform(1, 1.1)
