@@ -4,8 +4,8 @@
     /usr/bin/python3 docker/image_archive.py STAGE VERSION REVISION >ARCHIVE
 
 STAGE is a folder that contains the result of docker/collect as `image`, like the stage `collect` of the Dockerfile. The
-program executes the last stage of the Dockerfile by buildah, which needs neither a daemon nor the network. The same
-arguments and the same files, of any time, give the same bytes if SOURCE_DATE_EPOCH is the same.
+program builds the last stage of the Dockerfile with buildah, which needs neither a daemon nor the network. The same
+arguments, files and SOURCE_DATE_EPOCH give the same bytes, whatever the times of the files.
 """
 
 import hashlib
@@ -36,7 +36,7 @@ def build(folder, stage, version, revision):
 
 
 def without_names_of_the_build(text):
-    """Removes the random names of the container in which buildah made the image from the image's configuration."""
+    """Removes the random names of buildah's container from the configuration of an image."""
     settings = json.loads(text)
     for name in ("container", "container_config"):
         del settings[name]

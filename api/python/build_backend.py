@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the wheel and the source archive of the package (PEP 517) with CMake and the standard library alone, so that
+"""Builds the wheel and the source archive of the package (PEP 517). Needs only CMake and the standard library, so that
 pip needs no network.
 
     pip install .
@@ -36,6 +36,7 @@ def version():
 
 
 def metadata():
+    """Returns the text of the file METADATA in the wheel, and of PKG-INFO in the source archive."""
     return (f"Metadata-Version: 2.1\nName: ccdt\nVersion: {version()}\n"
             "Summary: Blue-noise dots: pictures as halftones, and evenly spread points\n"
             "License: GPL-3.0-or-later\nRequires-Python: >=3.9\nRequires-Dist: numpy\n"
@@ -43,6 +44,7 @@ def metadata():
 
 
 def tag():
+    """Returns the tag of the wheel: versions of Python and of its binary interface, and platform."""
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     return f"{python}-{python}-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Adds the files to the staged packages that only Debian packages contain. CPack runs this script after the install
+# Adds the files that only Debian packages contain to the staged packages. CPack runs this script after the install
 # rules.
 
 cmake_policy(VERSION 3.25)

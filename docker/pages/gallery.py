@@ -38,8 +38,8 @@ class Exhibit:
 
     `command` is one line or several. The last one writes the picture into the current folder. `before` is the name of a
     file to show beside the picture, and its description. `draw(file, programs)` replaces the picture by a drawing of
-    it, and returns the path of the drawing. `enlarged` is the number of CSS pixels per pixel of the picture; none: the
-    picture is as wide as its column.
+    it, and returns the path of the drawing. `enlarged` is the number of CSS pixels per pixel of the picture. If it is
+    None, the picture is as wide as its column.
     """
 
     caption: str
@@ -146,7 +146,7 @@ def draw_dithered(file, _):
 
 
 def draw_seen(file, programs):
-    """Shows the colours that are seen on a device instead of those that are sent to it. The file has its name."""
+    """Shows the colours that are seen on a device instead of those that are sent to it. The device gives the file its name."""
     colours = next(row for row in capabilities(programs)["halftone"]["devices"]["types"] if row["name"] == file.stem)
     values = numpy.asarray(Image.open(file).convert("RGB"))
     shown = values.copy()
@@ -159,7 +159,7 @@ def draw_seen(file, programs):
 
 @functools.cache
 def capabilities(programs):
-    """Returns what a server says about itself."""
+    """Returns the answer of a server to `GET /capabilities`."""
     with subprocess.Popen([programs / "ccdt-server", "--port=0", "--cache=0"], stderr=subprocess.PIPE,
                           text=True) as server:
         try:

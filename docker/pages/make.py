@@ -49,7 +49,7 @@ def run_doxygen(program, version, folder):
 
 
 def read_headers(tags):
-    """Returns the headers in a list of contents: their paths, pages, and pairs of name and page of their symbols."""
+    """Yields the path, the page and the symbols of each header in a list of contents. Symbols are names with pages."""
     root = xml.etree.ElementTree.parse(tags).getroot()
     classes = {compound.findtext("name"): compound.findtext("filename") for compound in root
                if compound.get("kind") in ("class", "struct")}
@@ -66,9 +66,7 @@ def read_headers(tags):
 
 
 def readme_pages(tags):
-    """Yields for each README its path, the page that Doxygen makes of the file, which is empty, and the page of its
-    contents.
-    """
+    """Yields the path of each README, the empty page that Doxygen makes for the file, and the page of its contents."""
     for compound in xml.etree.ElementTree.parse(tags).iterfind("compound[@kind='file']"):
         path = pathlib.Path(compound.findtext("path")) / compound.findtext("name")
         if path.suffix == ".md" and path.is_relative_to(ROOT):
@@ -99,13 +97,13 @@ def reference(tags):
 
 
 def without_scripts(tag):
-    """Returns a tag without inline styles, handlers, and attributes of layout that are replaced by pages.css."""
+    """Returns a tag without inline styles, handlers, and attributes of layout that pages.css replaces."""
     removed = "style|onclick" if tag.startswith("<img") else "style|onclick|align|valign|width"
     return re.sub(rf' (?:{removed})="[^"]*"', "", tag)
 
 
 def summary(text):
-    """Returns a list of the parts of a page without links to parts that Doxygen has left out."""
+    """Removes links to parts that Doxygen has left out from the list of the parts of a page."""
     def is_part(link):
         return not link[1].startswith("#") or f'id="{link[1][1:]}"' in text
 

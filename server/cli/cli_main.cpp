@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -45,13 +46,20 @@ int unknown_command(const std::string& name) {
         (is_file ? "ccdt halftone " + name + " turns a picture into dots" : "ccdt --help lists the commands"));
 }
 
-/// Prints the help or the manual page of the command that the only argument names, or of the program.
+bool is_other_command(std::string_view name) {
+    return std::ranges::find(other_commands(), name, &OtherCommand::name) != other_commands().end();
+}
+
+/// Prints the help or the manual page of the command that the only argument names, or of the program. The program's
+/// help and manual page also describe the commands that compute nothing.
 int describe(std::span<const char* const> arguments, std::string (*of_program)(),
              std::string (*of_command)(const Command&)) {
     if (arguments.empty()) return print(of_program());
-    const Command* const command = find_command(arguments.front());
-    if (command != nullptr && arguments.size() == 1) return print(of_command(*command));
-    return unknown_command(arguments.front());
+    if (arguments.size() > 1)
+        return refuse("one command can be described at a time, not " + std::to_string(arguments.size()));
+    const std::string_view name = arguments.front();
+    if (const Command* const command = find_command(name)) return print(of_command(*command));
+    return is_other_command(name) ? print(of_program()) : unknown_command(std::string(name));
 }
 
 int complete(std::span<const char* const> arguments) {
@@ -69,6 +77,9 @@ int run(std::span<const char*> arguments) {
     const auto rest = arguments.subspan(1);
     if (const Command* const command = find_command(name)) return run_command(*command, rest);
     if (name == "serve") return serve(arguments.data());
+    if (is_other_command(name) && rest.size() == 1 &&
+        (rest.front() == std::string_view("--help") || rest.front() == std::string_view("-h")))
+        return print(help());
     if (name == "completion") return complete(rest);
     if (name == "manual") return describe(rest, program_manual, command_manual);
     if (name == "help" || name == "--help" || name == "-h")

@@ -414,9 +414,14 @@ class Documents(Folder):
         for command in self.COMMANDS:
             text = self.assert_done(run(command, "--help"))
             self.assertEqual(text, self.assert_done(run("help", command)))
+            self.assertNotRegex(text, rb"(?m)^ +\.", "an option without a description")
             self.assertLessEqual({b"--format", b"--output", b"--max-sites"}, set(re.findall(rb"--[a-z-]+", text)))
         version = execute([os.environ["CCDT_SERVER"], "--version"], capture_output=True).stdout.split()[1]
         self.assertEqual(self.assert_done(run("--version")), b"ccdt " + version + b"\n")
+        text = self.assert_done(run("--help"))
+        for arguments in (("help", "serve"), ("completion", "--help"), ("manual", "-h"), ("help", "--help")):
+            self.assertEqual(self.assert_done(run(*arguments)), text, arguments)
+        self.assertEqual(run("manual", "completion").stdout, run("manual").stdout)
         for arguments in (("completion", "csh"), ("help", "draw"), ("manual", "halftone", "sample")):
             self.assertEqual(run(*arguments).returncode, 2, arguments)
 

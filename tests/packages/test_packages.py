@@ -31,11 +31,11 @@ PATIENCE_TO_INSTALL = 300
 # The highest accepted exposure of the unit, by `systemd-analyze security`: from 0 to 10.
 MAX_EXPOSURE = 2.1
 
-# Names of all packages, and of those of them that each one needs.
+# Maps the name of each package to the packages of this project that it needs.
 NEEDED = {"ccdt": ["ccdt-decoder"], "ccdt-decoder": [], "ccdt-server": ["ccdt-decoder"], "libccdt-dev": ["libccdt1"],
           "libccdt1": [], "python3-ccdt": []}
 
-# The files of the packages by their names.
+# Maps the name of each package to its file.
 PACKAGES = {}
 
 ENVIRONMENT = {"HOME": "/root", "LANG": "C.UTF-8", "DEBIAN_FRONTEND": "noninteractive",
@@ -51,7 +51,7 @@ def timed(what):
 
 
 def make_packages(folder, **environment):
-    """Makes the packages from the build, and returns their files. gzip is faster than xz."""
+    """Makes the packages from the build, and returns their files. Compresses them by gzip, which is faster than xz."""
     done = execute([os.environ["CCDT_CPACK"], "--config", BUILD / "CPackConfig.cmake", "-B", folder,
                     "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip"], PATIENCE_TO_INSTALL,
                    capture_output=True, text=True, check=False, env={**os.environ, **environment})

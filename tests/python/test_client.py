@@ -52,6 +52,19 @@ def test_jobs_report_progress(client):
     assert shares == sorted(shares) and shares[-1] == 1
 
 
+def test_an_exception_in_progress_cancels_the_job(client, monkeypatch):
+    jobs = []
+    start = Client._start
+    monkeypatch.setattr(Client, "_start", lambda self, request: jobs.append(start(self, request)) or jobs[-1])
+
+    def refuse(share):
+        raise LookupError(share)
+
+    with pytest.raises(LookupError):
+        client.sample(ccdt.Torus(), **LONG, progress=refuse)
+    assert jobs[0].status()["status"] == "cancelled"
+
+
 def test_jobs_end_with_the_error_of_the_request(client):
     with pytest.raises(ccdt.Error) as refused:
         client.start_sample([[0, 0], [1, 1], [2, 2]], 5).result()

@@ -143,9 +143,9 @@ class Refusals(unittest.TestCase):
             "# Changelog\n\n## [Unreleased]\n\n- Later.\n\n"
             f"## [{version}] - 2026-01-05\n\n- Now.\n\n## [0.1.0] - 2026-01-04\n\n- Once.\n")
 
-    def fails(self, *arguments):
+    def fails(self, *arguments, status=1):
         done = release(*arguments, root=self.root)
-        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertEqual(done.returncode, status, done.stdout)
         return done.stdout
 
     def test_notes_are_one_section_of_the_changelog(self):
@@ -172,6 +172,10 @@ class Refusals(unittest.TestCase):
     def test_needs_a_section_in_the_changelog(self):
         self.write_changelog("3.2.10")
         self.assertIn("CHANGELOG.md has no section for version 3.2.1", self.fails(self.out, "notes"))
+
+    def test_needs_known_options(self):
+        for arguments in (("--help",), ("--build",)):
+            self.assertIn("usage: docker/release", self.fails(*arguments, status=2))
 
     def test_needs_known_parts(self):
         self.assertRegex(self.fails(self.out, "image", "snowflake"), "no part snowflake; there are: .*source")

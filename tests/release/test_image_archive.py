@@ -65,7 +65,7 @@ class ImageArchive(ImageContents, unittest.TestCase):
 
     @classmethod
     def script(cls):
-        """Returns a script that starts the program of the image with its user and its environment, in its files."""
+        """Returns a script that starts the program in the files of the image, with the image's user and environment."""
         for name in ("dev", "proc"):  # container engines create these folders
             (cls.root / name).mkdir()
         enter = ["chroot", f"--userspec={cls.config['User']}", "--groups=", str(cls.root), *cls.config["Entrypoint"]]

@@ -54,7 +54,8 @@ class Drawing:
         """Writes a file.
 
         Args:
-            path: name of the file. If writing fails, no file is left that was not there before.
+            path: name of the file. It is opened after all bytes are computed, so a failed computation does not
+                change it.
             format: name of a format. By default, the extension of the path decides.
         """
         data = self._answer(format or format_of(path))

@@ -129,7 +129,7 @@ def text_of(name: str, value: object) -> str:
         return repr(value)
     if isinstance(value, Iterable):
         return ",".join(text_of(name, each) for each in value)
-    raise Error(f"{name} must be a text, a number, a truth value or a list of these, not {type(value).__name__}",
+    raise Error(f"{name} must be text, a number, a boolean or a list of these, not {type(value).__name__}",
                 field=name)
 
 

@@ -14,15 +14,15 @@ import numpy.typing as npt
 
 from . import _core
 from ._options import Progress
-from .domains import region_members
+from .domains import jsonable, region_members
 from .errors import Error
 
-# A picture as the extension module takes it: the bytes of a file, or an array [height, width, channels].
+# A picture for the extension module: the bytes of a file, or an array [height, width, channels].
 Picture = Union[bytes, npt.NDArray[Any]]
 
 
 def running(threads: Optional[int] = None, progress: Progress = None) -> _core.Running:
-    """Returns how to run a computation: by default on all processors of this process."""
+    """Returns the settings of a computation. By default, it uses all processors of this process."""
     if threads is None:
         threads = len(os.sched_getaffinity(0))
     if threads < 1:
@@ -31,7 +31,7 @@ def running(threads: Optional[int] = None, progress: Progress = None) -> _core.R
 
 
 def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray[Any]:
-    """Returns an array as the extension module takes it. Copies it only if its type or its layout requires that."""
+    """Converts an array for the extension module. Copies it only if its type or its layout requires that."""
     shape = array.shape
     if not (array.ndim == 2 or array.ndim == 3 and 1 <= shape[2] <= 4):
         raise Error(f"{name} must have the shape [height, width] or [height, width, 1 to 4], not {list(shape)}",
@@ -64,7 +64,7 @@ def read_file(source: Any, name: str, others: str = "") -> bytes:
 
 
 def pillow_picture(image: Any, name: str) -> Picture:
-    """Returns the upright pixels of an image of Pillow, or a file of it if colours must be converted."""
+    """Returns the upright pixels of an image of Pillow, or a TIFF file if its colours must be converted."""
     import io
 
     from PIL import ImageOps
@@ -81,7 +81,7 @@ def pillow_picture(image: Any, name: str) -> Picture:
 
 
 def picture_of(source: Any, name: str = "picture") -> Picture:
-    """Returns a picture as the extension module takes it."""
+    """Converts a picture for the extension module."""
     if hasattr(source, "getexif"):  # an image of Pillow
         return pillow_picture(source, name)
     if isinstance(source, (np.ndarray, list, tuple)) or hasattr(source, "__array_interface__"):
@@ -104,23 +104,12 @@ def array_json(value: Any, name: str) -> str:
     return _core.json_of(array)
 
 
-def _jsonable(value: Any) -> Any:
-    """Returns what the module json can write instead of a value that it does not know."""
-    if hasattr(value, "__geo_interface__"):
-        return value.__geo_interface__
-    if isinstance(value, np.ndarray) and value.ndim > 0:
-        return value.tolist()
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
-
-
 def json_of(value: Any, name: str) -> str:
     """Writes a value as JSON: arrays, objects with a geometry, and what the module json can write."""
     if isinstance(value, np.ndarray) and value.ndim > 0:
         return array_json(value, name)
     try:
-        return json.dumps(value, default=_jsonable, allow_nan=False)
+        return json.dumps(value, default=jsonable, allow_nan=False)
     except (TypeError, ValueError) as reason:
         raise Error(f"{name} is not valid: {reason}", field=name) from None
 

@@ -26,7 +26,7 @@ LISTS = ("points", "rank", "ranks", "feature", "class")
 
 
 class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
-    """Points as an array, float64 [n, 2], with what else is known about them.
+    """Points as an array, float64 [n, 2], with the other members of the answer.
 
     It behaves like any array. Parts of it, and results of arithmetic, are plain arrays without the further members.
     """

@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random
@@ -15,14 +16,13 @@ import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Union
 
-from ._options import texts_of
-from .domains import domain_member, region_members
+from ._options import Progress, texts_of
+from .domains import domain_member, jsonable, region_members
 from .errors import Error
 
 Path = Union[str, "os.PathLike[str]"]
-Progress = Optional[Callable[[float], object]]
 Request = Tuple[str, bytes, str]  # path with query, body, media type
 
 # Statuses after which the same request may succeed: too many requests, and no time or no process at present.
@@ -136,7 +136,8 @@ class Client:
         Args:
             picture: file of a picture, as a path, bytes, or an open file.
             sites: exact number of dots; by default chosen by the server.
-            progress: function that receives the completed share of the work, 0 to 1. The request is then a job.
+            progress: function that receives the completed share of the work, 0 to 1. The request is then a job, which
+                is cancelled if the function raises an exception.
             **options: options of ``POST /halftone``, such as ``format="svg"``. Options that are None are left out.
 
         Raises:
@@ -188,7 +189,12 @@ class Client:
     def _compute(self, request: Request, progress: Progress) -> Answer:
         if progress is None:
             return self._request("POST", *request)
-        return self._start(request).result(progress)
+        job = self._start(request)
+        try:
+            return job.result(progress)
+        finally:
+            with contextlib.suppress(Error, OSError):
+                job.cancel()
 
     def _start(self, request: Request) -> Job:
         answer = self._request("POST", *request, prefer="respond-async")
@@ -236,16 +242,7 @@ def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
 
 def _body(members: Mapping[str, Any]) -> bytes:
     given = {name: value for name, value in members.items() if value is not None}
-    return json.dumps(given, default=_jsonable, allow_nan=False).encode()
-
-
-def _jsonable(value: Any) -> Any:
-    """Returns what the module json can write instead of arrays, and of objects with a geometry."""
-    if hasattr(value, "__geo_interface__"):
-        return value.__geo_interface__
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+    return json.dumps(given, default=jsonable, allow_nan=False).encode()
 
 
 def _read(picture: Any) -> bytes:
@@ -258,9 +255,9 @@ def _read(picture: Any) -> bytes:
 
 
 def _seconds_to_wait(retry_after: Optional[str]) -> float:
-    """Returns the time that a server asks to wait, or else a second, and up to a tenth more.
+    """Returns the delay that the server asks for, by default one second, plus a random part of up to a tenth.
 
-    The addition keeps clients that were refused together from returning together.
+    The random part keeps clients that were refused together from returning together.
     """
     seconds = float(retry_after) if retry_after is not None and retry_after.isdigit() else 1.0
     return seconds * random.uniform(1, 1.1)

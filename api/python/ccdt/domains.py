@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Domains that are not polygons. This module imports nothing but the standard library."""
+"""Domains that are not polygons, and values of requests. This module imports nothing but the standard library."""
 
 from __future__ import annotations
 
@@ -54,6 +54,15 @@ def region_members(domain: Any) -> Dict[str, Any]:
         return {"polygon": domain}
     raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON, an object with "
                 f"__geo_interface__, or a torus, a rectangle or pixels, not {type(domain).__name__}", field="domain")
+
+
+def jsonable(value: Any) -> Any:
+    """Returns a value that the module json can write instead of an array, or of an object with a geometry."""
+    if hasattr(value, "__geo_interface__"):
+        return value.__geo_interface__
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
 def _read_json(path: Union[str, os.PathLike[str]]) -> Any:

@@ -14,7 +14,7 @@ export type * from "./types.js";
 export interface Call {
   /** Ends the call, and cancels its computation unless `job` is true. */
   signal?: AbortSignal;
-  /** Runs the computation as a job, and receives its states. */
+  /** Receives the states of the computation, which runs as a job. */
   onProgress?: RequestOptions["onProgress"];
   /** Starts a job, and returns it instead of the answer. */
   job?: boolean;

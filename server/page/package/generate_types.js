@@ -12,8 +12,8 @@ const { default: generate, astToString } = require("openapi-typescript");
 const { factory } = require("typescript");
 
 /**
- * Rewrites parts of schemas that openapi-typescript would turn into `unknown` or into a type without optional members:
- * alternatives that only require members, and tuples whose last items are optional.
+ * Rewrites parts of schemas that openapi-typescript does not support: alternatives that only require members, which it
+ * would turn into `unknown`, and tuples whose last items are optional, which it would require.
  */
 function simplify(key, value) {
   if (value?.prefixItems?.length > value?.minItems) {

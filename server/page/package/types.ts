@@ -15,7 +15,7 @@ export type JobState = Schemas["Job"];
 /** An error of one option. `pointer` is a JSON Pointer or the name of the option. */
 export type OptionError = NonNullable<Schemas["Problem"]["errors"]>[number];
 
-/** Options for a map in a file. `sites` is a number or the name of a property that counts points. */
+/** Options for a map in a file. `sites` is a number or the name of the property that holds the counts. */
 export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & { sites?: number | string };
 
 export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;
@@ -72,11 +72,11 @@ export interface RequestOptions {
   /** Media type of the body. */
   type?: string;
   headers?: Record<string, string>;
-  /** Ends the request, and cancels its computation; null: neither this nor the signal of the connection does. */
+  /** Ends the request, and cancels its computation. null: no signal does, not even that of the connection. */
   signal?: AbortSignal | null;
-  /** Runs the computation as a job, and receives its states. The job is cancelled if the request ends early. */
+  /** Receives the states of the computation, which runs as a job. The job is cancelled if the request ends early. */
   onProgress?: (state: JobState) => void;
-  /** Replaces the number of the connection. */
+  /** Replaces `retries` of the connection. */
   retries?: number;
   /** Lets the request outlive a page in a browser. */
   keepalive?: boolean;
