@@ -226,7 +226,7 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) { return set_seconds(draft.config.patience.idle, text); }},
     {"--max-connections", "CCDT_MAX_CONNECTIONS", "N", "maximum open connections (512 + workers + queue)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.connections.emplace(), text, 1, 32'768); }},
-    {"--max-streams", "CCDT_MAX_STREAMS", "N", "maximum event streams, in addition to these (1024)",
+    {"--max-streams", "CCDT_MAX_STREAMS", "N", "maximum event streams, besides these connections (1024)",
      [](Draft& draft, std::string_view text) { return set_whole(draft.config.capacity.streams, text, 0, 32'768); }},
     {"--max-connections-per-address", "CCDT_MAX_CONNECTIONS_PER_ADDRESS", "N",
      "connections per address, 0 for no limit (64)",
