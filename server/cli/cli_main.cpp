@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -45,13 +46,17 @@ int unknown_command(const std::string& name) {
         (is_file ? "ccdt halftone " + name + " turns a picture into dots" : "ccdt --help lists the commands"));
 }
 
-/// Prints the help or the manual page of the command that the only argument names, or of the program.
+/// Prints a help text or a manual page: that of the command which the argument names or, without an argument, that of
+/// the program.
 int describe(std::span<const char* const> arguments, std::string (*of_program)(),
              std::string (*of_command)(const Command&)) {
     if (arguments.empty()) return print(of_program());
-    const Command* const command = find_command(arguments.front());
-    if (command != nullptr && arguments.size() == 1) return print(of_command(*command));
-    return unknown_command(arguments.front());
+    const std::string name = arguments.front();
+    if (arguments.size() > 1) return refuse("only one command can be described at a time");
+    if (const Command* const command = find_command(name)) return print(of_command(*command));
+    if (std::ranges::find(other_commands(), name, &OtherCommand::name) == other_commands().end())
+        return unknown_command(name);
+    return refuse(name + " has no description of its own; ccdt --help and ccdt manual mention it");
 }
 
 int complete(std::span<const char* const> arguments) {

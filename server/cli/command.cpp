@@ -58,7 +58,7 @@ const std::array kCommands = {
             [] { return joined(api::files_of(api::sample_formats()), api::files_of(api::pixel_formats())); }},
     Command{
         "analyze", "measure how evenly points are spread", "POINTS... [OPTION]...",
-        "POINTS is a CSV file with the columns x and y, a NPY file with an array of at least two columns, a JSON "
+        "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a JSON "
         "list of positions, GeoJSON, or a JSON answer of ccdt sample or ccdt halftone. Without POINTS, --sets gives "
         "sets of points.",
         kAnalyzeExamples, kAnalyzeSchemas, [] { return api::files_of(api::analyze_formats()); }},

@@ -14,10 +14,8 @@ constexpr std::size_t kColumn = 14;  ///< width of the column of commands and ex
 
 constexpr std::string_view kPurpose =
     "Places dots evenly and according to a density, by Capacity-Constrained Delaunay Triangulation: turns pictures "
-    "into "
-    "halftones, spreads points in areas, and measures how evenly points are spread. Answers are the same bytes as "
-    "those "
-    "of ccdt-server, for the same input, options and seed.";
+    "into halftones, spreads points in areas, and measures how evenly points are spread. Answers are the same bytes "
+    "as those of ccdt-server, for the same input, options and seed.";
 
 /// Describes the forms of options and their values.
 std::string describe_forms(std::span<const Option> options) {

@@ -259,6 +259,9 @@ class Errors(Folder):
         for status, arguments, message in (
                 (2, (), "Usage: ccdt COMMAND"),
                 (2, ("draw",), "draw is not a command"),
+                (2, ("help", "draw"), "draw is not a command"),
+                (2, ("help", "serve"), "serve has no description of its own"),
+                (2, ("manual", "sample", "analyze"), "only one command"),
                 (2, (PICTURE,), f"ccdt halftone {PICTURE} turns a picture into dots"),
                 (2, ("halftone",), "halftone needs an input"),
                 (2, ("sample", "--sites=3"), "--domain, --polygon and --geometry"),
