@@ -139,6 +139,11 @@ class Files(Folder):
         self.assert_done(run("halftone", PICTURE, OTHER, "-o", f"{self.folder}/{{name}}-dots.svg", "--sites=300"))
         self.assertEqual(self.names(), ["camera-dots.svg", "chelsea-dots.svg"])
 
+    def test_a_name_may_have_the_maximum_length(self):
+        name = "a" * 251 + ".svg"
+        self.assert_done(run("halftone", PICTURE, "-o", self.folder / name, "--sites=300"))
+        self.assertEqual(self.names(), [name])
+
     def test_a_failed_input_does_not_prevent_the_others(self):
         missing, text = self.folder / "missing.png", self.folder / "text.png"
         text.write_text("not a picture")
