@@ -40,8 +40,8 @@ void notify(const std::string& state, const Log& log) {
     if (const auto notified = notify_service_manager(state); !notified) log.error(notified.error().message);
 }
 
-/// Returns the state in which the service manager waits for the end of the server: for one second longer than the
-/// server itself.
+/// Returns the message that announces the end of the server. It asks the service manager to wait for one second longer
+/// than the drain time-out.
 std::string stopping(const Config& config) {
     const std::chrono::microseconds wait = config.drain_timeout + std::chrono::seconds(1);
     return "STOPPING=1\nEXTEND_TIMEOUT_USEC=" + std::to_string(wait.count());

@@ -159,8 +159,10 @@ Result<std::vector<Point>> read_npy(std::string_view file, const Limits& limits)
         return wrong(
             "the NPY file must be an array of float64 in C order, with a row for each point and at least two columns");
     if (shape->rows > limits.max_sites) return too_many(limits);
-    if (shape->columns > file.size() || shape->rows * shape->columns * sizeof(double) != file.size())
-        return wrong("the NPY file has " + std::to_string(file.size()) + " bytes of data, not those of its shape");
+    const std::size_t values = file.size() / sizeof(double);
+    if (file.size() % sizeof(double) != 0 || values % shape->columns != 0 || values / shape->columns != shape->rows)
+        return wrong("the NPY file has " + std::to_string(file.size()) +
+                     " bytes of data, which do not match its shape");
     std::vector<Point> points(shape->rows);
     for (std::size_t i = 0; i < points.size(); ++i) {
         std::memcpy(&points[i], file.data() + i * shape->columns * sizeof(double), sizeof(Point));

@@ -10,13 +10,13 @@
 
 namespace ccdt::api {
 
-/// Reads the points of a file, in a format in which this project writes points. The first bytes tell the format:
+/// Reads the points of a file, in a format in which this project writes points. The first bytes determine the format:
 ///
 /// | format | points |
 /// |---|---|
 /// | NPY | the first two columns of an array of float64, with at least two columns |
 /// | JSON | a list of positions, the member `points` of an object, or GeoJSON as in read_points() |
-/// | CSV | the columns `x` and `y`, which the first line names, in any place |
+/// | CSV | the columns `x` and `y`, which the first line names, in any position |
 ///
 /// Fields of CSV may be quoted (RFC 4180), and lines may end with or without a carriage return.
 /// Errors: Malformed for any other content; the message names the line of CSV, the row of NPY, or the JSON Pointer;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "api/image/broken_image.h"
+#include "core/halftone/srgb.h"
 
 namespace ccdt::api {
 namespace {
@@ -59,7 +60,7 @@ struct Encoding {
         if (!curves.empty()) return curves[channel](value);
         if (curve == RowSource::Curve::Linear) return value;
         if (curve == RowSource::Curve::Gamma) return std::pow(value, gamma);
-        return value <= 0.04045F ? value / 12.92F : std::pow((value + 0.055F) / 1.055F, 2.4F);
+        return light_of_srgb(value);
     }
 };
 
@@ -112,15 +113,11 @@ private:
     std::array<const float*, 3> values_{};
 };
 
-float luminance(float red, float green, float blue) {
-    return 0.2126F * red + 0.7152F * green + 0.0722F * blue;
-}
-
 /// Converts linear light from other primaries to those of sRGB.
 class ForeignLight {
 public:
     explicit ForeignLight(const LightMatrix& matrix) : matrix_(matrix) {
-        for (std::size_t i = 0; i < 3; ++i) weights_[i] = luminance(matrix[0][i], matrix[1][i], matrix[2][i]);
+        for (std::size_t i = 0; i < 3; ++i) weights_[i] = ccdt::luminance_of(matrix[0][i], matrix[1][i], matrix[2][i]);
     }
 
     float luminance_of(float red, float green, float blue) const {
@@ -215,7 +212,7 @@ public:
     void set_grey(std::ptrdiff_t pixel, float grey) const { set(0, pixel, grey); }
 
     void set_colour(std::ptrdiff_t pixel, float red, float green, float blue) const {
-        set(0, pixel, luminance(red, green, blue));
+        set(0, pixel, luminance_of(red, green, blue));
     }
 
     void set_colour(std::ptrdiff_t pixel, float red, float green, float blue, const ForeignLight& primaries) const {

@@ -144,8 +144,11 @@ std::filesystem::path draft_of(const std::filesystem::path& file) {
     return draft;
 }
 
-/// Writes a file, which appears when it is complete.
-void write_file(const std::filesystem::path& file, const std::string& bytes) {
+/// Writes a file, which appears when it is complete. If the path is a link to a file, replaces that file.
+void write_file(const std::filesystem::path& path, const std::string& bytes) {
+    std::error_code unresolved;
+    const auto target = std::filesystem::weakly_canonical(path, unresolved);
+    const auto& file = unresolved ? path : target;
     const std::filesystem::path draft = draft_of(file);
     errno = 0;
     std::ofstream stream(draft, std::ios::binary | std::ios::trunc);
@@ -157,7 +160,7 @@ void write_file(const std::filesystem::path& file, const std::string& bytes) {
     std::error_code ignored;
     if (!is_in_place) std::filesystem::remove(draft, ignored);
     errno = reason;
-    fail(file, "written", "output");
+    fail(path, "written", "output");
 }
 
 }  // namespace

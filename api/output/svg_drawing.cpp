@@ -2,9 +2,9 @@
 #include "api/output/svg_drawing.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <utility>
 
+#include "api/text/base64.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
@@ -20,23 +20,6 @@ std::string_view name_of(Anchor anchor) {
             break;
     }
     return "end";
-}
-
-/// Encodes bytes as base64 (RFC 4648, section 4).
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t bits = 0;
-        for (std::size_t b = 0; b < 3; ++b) {
-            bits = bits << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0U);
-        }
-        for (int shift = 18; shift >= 0; shift -= 6) text += kAlphabet[bits >> shift & 63];
-    }
-    const std::size_t padding = (3 - bytes.size() % 3) % 3;
-    text.replace(text.size() - padding, padding, padding, '=');
-    return text;
 }
 
 }  // namespace

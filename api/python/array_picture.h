@@ -9,7 +9,8 @@
 
 namespace ccdt::python {
 
-/// Returns a picture in an array as a file whose header is known. Its bytes are the samples, for estimates of memory.
+/// Describes an array of pixels as a file whose header is known. The bytes of the file are the samples. Only estimates
+/// of memory use them.
 /// @param pixels  [height, width, channels], contiguous
 /// Errors: LimitExceeded for more than max_pixels pixels.
 Result<api::ImageFile> file_of(const pybind11::array& pixels, std::size_t max_pixels);

@@ -131,7 +131,7 @@ const api::PointFormat& format_of(std::span<const api::PointFormat* const> forma
     raise({ErrorCode::NotAcceptable, "format " + std::string(name) + " is not one of " + names, "format"});
 }
 
-/// Answer as Python sees it: its bytes by the buffer protocol, without a copy.
+/// An answer that Python owns. Python reads its bytes by the buffer protocol, without a copy.
 using AnswerPointer = std::unique_ptr<api::Answer>;
 
 AnswerPointer keep(Result<api::Answer> answer) {

@@ -2,6 +2,7 @@
 #include "api/python/png_pixels.h"
 
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ pybind11::array png_pixels(std::string_view file) {
     namespace py = pybind11;
     png_image image{};
     image.version = PNG_IMAGE_VERSION;
+    const std::unique_ptr<png_image, void (*)(png_image*)> owner(&image, png_image_free);
     const auto check = [&](int success) {
         if (success == 0) throw std::runtime_error(std::string("the PNG file cannot be read: ") + image.message);
     };

@@ -38,7 +38,7 @@ T value_of(ccdt::Result<T> result, std::string_view prefix = {}) {
     raise(error);
 }
 
-/// A computation in the terms of core, with its own threads.
+/// The threads of one computation, and the caller's Control as core needs it.
 class Execution {
 public:
     explicit Execution(const Control& control);

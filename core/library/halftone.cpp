@@ -295,6 +295,9 @@ private:
         const ccdt::Point size{static_cast<double>(picture_.width), static_cast<double>(picture_.height)};
         const auto sized = ccdt::size_dots_in_pixels(plan, size, std::move(points), true, execution_.control().stop,
                                                      execution_.executor());
+        // A stop leaves the radii as they are after the completed rounds of the fit.
+        if (!options_.partial) execution_.check_stop();
+        result.stopped = execution_.control().stop.stop_requested();
         for (std::size_t kind = 0; kind < placed.size(); ++kind) {
             const auto flips = static_cast<std::uint8_t>(plan.kinds[kind].flips);
             result.stopped = result.stopped || placed[kind].stopped;

@@ -37,9 +37,9 @@ struct Arguments {
 
 /// Reads the arguments after the name of a command.
 ///
-/// Options have the forms `--name value`, `--name=value`, `--flag` and `--no-flag`. Underscores in names are the same
-/// as hyphens. Options and inputs may be mixed. After `--`, all arguments are inputs. The values of options of the API
-/// are not checked.
+/// Options have the forms `--name value`, `--name=value`, `--flag` and `--no-flag`. An option with a letter also has
+/// the forms `-o value`, `-ovalue` and `-o=value`. Underscores in names are the same as hyphens. Options and inputs may
+/// be mixed. After `--`, all arguments are inputs. The values of options of the API are not checked.
 /// @param options  options of the command; must outlive the result
 /// Errors: Malformed for an unknown or repeated option, a missing value, and a wrong value of an option of the program.
 /// Error::field is the option as it was written.

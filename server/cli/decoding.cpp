@@ -12,7 +12,7 @@ namespace ccdt::server {
 
 Result<void> Decoding::start() {
     if (supervisor_) return {};
-    // A restart of the decoder needs no message: the error of its file has one.
+    // No message reports a restart of the decoder, because the file that ended the decoder fails with an error.
     auto supervisor =
         DecoderSupervisor::start([](UniqueFd orders) { return spawn_sibling("ccdt-decoder", std::move(orders)); },
                                  [](const std::string& /*report*/) {});

@@ -106,8 +106,8 @@ tl::unexpected<Error> OutputFile::fail(int error) {
 }
 
 Result<void> OutputFile::open_temporary() {
-    std::filesystem::path path(target_);
-    std::string pattern = path.replace_filename("." + path.filename().string() + ".XXXXXX");
+    // Independent of the name of the file, which may have the maximum length.
+    std::string pattern = std::filesystem::path(target_).replace_filename(".ccdt.XXXXXX");
     temporary_ = interruption_.create_file([&] {
         file_ = UniqueFd(mkostemp(pattern.data(), O_CLOEXEC));
         return file_ ? pattern : std::string();

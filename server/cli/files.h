@@ -16,7 +16,7 @@ namespace ccdt::server {
 inline constexpr std::string_view kStandardStream = "-";
 
 /// Reads a file, or standard input. The messages of errors do not contain the name.
-/// @param max_bytes  the memory limit
+/// @param max_bytes  maximum size of the file: the memory limit
 /// Errors: Unsupported if the file cannot be read; LimitExceeded.
 Result<std::string> read_file(const std::string& name, std::size_t max_bytes);
 
@@ -35,9 +35,9 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
 
-    /// Creates the temporary file.
+    /// Opens the output: a temporary file, or the device, pipe or standard output itself.
     Result<void> begin(const api::Answer& head) override;
-    /// If the reader of a pipe is gone, ends the program by SIGPIPE.
+    /// Writes a piece. If the reader of a pipe is gone, ends the program by SIGPIPE.
     Result<void> write(std::string_view piece) override;
 
     /// Completes the file.
@@ -61,8 +61,8 @@ private:
     bool failed_ = false;
 };
 
-/// Returns the path of a regular file with links resolved, or of a file that does not exist yet; empty for a device, a
-/// pipe or a socket.
+/// Returns the path of a regular file with links resolved, or of a file that does not exist yet; empty for any other
+/// file, such as a device, a pipe or a folder.
 std::string replaceable_path(const std::string& name);
 
 /// Checks that a file can be created in its folder, or replaced. Errors: Internal.

@@ -11,10 +11,10 @@
 namespace ccdt::server {
 
 /// Ends the program on SIGHUP, SIGINT, SIGQUIT and SIGTERM, after the removal of an incomplete file. The program then
-/// dies by the signal, so that a shell knows that it was interrupted, and ends its loop as well. This works at any
+/// dies by the signal, so that a shell that runs the program in a loop ends the loop as well. This works at any
 /// time, even while the program waits for its input or for the reader of its output.
 ///
-/// Must be created before any other thread, which inherit its signal mask. There may be one object at a time.
+/// Must be created before all other threads, because they inherit its signal mask. There may be one object at a time.
 class Interruption {
 public:
     Interruption();

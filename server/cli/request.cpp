@@ -2,7 +2,6 @@
 #include "server/cli/request.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <filesystem>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/input/negotiation.h"
 #include "api/json/json_document.h"
+#include "api/text/base64.h"
 #include "api/text/numbers.h"
 #include "api/text/text.h"
 #include "server/cli/files.h"
@@ -20,21 +20,6 @@ namespace {
 bool begins_like_json(std::string_view text) {
     const auto start = api::trim(text, " \t\r\n");
     return start.starts_with('{') || start.starts_with('[');
-}
-
-/// Encodes bytes as base64 (RFC 4648).
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const auto group = bytes.substr(i, 3);
-        std::uint32_t bits = 0;
-        for (std::size_t j = 0; j < 3; ++j)
-            bits = bits << 8 | (j < group.size() ? static_cast<unsigned char>(group[j]) : 0U);
-        for (std::size_t j = 0; j < 4; ++j) text += j <= group.size() ? kDigits[bits >> (18 - 6 * j) & 63] : '=';
-    }
-    return text;
 }
 
 /// Replaces the subject of a message about a body, which is a file or a value here.
@@ -144,7 +129,7 @@ Result<void> read_value_files(Arguments& arguments) {
         auto content = read_file(value.substr(1), arguments.memory);
         if (!content)
             return failure(content.error().code, value.substr(1) + ": " + content.error().message, option->member);
-        value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + base64(*content) + R"("})";
+        value = begins_like_json(*content) ? *std::move(content) : R"({"image":")" + api::base64(*content) + R"("})";
     }
     return {};
 }

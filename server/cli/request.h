@@ -37,8 +37,8 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
 /// Errors: those of read_file(), with the member as Error::field and the name of the file in the message.
 Result<void> read_value_files(Arguments& arguments);
 
-/// Finds the format of an output: the format that the option `format` names, or else the one that the suffix of the
-/// file's name chooses, or else the default.
+/// Finds the format of an output. The option `format` names it, or else the suffix of the file's name chooses it.
+/// Without either, it is the default.
 /// @param output  name of the file; `-` for standard output
 /// Errors: Malformed for an unknown suffix; the message lists the suffixes.
 Result<const api::FileFormat*> find_format(const Command& command, const Arguments& arguments,

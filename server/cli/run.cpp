@@ -216,8 +216,9 @@ private:
         const std::string* const object = arguments.find("object");
         auto text = decoding_.read_shapefile(archive, object == nullptr ? "" : *object, arguments.memory);
         if (!text) {
-            const int status = text.error().code == ErrorCode::Internal ? kFailed : kInputFailed;
-            return failed(status, text.error());
+            const ErrorCode code = text.error().code;
+            const bool is_input = code != ErrorCode::Internal && code != ErrorCode::LimitExceeded;
+            return failed(is_input ? kInputFailed : kFailed, text.error());
         }
         archive = *std::move(text);
         std::erase_if(arguments.given, [](const auto& given) { return given.option->name == "object"; });
@@ -262,8 +263,9 @@ private:
         if (!list) return;
         const std::size_t others = list->root().size() - 1;
         const std::string first = (*list->root().begin()).find("detail").value().text();
+        const std::string more = others == 1 ? " other fault" : " other faults";
         messages_.warn(input, "the area was repaired: " + first +
-                                  (others == 0 ? "" : "; and " + std::to_string(others) + " other faults") +
+                                  (others == 0 ? "" : "; and " + std::to_string(others) + more) +
                                   "; --invalid=reject refuses it");
     }
 

@@ -299,11 +299,11 @@ constexpr auto kSettings = std::to_array<Setting>({
     {"--log-format", "CCDT_LOG_FORMAT", "FORMAT", "text or json (text)", set_log_format},
 });
 
-/// Flags that do something other than serve, and their help texts.
+/// Flags that do something other than start the server, and their help texts.
 constexpr auto kActions = std::to_array<std::pair<std::string_view, std::string_view>>({
     {"--check", "prints all values and what is wrong; exits with 1 if the server would not start"},
     {"--health", "asks the server on this address and port whether it is alive; exits with 1 if not"},
-    {"--help", "prints this"},
+    {"--help", "prints the list of options"},
     {"--manual", "prints the manual page, for man(1)"},
     {"--version", "prints the version"},
 });
@@ -475,7 +475,7 @@ std::string manual() {
     }
     for (const auto& [flag, help] : kActions) page.add_option(flag, {}, help);
     page.begin_section("EXIT STATUS");
-    page.add_option("0", {}, "The server was stopped by a signal, or what --check or --health asked for is right.");
+    page.add_option("0", {}, "The server was stopped by a signal, or --check or --health found no fault.");
     page.add_option("1", {}, "The server could not start, or failed; --check or --health found a fault.");
     page.add_option("2", {}, "An option or a variable is not valid.");
     page.begin_section("SEE ALSO");

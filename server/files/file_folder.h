@@ -50,7 +50,8 @@ public:
     ///
     /// @param path     names separated by slashes
     /// @param largest  size limit of a file, in bytes
-    /// Problems: 404 for paths of other files, 413, 503 if too many files are open, 500. No message contains a path.
+    /// Problems: 404 if the path names no such file, 413, 503 if too many files are open, 500. No message contains a
+    /// path.
     HttpResult<OpenFile> open(std::string_view path, std::size_t largest) const;
 
 private:

@@ -44,11 +44,13 @@ std::string_view document_type(std::string_view path) {
     return found == kDocumentTypes.end() ? "application/octet-stream" : found->second;
 }
 
-Response document_response(std::string_view path, std::string_view content, std::string_view if_none_match) {
+Response document_response(std::string_view path, std::string content, std::string_view if_none_match) {
     Digest digest;
     digest.add(content);
     const std::string tag = digest.finish();
-    return page_response({path, document_type(path), tag, content}, if_none_match);
+    Response response = page_response({path, document_type(path), tag, {}}, if_none_match);
+    if (response.status != 304) response.body = std::move(content);
+    return response;
 }
 
 Response page_response(const PageFile& file, std::string_view if_none_match) {

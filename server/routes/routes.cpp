@@ -316,9 +316,9 @@ HttpResult<Response> Routes::document(const Incoming& incoming) {
     if (!file) return tl::unexpected(file.error());
     auto lease = pool_.memory().reserve(file->size());
     if (!lease) return busy(503, "no memory is left for the document", std::chrono::seconds(1));
-    const auto content = file->read();
+    auto content = file->read();
     if (!content) return tl::unexpected(content.error());
-    Response response = document_response(path, *content, incoming.request.header("If-None-Match"));
+    Response response = document_response(path, *std::move(content), incoming.request.header("If-None-Match"));
     response.lease = std::make_shared<MemoryBudget::Lease>(*std::move(lease));
     return response;
 }

@@ -139,6 +139,11 @@ class Files(Folder):
         self.assert_done(run("halftone", PICTURE, OTHER, "-o", f"{self.folder}/{{name}}-dots.svg", "--sites=300"))
         self.assertEqual(self.names(), ["camera-dots.svg", "chelsea-dots.svg"])
 
+    def test_a_name_may_have_the_maximum_length(self):
+        name = "a" * 251 + ".svg"
+        self.assert_done(run("halftone", PICTURE, "-o", self.folder / name, "--sites=300"))
+        self.assertEqual(self.names(), [name])
+
     def test_a_failed_input_does_not_prevent_the_others(self):
         missing, text = self.folder / "missing.png", self.folder / "text.png"
         text.write_text("not a picture")
@@ -259,6 +264,8 @@ class Errors(Folder):
         for status, arguments, message in (
                 (2, (), "Usage: ccdt COMMAND"),
                 (2, ("draw",), "draw is not a command"),
+                (2, ("help", "draw"), "draw is not a command"),
+                (2, ("manual", "sample", "analyze"), "one command can be described at a time, not 2"),
                 (2, (PICTURE,), f"ccdt halftone {PICTURE} turns a picture into dots"),
                 (2, ("halftone",), "halftone needs an input"),
                 (2, ("sample", "--sites=3"), "--domain, --polygon and --geometry"),

@@ -47,7 +47,8 @@ struct Limits {
 struct Request {
     Operation operation = Operation::Halftone;
     /// Bytes as they are sent to the service: a picture, JSON, GeoJSON, TopoJSON or a zipped shapefile. Their first
-    /// bytes decide. Options of a JSON object other than GeoJSON and TopoJSON are its members, except with Halftone.
+    /// bytes determine the format. A map and a picture take their options from `options`, and a JSON request has them
+    /// as members. A JSON request for a halftone takes both.
     std::string_view body;
     std::vector<Option> options = {};
     std::string_view accept = {};  ///< wanted media types, as in an Accept header; the option `format` takes precedence
@@ -74,13 +75,13 @@ CCDT_EXPORT Answer answer(const Request& request, const Control& control = {});
 /// Answers a request whose body is a file, and writes the body of the answer to another file.
 ///
 /// @param operation  kind of the request
-/// @param input      file of a picture for Halftone; of JSON, or for Sample of a map, for the others
-/// @param output     file to be written or replaced. Its suffix selects the format, unless an option or a member
-///                   `format` is given. It appears when it is complete; after an error it is unchanged.
+/// @param input      file with a picture or JSON for Halftone, a map or JSON for Sample, and JSON for Analyze
+/// @param output     file to be written or replaced. Its suffix selects the format, unless the option or the member
+///                   `format` is given. The file appears when it is complete; after an error it is unchanged.
 /// @returns          the answer, whose body has been moved to the file
 ///
-/// Errors: those of answer(); NotAcceptable if no format has the suffix; Unavailable for a file that cannot be read or
-/// written, with the field `input` or `output`.
+/// Errors: those of answer(); NotAcceptable if no format has the suffix and there is no option `format`; Unavailable
+/// for a file that cannot be read or written, with the field `input` or `output`.
 CCDT_EXPORT Answer answer_file(Operation operation, const std::filesystem::path& input,
                                const std::filesystem::path& output, const std::vector<Option>& options = {},
                                const Control& control = {});

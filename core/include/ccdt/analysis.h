@@ -42,9 +42,12 @@ struct PointAnalysis {
 /// @param max_frequency  largest frequency, 1 to 16, in units of sqrt(n / area)
 /// @param control        only `stop` is used
 ///
-/// Errors: Malformed for a domain of polygons or a frequency out of range; Unusable for points outside the domain, for
-/// too few points, and for sets of different sizes; LimitExceeded if max_frequency^2 n is above 33 million; Stopped.
+/// Errors: Malformed for a domain of polygons, a frequency out of range, and a coordinate that is not finite; Unusable
+/// for points outside the domain, for too few points, and for sets of different sizes; LimitExceeded if
+/// max_frequency^2 n is above 33 million; Stopped.
+///
 /// Deterministic. O(s (n + N log N)) with N = 16 max_frequency^2 n.
+///
 /// Sources: Ulichney 1987; Bartlett 1955; Lagae and Dutre 2008.
 CCDT_EXPORT PointAnalysis analyze(std::span<const std::vector<Point>> sets, const Domain& domain,
                                   double max_frequency = 4, const Control& control = {});

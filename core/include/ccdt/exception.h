@@ -20,7 +20,7 @@ enum class FailureCode {
     Internal,       ///< a bug in this library
 };
 
-/// Reports the failure of any function of this library. If memory runs out, functions throw std::bad_alloc instead.
+/// Reports the failure of any function of this library. If memory runs out, a function may throw std::bad_alloc.
 class CCDT_EXPORT Exception : public std::runtime_error {
 public:
     Exception(FailureCode code, const std::string& message, std::string field);

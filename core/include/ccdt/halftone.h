@@ -77,7 +77,7 @@ struct Halftone {
 ///               Sides::Both consists of black and white areas only: the grounds draw it, without dots.
 ///
 /// Errors: Malformed for a size, a number of channels or an option out of range, and for a wrong number of values;
-/// Unusable if there is nothing to draw, because the picture is all white, all transparent or, with Sides::Paper, all
+/// Unusable if there is nothing to draw, because the picture is all transparent or all white, or with Sides::Paper all
 /// black; Stopped. The same arguments give the same dots, whatever the number of threads. O(pixels + sites).
 CCDT_EXPORT Halftone halftone(const PictureView& picture, std::size_t sites, const HalftoneOptions& options = {},
                               const Control& control = {});

@@ -71,10 +71,11 @@ struct Sample {
 ///
 /// @param sites  number of points, 1 to 2^28; the result has exactly this number
 ///
-/// Errors: Malformed for an option or a side out of range; Unusable for a polygon without area or, with `repair` off,
-/// for any polygon that OGC Simple Features does not allow, and for a density that is zero everywhere in the domain;
-/// Stopped. The field of an error about a polygon is a JSON Pointer /polygon/ring/corner, with ring 0 the outer one.
-/// The same arguments give the same points, whatever the number of threads. O(sites) per pass.
+/// Errors: Malformed for an option out of range, and for a side that is not positive or not finite; Unusable for a
+/// domain whose extent or ratio of sides is out of range (see Domain and Torus), for a polygon without area or, with
+/// `repair` off, for any polygon that OGC Simple Features does not allow, and for a density that is zero everywhere in
+/// the domain; Stopped. The field of an error about a polygon is a JSON Pointer /polygon/ring/corner, with ring 0 the
+/// outer one. The same arguments give the same points, whatever the number of threads. O(sites) per pass.
 ///
 /// Source: Xu, Liu, Gotsman, Gortler, "Capacity-Constrained Delaunay Triangulation for point distributions", 2011. The
 /// polish is not part of their method.

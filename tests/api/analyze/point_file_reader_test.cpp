@@ -31,6 +31,7 @@ TEST(PointFileReader, ReadsTheColumnsXAndYOfCsv) {
 TEST(PointFileReader, ReadsTheFirstColumnsOfNpy) {
     EXPECT_EQ(read_point_file(array_of(2, {1, 2, 3, 4}), {}), (Points{{1, 2}, {3, 4}}));
     EXPECT_EQ(read_point_file(array_of(3, {1, 2, 9, 3, 4, 9}), {}), (Points{{1, 2}, {3, 4}}));
+    EXPECT_EQ(read_point_file(array_of(2, {}), {}), Points());
 }
 
 TEST(PointFileReader, ReadsListsAnswersAndGeoJson) {
@@ -40,7 +41,7 @@ TEST(PointFileReader, ReadsListsAnswersAndGeoJson) {
     EXPECT_EQ(read_point_file(R"({"type":"MultiPoint","coordinates":[[1,2],[3,4]]})", {}), expected);
 }
 
-TEST(PointFileReader, NamesTheFaultyPlace) {
+TEST(PointFileReader, NamesTheLineRowOrPointerOfAFault) {
     struct Case {
         std::string file;
         std::string_view named;
@@ -62,6 +63,8 @@ TEST(PointFileReader, NamesTheFaultyPlace) {
         {array_of(1, {1, 2}), "at least two columns"},
         {floats + "12345678", "float64"},
         {array_of(2, {1, 2}) + "x", "has 17 bytes of data"},
+        {npy_header("<f8", 0, 2) + "12345678", "has 8 bytes of data"},
+        {npy_header("<f8", 1, 3) + std::string(16, '\0'), "has 16 bytes of data"},
         {array_of(2, {1, 2, 3, NAN}), "row 1 of the NPY file is not finite"},
         {R"({"points":[[1,2],[3]]})", "/points/1"},
         {R"({"sets":[]})", "/type is missing"},

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "api/text/base64.h"
 #include "tests/api/files.h"
 
 namespace ccdt::api {
@@ -21,6 +22,12 @@ TEST(Base64, DecodesTheTestVectorsOfTheRfc) {
     EXPECT_EQ(*decode_base64("Zm9vYmE="), "fooba");
     EXPECT_EQ(*decode_base64("Zm9vYmFy"), "foobar");
     EXPECT_EQ(*decode_base64("+/8A"), std::string("\xfb\xff\0", 3));
+}
+
+TEST(Base64, DecodesItsEncoding) {
+    for (const std::string& bytes : {std::string(), std::string("f"), std::string("fo"), std::string("\xfb\xff\0", 3)})
+        EXPECT_EQ(*decode_base64(base64(bytes)), bytes);
+    EXPECT_EQ(base64("foob"), "Zm9vYg==");
 }
 
 TEST(Base64, AcceptsMissingPadding) {

@@ -21,7 +21,7 @@ Result<Arguments> parse(const std::vector<const char*>& arguments) {
     return parse_arguments(halftone_options(), arguments);
 }
 
-/// Returns the value of an option that must be given.
+/// Returns the value of an option, or `none`. If the arguments are wrong, returns the message of the error.
 std::string value_of(const std::vector<const char*>& arguments, std::string_view name) {
     const auto parsed = parse(arguments);
     if (!parsed) return parsed.error().message;

@@ -33,7 +33,7 @@ TEST(Document, HasTheTypeOfItsSuffix) {
         EXPECT_EQ(document_type(path), "application/octet-stream") << path;
 }
 
-TEST(Document, HasATagOfItsContent) {
+TEST(Document, HasAnEntityTagOfItsContent) {
     const Response response = document_response("a.txt", "text", "");
     EXPECT_EQ(response.body, "text");
     EXPECT_EQ(response.media_type, "text/plain; charset=utf-8");

@@ -42,7 +42,7 @@ TEST(ServiceManager, ReceivesTheStateAtAnAbstractSocket) {
     EXPECT_STREQ(text.data(), "READY=1\nSTATUS=a test");
 }
 
-TEST(ServiceManager, NeedsNoMessageWithoutASocket) {
+TEST(ServiceManager, DoesNothingWithoutASocket) {
     EXPECT_TRUE(notify_service_manager("READY=1"));
     const NotifySocket variable("");
     EXPECT_TRUE(notify_service_manager("READY=1"));
