@@ -186,6 +186,8 @@ Result<std::vector<Point>> read_json(std::string_view text, const Limits& limits
 }  // namespace
 
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it at the start of texts
+    if (file.starts_with(kByteOrderMark)) file.remove_prefix(kByteOrderMark.size());
     if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
         if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
         return read_npy(file, limits);

@@ -18,9 +18,9 @@ namespace ccdt::api {
 /// | JSON | a list of positions, the member `points` of an object, or GeoJSON as in read_points() |
 /// | CSV | the columns `x` and `y`, which the first line names, in any position |
 ///
-/// Fields of CSV may be quoted (RFC 4180), and lines may end with or without a carriage return.
-/// Errors: Malformed for any other content; the message names the line of CSV, the row of NPY, or the JSON Pointer;
-/// LimitExceeded for more than limits.max_sites points. Error::field is empty.
+/// Fields of CSV may be quoted (RFC 4180), and lines may end with or without a carriage return. A byte order mark of
+/// UTF-8 at the start is ignored. Errors: Malformed for any other content; the message names the line of CSV, the row
+/// of NPY, or the JSON Pointer; LimitExceeded for more than limits.max_sites points. Error::field is empty.
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits);
 
 }  // namespace ccdt::api

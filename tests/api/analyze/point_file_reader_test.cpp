@@ -28,6 +28,11 @@ TEST(PointFileReader, ReadsTheColumnsXAndYOfCsv) {
     EXPECT_EQ(read_point_file("x,y\r\n", {}), Points());
 }
 
+TEST(PointFileReader, IgnoresAByteOrderMark) {
+    EXPECT_EQ(read_point_file("\xEF\xBB\xBFx,y\n1,2\n", {}), (Points{{1, 2}}));
+    EXPECT_EQ(read_point_file("\xEF\xBB\xBF[[1,2]]", {}), (Points{{1, 2}}));
+}
+
 TEST(PointFileReader, ReadsTheFirstColumnsOfNpy) {
     EXPECT_EQ(read_point_file(array_of(2, {1, 2, 3, 4}), {}), (Points{{1, 2}, {3, 4}}));
     EXPECT_EQ(read_point_file(array_of(3, {1, 2, 9, 3, 4, 9}), {}), (Points{{1, 2}, {3, 4}}));
