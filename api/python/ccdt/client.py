@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import contextlib
+import http.client
 import json
 import os
 import random
@@ -27,6 +28,8 @@ Request = Tuple[str, bytes, str]  # path with query, body, media type
 
 # Statuses after which the same request may succeed: too many requests, and no time or no process at present.
 TEMPORARY = (429, 503)
+
+POLL_INTERVAL = 1.0  # seconds between two requests for the state of a job
 
 
 class Answer:
@@ -79,17 +82,41 @@ class Job:
         return state
 
     def events(self) -> Iterator[Dict[str, Any]]:
-        """Yields the state of the job at once, after each step, and at its end, which ends the iteration."""
+        """Yields the state of the job at once, after each step, and at its end, which ends the iteration.
+
+        The states come from the event stream of the job or, after a loss of the stream, from polling.
+        """
+        # A proxy may cut a stream within an event, whose rest then is no JSON.
+        with contextlib.suppress(OSError, http.client.HTTPException, ValueError):
+            for state in self._stream():
+                yield state
+                if state["finished"] is not None:
+                    return
+        yield from self._polls()
+
+    def _stream(self) -> Iterator[Dict[str, Any]]:
+        """Yields the state of the job from its server-sent events until the stream ends."""
         with self._client._open("GET", self.path + "/events") as stream:
-            name = ""
             for line in stream:
-                key, _, value = line.decode().rstrip("\r\n").partition(": ")
-                if key == "event":
-                    name = value
-                elif key == "data":
+                key, _, value = line.decode().partition(": ")
+                if key == "data":
                     yield json.loads(value)
-                    if name != "progress":
-                        return
+
+    def _polls(self) -> Iterator[Dict[str, Any]]:
+        """Yields the state of the job by polling. Tolerates that the server cannot be reached for a while."""
+        reached = time.monotonic()
+        while True:
+            try:
+                state = self.status()
+            except (OSError, http.client.HTTPException):
+                if time.monotonic() - reached > self._client._patience:
+                    raise
+            else:
+                yield state
+                if state["finished"] is not None:
+                    return
+                reached = time.monotonic()
+            time.sleep(POLL_INTERVAL)
 
     def result(self, progress: Progress = None) -> Answer:
         """Waits for the end of the job, and returns its answer.
@@ -118,7 +145,7 @@ class Client:
         key: API key, if the server requires one.
         timeout: seconds without any byte from the server, after which a request fails.
         patience: seconds for which a request is repeated while the server is busy (429 or 503). The server says how
-            long to wait between two attempts.
+            long to wait between two attempts. While a job runs, the server may also be unreachable for this time.
     """
 
     def __init__(self, url: str, key: Optional[str] = None, *, timeout: float = 120, patience: float = 60) -> None:
