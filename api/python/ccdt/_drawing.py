@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, Optional
 
 import numpy.typing as npt
 
 from . import _core
+from ._files import Path
 from ._request import running
 from .errors import Error
-
-Path = Union[str, "os.PathLike[str]"]
 
 
 def _formats() -> Dict[str, str]:

@@ -11,19 +11,18 @@ from __future__ import annotations
 import contextlib
 import http.client
 import json
-import os
 import random
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
+from ._files import Path, read_file
 from ._options import Progress, texts_of
 from .domains import domain_member, jsonable, region_members
 from .errors import Error
 
-Path = Union[str, "os.PathLike[str]"]
 Request = Tuple[str, bytes, str]  # path with query, body, media type
 
 # Statuses after which the same request may succeed: too many requests, and no time or no process at present.
@@ -253,7 +252,7 @@ class Client:
 
 def _halftone(picture: Any, options: Mapping[str, Any]) -> Request:
     query = urllib.parse.urlencode(texts_of(options))
-    return "/halftone" + ("?" + query if query else ""), _read(picture), "application/octet-stream"
+    return "/halftone" + ("?" + query if query else ""), read_file(picture, "picture"), "application/octet-stream"
 
 
 def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
@@ -270,15 +269,6 @@ def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
 def _body(members: Mapping[str, Any]) -> bytes:
     given = {name: value for name, value in members.items() if value is not None}
     return json.dumps(given, default=jsonable, allow_nan=False).encode()
-
-
-def _read(picture: Any) -> bytes:
-    if isinstance(picture, (bytes, bytearray, memoryview)):
-        return bytes(picture)
-    if hasattr(picture, "read"):
-        return bytes(picture.read())
-    with open(picture, "rb") as file:
-        return file.read()
 
 
 def _seconds_to_wait(retry_after: Optional[str]) -> float:
