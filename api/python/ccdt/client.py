@@ -18,7 +18,7 @@ import urllib.parse
 import urllib.request
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
-from ._files import Path, read_file
+from ._files import Path, read_file, write_file
 from ._options import Progress, texts_of
 from .domains import domain_member, jsonable, region_members
 from .errors import Error
@@ -53,9 +53,8 @@ class Answer:
         return json.loads(self.body)
 
     def save(self, path: Path) -> None:
-        """Writes the body to a file."""
-        with open(path, "wb") as file:
-            file.write(self.body)
+        """Writes the body to a file. A failure does not change it."""
+        write_file(path, self.body)
 
     def _repr_png_(self) -> Optional[bytes]:
         return self.body if self.media_type == "image/png" else None
