@@ -163,8 +163,13 @@ def capabilities(programs):
     with subprocess.Popen([programs / "ccdt-server", "--port=0", "--cache=0"], stderr=subprocess.PIPE,
                           text=True) as server:
         try:
-            address = next(found[1] for line in server.stderr if (found := re.search(r"listening on (\S+)", line)))
-            with urllib.request.urlopen(address + "/capabilities", timeout=PATIENCE) as answer:
+            log, found = "", None
+            while not found and (line := server.stderr.readline()):
+                log += line
+                found = re.search(r"listening on (\S+)", line)
+            if not found:
+                sys.exit(f"ccdt-server did not start:\n{log}")
+            with urllib.request.urlopen(found[1] + "/capabilities", timeout=PATIENCE) as answer:
                 return json.load(answer)
         finally:
             server.terminate()

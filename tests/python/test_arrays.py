@@ -3,14 +3,17 @@
 
 import io
 import json
+import os
 import pickle
 import re
+import stat
+import sys
 
 import ccdt
 import numpy as np
 import pytest
 import shapely.geometry
-from harness import PICTURES, POLYGONS
+from harness import PICTURES, POLYGONS, execute
 from PIL import Image
 from profiles import DISPLAY_P3, rgb_profile
 
@@ -253,6 +256,50 @@ def test_halftones_are_written_in_other_formats(ramp, tmp_path):
     device = ccdt.halftone(ramp, device="gray4")
     device.save(tmp_path / "a.bmp")
     assert np.array_equal(np.asarray(Image.open(tmp_path / "a.bmp").convert("L")), device.image())
+
+
+FULL = """
+import resource, ccdt
+from ccdt.client import Answer
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+for result in (ccdt.sample(ccdt.Torus(), 500), Answer(bytes(2000), {})):
+    for name in ("old.json", "new.json"):
+        try:
+            result.save(name)
+        except OSError as error:
+            print(error)
+"""
+
+
+def test_a_failure_to_write_changes_no_file(tmp_path):
+    (tmp_path / "old.json").write_text("old")
+    done = execute([sys.executable, "-c", FULL], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert done.stdout.splitlines() == [f"[Errno 27] File too large: '{name}.json'" for name in ("old", "new")] * 2
+    assert [path.name for path in tmp_path.iterdir()] == ["old.json"]
+    assert (tmp_path / "old.json").read_text() == "old"
+
+
+def test_files_keep_their_mode_and_links(tmp_path):
+    points = ccdt.sample(ccdt.Torus(), 20)
+    old, new, link = (tmp_path / name for name in ("old.csv", "new.csv", "link.csv"))
+    old.touch()
+    old.chmod(0o604)
+    link.symlink_to(old)
+    mask = os.umask(0o027)
+    try:
+        points.save(link)
+        points.save(new)
+    finally:
+        os.umask(mask)
+    assert link.is_symlink() and old.read_bytes() == new.read_bytes() == points.write("csv")
+    assert [stat.S_IMODE(path.stat().st_mode) for path in (old, new)] == [0o604, 0o640]
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_results_are_written_to_pipes():
+    script = "import ccdt; ccdt.sample(ccdt.Torus(), 20).save('/dev/stdout', 'csv')"
+    done = execute([sys.executable, "-c", script], capture_output=True, check=True)
+    assert done.stdout == ccdt.sample(ccdt.Torus(), 20).write("csv")
 
 
 def test_sizes_are_limited_for_each_format():

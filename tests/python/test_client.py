@@ -1,17 +1,54 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The client of a server."""
 
+import contextlib
 import pathlib
+import re
+import socket
+import socketserver
 import subprocess
 import sys
+import threading
 
 import ccdt
 import numpy as np
 import pytest
 from ccdt.client import Client
-from harness import PICTURES, Server
+from harness import PATIENCE, PICTURES, Server
 
 LONG = {"sites": 400_000, "iterations": 1000, "passes": 100}
+
+
+class CutStream(socketserver.StreamRequestHandler):
+    """Forwards one request and its answer. Cuts event streams after the first appearance of `server.last`."""
+
+    def handle(self):
+        head = b"".join(iter(self.rfile.readline, b"\r\n")) + b"\r\n"
+        self.server.requests.append(head.partition(b" HTTP/")[0].decode())
+        length = re.search(rb"(?i)content-length: (\d+)", head)
+        answer = b""
+        with socket.create_connection(("127.0.0.1", self.server.target), PATIENCE) as target:
+            target.sendall(head + self.rfile.read(int(length[1]) if length else 0))
+            while piece := target.recv(65536):
+                answer += piece
+                if self.server.requests[-1].endswith("/events") and self.server.last in answer:
+                    answer = answer[:answer.index(self.server.last) + len(self.server.last)]
+                    break
+        self.wfile.write(answer)
+
+
+@contextlib.contextmanager
+def cutting_proxy(server, last):
+    """Starts a TCP proxy in front of a server. Its `requests` are the methods and paths of all requests."""
+    with socketserver.TCPServer(("127.0.0.1", 0), CutStream) as proxy:
+        proxy.target, proxy.last, proxy.requests = server.port, last, []
+        thread = threading.Thread(target=proxy.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            yield proxy
+        finally:
+            proxy.shutdown()
+            thread.join()
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +117,25 @@ def test_jobs_can_be_cancelled(client):
     with pytest.raises(ccdt.Error) as refused:
         job.result()
     assert refused.value.status == 410
+
+
+@pytest.mark.parametrize("last", [b"", b'data: {"', b"\n\n"], ids=["no answer", "within an event", "after an event"])
+def test_jobs_survive_the_loss_of_their_stream(last, monkeypatch):
+    """The job waits for another one, which is cancelled as soon as the client polls."""
+    monkeypatch.setattr("ccdt.client.POLL_INTERVAL", 0.1)
+    with Server("--workers=1") as server, cutting_proxy(server, last) as proxy:
+        running = [Client(server.url("")).start_sample(ccdt.Torus(), **LONG)]
+        job = Client(f"http://127.0.0.1:{proxy.server_address[1]}").start_sample(ccdt.Torus(), 500, format="npy")
+        shares = []
+
+        def note(share):
+            shares.append(share)
+            if f"GET {job.path}" in proxy.requests and running:
+                running.pop().cancel()
+
+        assert bytes(job.result(note)) == ccdt.sample(ccdt.Torus(), 500).write("npy")
+    assert shares[0] == 0 and shares[-1] == 1
+    assert proxy.requests[1] == f"GET {job.path}/events" and proxy.requests[-1] == f"GET {job.path}/result"
 
 
 def test_keys_are_sent(tmp_path):

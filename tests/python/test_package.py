@@ -2,22 +2,21 @@
 """The package as a whole: its types, its installation by pip, its documentation and its example."""
 
 import os
-import pathlib
 import re
-import subprocess
 import sys
 import tarfile
 
 import ccdt
 import pytest
-from harness import PATIENCE, PICTURES, ROOT
+from harness import PICTURES, ROOT, execute
 from PIL import Image
 
 SOURCE = ROOT / "api" / "python"
 
 
-def execute(*command, **options):
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False, **options)
+def output_of(*command, **options):
+    """Runs a program that must succeed, and returns its output."""
+    done = execute(command, capture_output=True, text=True, check=False, **options)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
@@ -30,7 +29,7 @@ import numpy
 ccdt.halftone(numpy.zeros((8, 8), numpy.uint8), 10)
 print("ccdt._codec" in sys.modules)
 """
-    assert execute(sys.executable, "-c", script).split() == ["False", "False", "False"]
+    assert output_of(sys.executable, "-c", script).split() == ["False", "False", "False"]
 
 
 def test_names_are_listed_and_described():
@@ -42,18 +41,18 @@ def test_names_are_listed_and_described():
 
 
 def test_types_are_consistent(tmp_path):
-    execute("mypy", "--config-file", SOURCE / "pyproject.toml", "--cache-dir", tmp_path, SOURCE / "ccdt")
+    output_of("mypy", "--config-file", SOURCE / "pyproject.toml", "--cache-dir", tmp_path, SOURCE / "ccdt")
 
 
 def test_pip_installs_the_package_without_network(tmp_path):
     """Uses the build folder of the tests, so that nothing is compiled again."""
-    execute(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
+    output_of(sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", tmp_path / "venv")
     environment = {**os.environ, "PYTHONPATH": "", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-    execute(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index",
-            "--no-cache-dir", SOURCE, "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
+    output_of(sys.executable, "-m", "pip", "--python", tmp_path / "venv/bin/python", "install", "--no-index",
+              "--no-cache-dir", SOURCE, "--config-settings", f"build-dir={os.environ['CCDT_BUILD']}", env=environment)
     script = ("import ccdt, importlib.metadata as data; "
               "print(ccdt.__file__, data.version('ccdt'), ccdt.sample(ccdt.Torus(), 9).shape)")
-    output = execute(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
+    output = output_of(tmp_path / "venv/bin/python", "-c", script, env=environment, cwd=tmp_path)
     assert output.startswith(str(tmp_path))
     version = re.search(r"^project\(ccdt VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
     assert f" {version} (9, 2)" in output
@@ -64,8 +63,8 @@ def build(function, folder):
     folder.mkdir()
     script = (f"import build_backend, sys; "
               f"print(build_backend.{function}(sys.argv[1], {{'build-dir': sys.argv[2]}}))")
-    output = execute(sys.executable, "-c", script, folder, os.environ["CCDT_BUILD"], cwd=SOURCE,
-                     env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"})
+    output = output_of(sys.executable, "-c", script, folder, os.environ["CCDT_BUILD"], cwd=SOURCE,
+                       env={**os.environ, "SOURCE_DATE_EPOCH": "1700000000"})
     return folder / output.split()[-1]
 
 
@@ -82,15 +81,15 @@ def test_the_source_archive_can_be_built(tmp_path):
     (root,) = tmp_path.glob("ccdt-*")
     assert 'backend-path = ["api/python"]' in (root / "pyproject.toml").read_text()
     assert (root / "PKG-INFO").read_text().startswith("Metadata-Version: 2.1\nName: ccdt\n")
-    execute("cmake", "-S", root, "-B", tmp_path / "build", "-G", "Ninja", "-DCCDT_BUILD_PROGRAMS=OFF",
-            "-DCCDT_BUILD_PYTHON=ON", "-DBUILD_TESTING=OFF")
-    assert "ccdt_python" in execute("ninja", "-C", tmp_path / "build", "-t", "targets", "all")
+    output_of("cmake", "-S", root, "-B", tmp_path / "build", "-G", "Ninja", "-DCCDT_BUILD_PROGRAMS=OFF",
+              "-DCCDT_BUILD_PYTHON=ON", "-DBUILD_TESTING=OFF")
+    assert "ccdt_python" in output_of("ninja", "-C", tmp_path / "build", "-t", "targets", "all")
 
 
 def test_the_example_of_the_project_makes_a_picture(tmp_path):
     (tmp_path / "photo.jpg").symlink_to(PICTURES / "chelsea.png")  # recognised by its first bytes
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
-    execute(sys.executable, "-c", "\n".join(block for block in blocks if "import ccdt\n" in block), cwd=tmp_path)
+    output_of(sys.executable, "-c", "\n".join(block for block in blocks if "import ccdt\n" in block), cwd=tmp_path)
     assert Image.open(tmp_path / "dots.png").size == (1203, 800)
 
 
@@ -99,7 +98,7 @@ def test_examples_of_the_readme_run(tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
     local = [block for block in blocks if "localhost" not in block]
     assert len(local) > 2
-    execute(sys.executable, "-c", "\n".join(local), cwd=tmp_path)
+    output_of(sys.executable, "-c", "\n".join(local), cwd=tmp_path)
     assert Image.open(tmp_path / "dots.png").size == (1203, 800)
 
 
@@ -108,12 +107,12 @@ def test_examples_of_the_readme_call_the_server(server, tmp_path):
     blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(), re.MULTILINE | re.DOTALL)
     remote = [block.replace("http://localhost:8080", server.url("")) for block in blocks if "localhost" in block]
     assert remote
-    execute(sys.executable, "-c", "\n".join(remote), cwd=tmp_path)
+    output_of(sys.executable, "-c", "\n".join(remote), cwd=tmp_path)
     assert (tmp_path / "dots.svg").read_bytes().startswith(b"<svg")
 
 
 def test_the_gallery_makes_its_pictures(tmp_path):
-    execute(sys.executable, SOURCE / "examples" / "gallery.py", tmp_path)
+    output_of(sys.executable, SOURCE / "examples" / "gallery.py", tmp_path)
     pictures = sorted(path.name for path in tmp_path.iterdir())
     assert pictures == ["colour.png", "device.png", "halftone.png", "map.png", "mask.png", "spectrum.png"]
     for name in pictures:

@@ -121,6 +121,30 @@ class Files(unittest.TestCase):
         self.assertIn({"license": {"id": "Zlib"}}, components["zlib1g"]["licenses"])
 
 
+class Scripts(unittest.TestCase):
+    """The scripts that list packages for the bill of materials."""
+
+    def run_script(self, name, *arguments, **options):
+        done = execute([ROOT / "docker" / name, *arguments], capture_output=True, text=True, check=False, **options)
+        return done.returncode, done.stdout, done.stderr
+
+    def test_owners_need_files_that_exist(self):
+        self.assertEqual(self.run_script("owners", "/etc/debian_version", "/usr/bin/env"),
+                         (0, "base-files\ncoreutils\n", ""))
+        for files, text in ((("/usr/bin/env", "/usr/bin/snowflake"), "/usr/bin/snowflake"), ((), "missing operand")):
+            status, names, error = self.run_script("owners", *files)
+            self.assertEqual((status, names), (1, ""))
+            self.assertIn(text, error)
+
+    def test_a_bill_needs_packages(self):
+        arguments = ("sbom", "thing", "application", "")
+        status, bill, _ = self.run_script(*arguments, input="coreutils excluded\n")
+        self.assertEqual((status, [part["name"] for part in json.loads(bill)["components"]]), (0, ["coreutils"]))
+        for text in ("", "\n"):
+            self.assertEqual(self.run_script(*arguments, input=text),
+                             (1, "", "docker/sbom: the input names no package\n"))
+
+
 class Refusals(unittest.TestCase):
     """docker/release in a small repository of its own."""
 

@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, Optional
 
 import numpy.typing as npt
 
 from . import _core
+from ._files import Path, write_file
 from ._request import running
 from .errors import Error
-
-Path = Union[str, "os.PathLike[str]"]
 
 
 def _formats() -> Dict[str, str]:
@@ -54,13 +53,10 @@ class Drawing:
         """Writes a file.
 
         Args:
-            path: name of the file. It is opened after all bytes are computed, so a failed computation does not
-                change it.
+            path: name of the file. It is replaced when all bytes are written, so a failure does not change it.
             format: name of a format. By default, the extension of the path decides.
         """
-        data = self._answer(format or format_of(path))
-        with open(path, "wb") as file:
-            file.write(data)  # type: ignore[arg-type]
+        write_file(path, self._answer(format or format_of(path)))
 
     def image(self) -> npt.NDArray[Any]:
         """Returns the drawing as pixels: uint8 [height, width] for greys, or [height, width, 3 or 4] for colours.

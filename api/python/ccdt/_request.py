@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
+from ._files import read_file
 from ._options import Progress
 from .domains import jsonable, region_members
 from .errors import Error
@@ -49,18 +50,6 @@ def array_picture(array: npt.NDArray[Any], name: str = "picture") -> npt.NDArray
         raise Error(f"{name} must have the type bool, uint8, uint16 or float, not {array.dtype}", field=name)
     native = array.astype(array.dtype.newbyteorder("="), copy=False)
     return np.ascontiguousarray(native).reshape(shape[0], shape[1], -1)
-
-
-def read_file(source: Any, name: str, others: str = "") -> bytes:
-    """Returns the bytes of a file: given as bytes, as a path, or as an open file. Errors name the `others`, too."""
-    if isinstance(source, (bytes, bytearray, memoryview)):
-        return bytes(source)
-    if isinstance(source, (str, os.PathLike)):
-        with open(source, "rb") as file:
-            return file.read()
-    if hasattr(source, "read"):
-        return bytes(source.read())
-    raise Error(f"{name} must be {others}a path, bytes or an open file, not {type(source).__name__}", field=name)
 
 
 def pillow_picture(image: Any, name: str) -> Picture:

@@ -9,24 +9,26 @@
 from __future__ import annotations
 
 import contextlib
+import http.client
 import json
-import os
 import random
 import time
 import urllib.error
 import urllib.parse
 import urllib.request
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple, Union
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 
+from ._files import Path, read_file, write_file
 from ._options import Progress, texts_of
 from .domains import domain_member, jsonable, region_members
 from .errors import Error
 
-Path = Union[str, "os.PathLike[str]"]
 Request = Tuple[str, bytes, str]  # path with query, body, media type
 
 # Statuses after which the same request may succeed: too many requests, and no time or no process at present.
 TEMPORARY = (429, 503)
+
+POLL_INTERVAL = 1.0  # seconds between two requests for the state of a job
 
 
 class Answer:
@@ -51,9 +53,8 @@ class Answer:
         return json.loads(self.body)
 
     def save(self, path: Path) -> None:
-        """Writes the body to a file."""
-        with open(path, "wb") as file:
-            file.write(self.body)
+        """Writes the body to a file. A failure does not change it."""
+        write_file(path, self.body)
 
     def _repr_png_(self) -> Optional[bytes]:
         return self.body if self.media_type == "image/png" else None
@@ -79,17 +80,41 @@ class Job:
         return state
 
     def events(self) -> Iterator[Dict[str, Any]]:
-        """Yields the state of the job at once, after each step, and at its end, which ends the iteration."""
+        """Yields the state of the job at once, after each step, and at its end, which ends the iteration.
+
+        The states come from the event stream of the job or, after a loss of the stream, from polling.
+        """
+        # A proxy may cut a stream within an event, whose rest then is no JSON.
+        with contextlib.suppress(OSError, http.client.HTTPException, ValueError):
+            for state in self._stream():
+                yield state
+                if state["finished"] is not None:
+                    return
+        yield from self._polls()
+
+    def _stream(self) -> Iterator[Dict[str, Any]]:
+        """Yields the state of the job from its server-sent events until the stream ends."""
         with self._client._open("GET", self.path + "/events") as stream:
-            name = ""
             for line in stream:
-                key, _, value = line.decode().rstrip("\r\n").partition(": ")
-                if key == "event":
-                    name = value
-                elif key == "data":
+                key, _, value = line.decode().partition(": ")
+                if key == "data":
                     yield json.loads(value)
-                    if name != "progress":
-                        return
+
+    def _polls(self) -> Iterator[Dict[str, Any]]:
+        """Yields the state of the job by polling. Tolerates that the server cannot be reached for a while."""
+        reached = time.monotonic()
+        while True:
+            try:
+                state = self.status()
+            except (OSError, http.client.HTTPException):
+                if time.monotonic() - reached > self._client._patience:
+                    raise
+            else:
+                yield state
+                if state["finished"] is not None:
+                    return
+                reached = time.monotonic()
+            time.sleep(POLL_INTERVAL)
 
     def result(self, progress: Progress = None) -> Answer:
         """Waits for the end of the job, and returns its answer.
@@ -118,7 +143,7 @@ class Client:
         key: API key, if the server requires one.
         timeout: seconds without any byte from the server, after which a request fails.
         patience: seconds for which a request is repeated while the server is busy (429 or 503). The server says how
-            long to wait between two attempts.
+            long to wait between two attempts. While a job runs, the server may also be unreachable for this time.
     """
 
     def __init__(self, url: str, key: Optional[str] = None, *, timeout: float = 120, patience: float = 60) -> None:
@@ -226,7 +251,7 @@ class Client:
 
 def _halftone(picture: Any, options: Mapping[str, Any]) -> Request:
     query = urllib.parse.urlencode(texts_of(options))
-    return "/halftone" + ("?" + query if query else ""), _read(picture), "application/octet-stream"
+    return "/halftone" + ("?" + query if query else ""), read_file(picture, "picture"), "application/octet-stream"
 
 
 def _sample(domain: Any, members: Mapping[str, Any]) -> Request:
@@ -243,15 +268,6 @@ def _analyze(points: Any, members: Mapping[str, Any]) -> Request:
 def _body(members: Mapping[str, Any]) -> bytes:
     given = {name: value for name, value in members.items() if value is not None}
     return json.dumps(given, default=jsonable, allow_nan=False).encode()
-
-
-def _read(picture: Any) -> bytes:
-    if isinstance(picture, (bytes, bytearray, memoryview)):
-        return bytes(picture)
-    if hasattr(picture, "read"):
-        return bytes(picture.read())
-    with open(picture, "rb") as file:
-        return file.read()
 
 
 def _seconds_to_wait(retry_after: Optional[str]) -> float:
