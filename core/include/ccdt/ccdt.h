@@ -7,9 +7,9 @@
 ///     const auto points = ccdt::sample(ccdt::Torus{1, 1}, 1000).points;
 ///
 /// The interface consists of plain structs and functions that throw Exception. It includes the standard library only.
-/// It is narrow on purpose: the types that the library uses inside change between versions and include third parties.
-/// They also live in the namespace ccdt and have the same names. So the types of this interface live in the namespace
-/// ccdt::v1, which appears in the names of symbols, and which users need not write.
+/// The interface is narrow, because the types that the library uses inside change between versions and include third
+/// parties. These types also live in the namespace ccdt and have the same names. So the types of this interface live in
+/// the namespace ccdt::v1, which appears in the names of symbols, and which users need not write.
 ///
 /// Compatibility. The version of the shared library is libccdt.so.1. All versions 1.x accept programs that were built
 /// with an older version 1.y: no struct, enumerator, function or default argument changes or disappears. Later versions
