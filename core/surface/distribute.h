@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/ccdt/distribution.h"
+#include "core/geometry/point3.h"
+#include "core/result.h"
+#include "core/surface/surface.h"
+#include "core/surface/surface_density.h"
+
+namespace ccdt {
+
+struct SurfaceOptions {
+    std::size_t sites = 0;    ///< >= 1
+    std::uint64_t seed = 0;   ///< [0, 2^53)
+    int iterations = 5;       ///< 0 to 1000; with 0, the initial sites are the result
+    int passes = 5;           ///< passes per iteration, 1 to 100
+    Quality quality = Quality::Standard;  ///< not Stealthy
+    bool keep_mesh = false;   ///< whether to fill SurfaceDistribution::mesh
+    /// Existing points, in the coordinates of the soup. Each is projected to the nearest point of the surface. They do
+    /// not move and are not among the sites; sites keep the same distance from them as from each other.
+    std::vector<Point3> fixed = {};
+};
+
+/// A triangulation of the sites, in the coordinates of the soup.
+struct SurfaceMesh {
+    std::vector<Point3> vertices;  ///< sites, fixed points, then further vertices on borders and creases
+    std::vector<std::array<std::uint32_t, 3>> triangles;  ///< oriented like the surface
+};
+
+struct SurfaceDistribution {
+    std::vector<SurfacePoint> points;  ///< [sites]
+    int iterations = 0;                ///< number of completed iterations
+    std::vector<double> trace;         ///< capacity variation after each iteration [iterations + 1]
+    std::optional<double> polished;    ///< capacity variation after the polish
+    bool stopped = false;              ///< whether a stop ended the computation early
+    std::optional<SurfaceMesh> mesh;
+    std::vector<std::uint32_t> ranks = {};  ///< [points] rank of each point in a progressive order; may be empty
+
+    double variation() const { return polished.value_or(trace.back()); }
+};
+
+/// Distributes sites on a surface by Capacity-Constrained Delaunay Triangulation. Every component gets its share.
+///
+/// Errors: Unusable if the density is 0 everywhere; Stopped. The same input gives the same result for any number of
+/// threads. O((sites + faces) log).
+Result<SurfaceDistribution> distribute_on_surface(const Surface& surface, const SurfaceDensity& density,
+                                                  const SurfaceOptions& options, const Control& control = {});
+
+}  // namespace ccdt

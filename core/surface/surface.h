@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/result.h"
+#include "core/surface/triangle_soup.h"
+
+namespace ccdt {
+
+/// A position on a surface.
+struct SurfacePoint {
+    std::uint32_t face = 0;
+    /// Barycentric coordinates in the face: each >= 0, with sum 1 up to rounding.
+    std::array<double, 3> weights{1, 0, 0};
+};
+
+/// A change that made triangles a surface, or a property of the triangles that users should know.
+struct SurfaceNote {
+    std::string detail;            ///< what was changed or found, and how often
+    std::size_t count = 0;         ///< number of triangles, vertices or edges concerned
+    std::optional<std::uint32_t> triangle = {};  ///< first triangle concerned, an index into TriangleSoup::triangles
+};
+
+/// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form
+/// one fan. Neighbouring triangles have the same orientation. A surface may have borders and several components.
+/// Coordinates are in the unit frame: translated and scaled such that the longest side of the bounding box is 1.
+///
+/// Half-edge h is edge h % 4 (0, 1 or 2) of face h / 4, as in Triangulation: it runs from corner h % 4 to the next one.
+class Surface {
+public:
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+    struct Made;  ///< a surface, with the repairs that were necessary
+
+    /// Makes a surface of triangles. Merges vertices at the same position, removes triangles without area and repeated
+    /// triangles, turns triangles so that neighbours have the same orientation, and cuts the surface where more than
+    /// two triangles share an edge or several fans share a vertex.
+    /// @param crease  angle between the normals of two faces, in radians, above which their common edge counts as a
+    ///                crease; none: no edge does
+    /// @param stop    polled regularly
+    ///
+    /// Errors: Unusable if a coordinate is not finite (the field is "vertices/N"), if no triangle has an area, or if the
+    /// extent is so small relative to the coordinates that positions coincide; Stopped. Deterministic.
+    static Result<Made> create(const TriangleSoup& soup, std::optional<double> crease, const std::stop_token& stop = {});
+
+    Surface(Surface&&) noexcept;
+    Surface& operator=(Surface&&) noexcept;
+    ~Surface();
+
+    std::size_t vertex_count() const { return vertices_.size(); }
+    std::size_t face_count() const { return faces_.size(); }
+    Point3 vertex(std::uint32_t vertex) const { return vertices_[vertex]; }
+    std::array<std::uint32_t, 3> corners(std::uint32_t face) const { return faces_[face].corners; }
+    /// Half-edge on the other side of the edge; kNone on a border.
+    std::uint32_t twin(std::uint32_t edge) const { return faces_[edge / 4].twins[edge % 4]; }
+    /// Whether an edge is on the border or a crease. Points do not cross such edges.
+    bool is_crease(std::uint32_t edge) const { return (faces_[edge / 4].creases >> edge % 4 & 1) != 0; }
+
+    std::array<Point3, 3> places(std::uint32_t face) const {
+        const auto& [a, b, c] = faces_[face].corners;
+        return {vertices_[a], vertices_[b], vertices_[c]};
+    }
+    double area(std::uint32_t face) const { return faces_[face].area; }
+    double total_area() const { return total_area_; }
+    Point3 normal(std::uint32_t face) const { return faces_[face].normal; }  ///< unit length
+    /// Mean normal of the faces around a vertex, weighted by their angles. Unit length.
+    Point3 vertex_normal(std::uint32_t vertex) const { return normals_[vertex]; }
+    /// Connected component of a face: faces are connected by edges that are neither borders nor creases.
+    std::uint32_t component(std::uint32_t face) const { return faces_[face].component; }
+    std::size_t component_count() const { return components_; }
+
+    /// Triangle of the soup from which a face was made.
+    std::uint32_t triangle_of(std::uint32_t face) const { return faces_[face].triangle; }
+    /// Barycentric coordinates of a point with respect to the corners of triangle_of(point.face), in the order of the
+    /// soup. Faces that were turned over have their corners in another order.
+    std::array<double, 3> original_weights(const SurfacePoint& point) const;
+
+    Point3 place(const SurfacePoint& point) const;
+    /// Normal interpolated between the normals of the corners; unit length.
+    Point3 smooth_normal(const SurfacePoint& point) const;
+
+    /// Converts between the unit frame and the coordinates of the soup.
+    Point3 to_input(Point3 p) const;
+    Point3 from_input(Point3 p) const;
+    /// Length in the coordinates of the soup that corresponds to 1 in the unit frame.
+    double scale() const { return scale_; }
+
+    /// Follows a straight line on the surface, over edges as if the faces were unfolded into a plane. The line ends
+    /// after the length of `move`, or at a border or crease, slightly inside the last face.
+    /// @param move  vector in space; its component perpendicular to the face does not count, but the line has its
+    ///              length
+    ///
+    /// O(faces crossed), at most kMaxSteps.
+    SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
+
+    /// Returns the point of the surface that is nearest to p, in the unit frame. Several threads may call it at once
+    /// after the first call. O(log faces), typically.
+    SurfacePoint nearest(Point3 p) const;
+
+private:
+    struct Tree;
+    struct Face {
+        std::array<std::uint32_t, 3> corners{};
+        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
+        std::uint32_t triangle = 0;
+        std::uint32_t component = 0;
+        std::uint8_t creases = 0;
+        std::uint8_t order = 0;
+        double area = 0;
+        Point3 normal;
+    };
+
+    Surface();
+
+    std::vector<Point3> vertices_;
+    std::vector<Point3> normals_;
+    std::vector<Face> faces_;
+    std::size_t components_ = 0;
+    double total_area_ = 0;
+    Point3 origin_;
+    double scale_ = 1;
+    std::unique_ptr<Tree> tree_;
+};
+
+struct Surface::Made {
+    Surface surface;
+    std::vector<SurfaceNote> repairs;
+    std::vector<SurfaceNote> warnings;
+};
+
+}  // namespace ccdt

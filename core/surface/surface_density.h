@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/result.h"
+#include "core/surface/surface.h"
+
+namespace ccdt {
+
+/// Wanted density of points on a surface, up to a factor. It is linear in each face.
+class SurfaceDensity {
+public:
+    static SurfaceDensity uniform() { return {}; }
+
+    /// @param values  [vertices of the soup] densities, >= 0 and finite
+    /// Errors: Malformed if the number of values is wrong or a value is negative or not finite ("density/N"); Unusable
+    /// if all are 0.
+    static Result<SurfaceDensity> of_vertices(const Surface& surface, const TriangleSoup& soup,
+                                              std::span<const double> values);
+
+    /// Density by the darkness of the vertex colours: 1 - luminance. Errors: Unusable if the soup has no colours or is
+    /// white everywhere.
+    static Result<SurfaceDensity> of_colours(const Surface& surface, const TriangleSoup& soup);
+
+    /// Density by curvature, smoothed over a distance: bent regions get up to `contrast` times as many points per area
+    /// as flat ones.
+    /// @param spacing  mean distance of points, in the unit frame; curvature at smaller scales is smoothed
+    static SurfaceDensity of_curvature(const Surface& surface, double spacing, double contrast = 8);
+
+    bool is_uniform() const { return values_.empty(); }
+    /// Density at a corner (0, 1 or 2) of a face.
+    double at_corner(std::uint32_t face, std::uint32_t corner) const {
+        return values_.empty() ? 1 : values_[3 * std::size_t{face} + corner];
+    }
+    double at(const SurfacePoint& point) const {
+        if (values_.empty()) return 1;
+        const double* v = &values_[3 * std::size_t{point.face}];
+        return point.weights[0] * v[0] + point.weights[1] * v[1] + point.weights[2] * v[2];
+    }
+    /// Integral over a face.
+    double mass(const Surface& surface, std::uint32_t face) const {
+        if (values_.empty()) return surface.area(face);
+        const double* v = &values_[3 * std::size_t{face}];
+        return surface.area(face) * (v[0] + v[1] + v[2]) / 3;
+    }
+
+private:
+    std::vector<double> values_;  ///< [faces][3] values at the corners; empty if the density is uniform
+};
+
+}  // namespace ccdt
