@@ -138,7 +138,8 @@ std::string_view name_of(OfferedPictures pictures) {
 
 std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bool documentation) {
     const Json document = {
-        {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
+        {"limits",
+         {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}, {"max_faces", limits.max_faces}}},
         {"halftone",
          {{"formats", describe_all(halftone_formats())},
           {"options", halftone_options()},
