@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,6 +15,8 @@
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
 #include "api/surface/surface_parser.h"
+#include "core/order/progressive_order.h"
+#include "core/order/reorder.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt::api {
@@ -36,6 +40,31 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
         }
     }
     return SurfaceDensity::uniform();
+}
+
+/// Whether points have the same density everywhere on the surface, which has neither borders nor creases.
+bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
+    if (!density.is_uniform() || !request.run.fixed.empty()) return false;
+    for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
+        if (edge % 4 < 3 && surface.is_crease(edge)) return false;
+    }
+    return true;
+}
+
+/// Puts points into the requested order. After a stop, the order is arbitrary.
+void order_points(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density,
+                  const Control& control, SurfaceDistribution& dots) {
+    if (request.order != PointOrder::Progressive) return;
+    std::vector<Point3> places, normals;
+    for (const SurfacePoint& point : dots.points) {
+        places.push_back(surface.place(point));
+        normals.push_back(surface.smooth_normal(point));
+    }
+    reorder(dots, progressive_order_on_surface(places, normals, surface.total_area(),
+                                               is_even(request, surface, density), control.stop, *control.executor));
+    dots.ranks.resize(dots.points.size());
+    std::iota(dots.ranks.begin(), dots.ranks.end(), std::uint32_t{0});
+    dots.stopped = dots.stopped || control.stop.stop_requested();
 }
 
 /// Writes notes for an HTTP header.
@@ -70,6 +99,7 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     const auto density = make_density(request, made->surface, read->soup);
     if (!density) return tl::unexpected(density.error());
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);
+    if (dots) order_points(request, made->surface, *density, control, *dots);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(std::move(dots.error()));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
