@@ -42,6 +42,21 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
     return SurfaceDensity::uniform();
 }
 
+/// Removes colours and texture coordinates from triangles if some are not usable, and reports it.
+void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
+    const auto all = [](const auto& rows, auto is_valid) {
+        return std::ranges::all_of(rows, [&](const auto& row) { return std::ranges::all_of(row, is_valid); });
+    };
+    if (!all(soup.colours, [](float light) { return light >= 0 && light <= 1; })) {
+        soup.colours.clear();
+        warnings.push_back({"the colours are ignored, because some are not numbers from 0 to 1"});
+    }
+    if (!all(soup.texture, [](float ordinate) { return std::isfinite(ordinate); })) {
+        soup.texture.clear();
+        warnings.push_back({"the texture coordinates are ignored, because some are not finite"});
+    }
+}
+
 /// Whether points have the same density everywhere on the surface, which has neither borders nor creases.
 bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
     if (!density.is_uniform() || !request.run.fixed.empty()) return false;
@@ -96,6 +111,7 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     if (!read) return tl::unexpected(std::move(read.error()));
     auto made = Surface::create(read->soup, request.crease, control.stop);
     if (!made) return tl::unexpected(std::move(made.error()));
+    drop_invalid(read->soup, made->warnings);
     const auto density = make_density(request, made->surface, read->soup);
     if (!density) return tl::unexpected(density.error());
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);
