@@ -2,47 +2,21 @@
 #include "api/output/json_writer.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "api/json/json_document.h"
+#include "api/output/json_pieces.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {
 namespace {
 
 constexpr std::size_t kTypicalPointBytes = 41;  ///< `[x,y],`, where x and y have 17 digits
-constexpr std::size_t kStopStride = 4'096;      ///< points between two checks of the stop token
-
-/// Appends a number. Throws if the number is not finite, since JSON cannot express it and clients expect a number.
-void append_number(std::string& out, double value) {
-    if (!std::isfinite(value)) throw std::domain_error("a number of the answer is not finite");
-    append_shortest(out, value);
-}
-
-void append_number(std::string& out, std::uint64_t value) {
-    char digits[20];
-    out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
-}
-
-/// Writes an array. Calls `append_element(out, element)` for each element.
-template <class Range, class AppendElement>
-void append_array(std::string& out, const Range& range, AppendElement append_element) {
-    out += '[';
-    bool first = true;
-    for (const auto& element : range) {
-        if (!first) out += ',';
-        first = false;
-        append_element(out, element);
-    }
-    out += ']';
-}
 
 void append_point(std::string& out, Point point) {
     out += '[';
@@ -52,38 +26,9 @@ void append_point(std::string& out, Point point) {
     out += ']';
 }
 
-/// Writes a long list. Calls `append_element(out, element)` for each element. Ends early on a stop, or if the sink of
-/// the body fails.
-template <class Element, class AppendElement>
-void write_list(Body& body, std::span<const Element> list, AppendElement append_element, const std::stop_token& stop) {
-    std::string& out = body.text();
-    out += '[';
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
-        if (i > 0) out += ',';
-        append_element(out, list[i]);
-    }
-    out += ']';
-}
-
 void write_points(Body& body, std::span<const Point> points, const std::stop_token& stop) {
     body.expect(body.text().size() + kTypicalPointBytes * points.size());
     write_list(body, points, append_point, stop);
-}
-
-void append_index(std::string& out, std::uint32_t index) {
-    append_number(out, std::uint64_t{index});
-}
-
-void append_indices(std::string& out, std::span<const std::uint32_t> indices) {
-    append_array(out, indices, append_index);
-}
-
-/// Writes `,"rank":[...]` if points have ranks.
-void write_ranks(Body& body, std::span<const std::uint32_t> ranks, const std::stop_token& stop) {
-    if (ranks.empty()) return;
-    body.text() += ",\"rank\":";
-    write_list(body, ranks, append_index, stop);
 }
 
 void write_mesh(Body& body, const TriangleMesh& mesh, const std::stop_token& stop) {
@@ -93,27 +38,6 @@ void write_mesh(Body& body, const TriangleMesh& mesh, const std::stop_token& sto
     write_list(body, std::span(mesh.triangles), append_indices, stop);
     body.text() += ",\"boundary\":";
     write_list(body, std::span(mesh.boundary), append_indices, stop);
-}
-
-/// Appends `,"name":value`.
-template <class Number>
-void append_member(std::string& out, std::string_view name, Number value) {
-    out.append(",\"").append(name).append("\":");
-    append_number(out, value);
-}
-
-void append_trace(std::string& out, std::span<const double> trace) {
-    std::uint64_t iteration = 0;
-    append_array(out, trace, [&](std::string& to, double variation) {
-        to += "{\"iteration\":";
-        append_number(to, iteration++);
-        append_member(to, "variation", variation);
-        to += '}';
-    });
-}
-
-void append_numbers(std::string& out, std::span<const double> numbers) {
-    append_array(out, numbers, [](std::string& to, double number) { append_number(to, number); });
 }
 
 void append_spectrum(std::string& out, const Spectrum& spectrum) {
@@ -169,13 +93,9 @@ std::string write_remarks(std::span<const Remark> remarks) {
     return out;
 }
 
-double rounded_to_microseconds(double milliseconds) {
-    return std::round(milliseconds * 1000) / 1000;
-}
-
 /// Appends the computing time and, for halftones, the size of the picture and of the dots.
 void append_report(std::string& out, const Report& report) {
-    append_member(out, "elapsed_ms", rounded_to_microseconds(report.elapsed_ms));
+    append_elapsed(out, report.elapsed_ms);
     if (!report.picture) return;
     append_member(out, "width", static_cast<std::uint64_t>(report.picture->width));
     append_member(out, "height", static_cast<std::uint64_t>(report.picture->height));
@@ -291,7 +211,7 @@ void write_column(Body& body, std::string_view name, const PointSet& points, App
     std::size_t written = 0;
     for (const InkDots& layer : points.layers) {
         for (std::size_t i = 0; i < layer.dots.points.size(); ++i) {
-            if (written % kStopStride == 0 && (!body.flush() || stop.stop_requested())) return;
+            if (written % kJsonStopStride == 0 && (!body.flush() || stop.stop_requested())) return;
             if (written++ > 0) out += ',';
             append_element(out, layer, i);
         }
