@@ -130,8 +130,8 @@ TEST(Capabilities, MatchDocumentedEnumerations) {
 }
 
 TEST(Capabilities, ReportLimits) {
-    const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99});
-    EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99})"));
+    const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99, .max_faces = 77});
+    EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99,"max_faces":77})"));
     const Json methods = json.at("sample").at("methods");
     const auto method = [&](const std::string& name) { return row_of(methods, name); };
     EXPECT_EQ(method("ccdt").at("max_sites"), 40'000);
