@@ -13,8 +13,15 @@ bool TriangleLinks::are_joined(std::uint32_t a, std::uint32_t b) const {
 }
 
 std::uint32_t TriangleLinks::add(const std::array<std::uint32_t, 3>& corners) {
-    triangles_.push_back({corners});
-    return static_cast<std::uint32_t>(triangles_.size() - 1);
+    std::uint32_t triangle = static_cast<std::uint32_t>(triangles_.size());
+    if (removed_.empty()) {
+        triangles_.emplace_back();
+    } else {
+        triangle = removed_.back();
+        removed_.pop_back();
+    }
+    triangles_[triangle] = {corners};
+    return triangle;
 }
 
 void TriangleLinks::join(std::uint32_t edge, std::uint32_t twin) {
@@ -111,6 +118,7 @@ void TriangleLinks::collapse(std::uint32_t h) {
             set_constrained(from, constrained);
         }
         triangles_[triangle_of(e)] = {};
+        removed_.push_back(triangle_of(e));
         return std::array{first, second};
     };
     const std::array near = remove(h), far = other == kNone ? std::array{kNone, kNone} : remove(other);
@@ -143,6 +151,7 @@ void TriangleLinks::renumber(const std::vector<std::uint32_t>& number_of, std::s
         }
     }
     triangles_ = std::move(sorted);
+    removed_.clear();
     edge_of_.assign(count, kNone);
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(t, i));

@@ -59,7 +59,7 @@ public:
     /// Whether an edge joins two vertices.
     bool are_joined(std::uint32_t a, std::uint32_t b) const;
 
-    /// Adds a triangle without twins, and returns its number.
+    /// Adds a triangle without twins, and returns its number, which may be that of a removed triangle.
     std::uint32_t add(const std::array<std::uint32_t, 3>& corners);
     void add_vertices(std::size_t count) { edge_of_.resize(edge_of_.size() + count, kNone); }
     /// Makes two half-edges twins. `twin` may be kNone.
@@ -87,6 +87,7 @@ public:
 private:
     std::vector<Triangle> triangles_;
     std::vector<std::uint32_t> edge_of_;  ///< [vertices]
+    std::vector<std::uint32_t> removed_;  ///< removed triangles, whose numbers are free
 };
 
 }  // namespace ccdt
