@@ -39,7 +39,8 @@ Result<TriangleSoup> soup_of(const py::tuple& arrays) {
         for (std::size_t i = 0; i < row.size(); ++i) {
             if (row[i] < 0 || static_cast<std::size_t>(row[i]) >= soup.vertices.size())
                 return wrong("triangles", soup.triangles.size() - 1,
-                             "must have indices from 0 to " + std::to_string(soup.vertices.size()) + " - 1");
+                             "must have indices of vertices, from 0 to " +
+                                 std::to_string(std::int64_t(soup.vertices.size()) - 1));
             corners[i] = static_cast<std::uint32_t>(row[i]);
         }
     }
