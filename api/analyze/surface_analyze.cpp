@@ -52,10 +52,6 @@ std::string write(const SurfaceAnalysis& analysis) {
 
 }  // namespace
 
-std::vector<std::string_view> surface_analyze_options() {
-    return names_of<SurfaceAnalyzeRequest>(kRules);
-}
-
 Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                                     std::string_view accept, const Limits& limits) {
     static constexpr const FileFormat* kFormats[] = {&kJson};

@@ -22,9 +22,6 @@ struct SurfaceAnalyzeRequest {
     std::size_t modes = 100;
 };
 
-/// Returns the names of the options.
-std::vector<std::string_view> surface_analyze_options();
-
 /// Reads a request. The option `points` has the content of a file, as read_space_point_file() reads it.
 ///
 /// @param file     the mesh, or the error of its header
