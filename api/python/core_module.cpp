@@ -309,7 +309,7 @@ AnswerPointer answer_sample(const std::string& body, bool has_pictures, const Ru
 }
 
 AnswerPointer answer_analyze(const std::string& body, const Running& running) {
-    return run_parsed(api::parse_analyze_request(body, "", {}), false, running);
+    return run_parsed(api::parse_analyze_request(body, {}, "", {}), false, running);
 }
 
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
