@@ -43,8 +43,8 @@ inline std::string glb(std::string json, std::string binary) {
 /// Positions of the corners of a unit square in the plane z = 0, and the indices of its two triangles.
 inline std::string square_buffer() {
     std::string buffer;
-    for (const float value : {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) append_bytes(buffer, value);
-    for (const std::uint16_t index : {0, 1, 2, 0, 2, 3}) append_bytes(buffer, index);
+    for (const float value : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.F}) append_bytes(buffer, value);
+    for (const int index : {0, 1, 2, 0, 2, 3}) append_bytes(buffer, static_cast<std::uint16_t>(index));
     return buffer;
 }
 

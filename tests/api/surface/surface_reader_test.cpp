@@ -217,7 +217,7 @@ TEST(SurfaceReader, AppliesTheTransformationsOfNodes) {
     EXPECT_EQ(corners[2], (Point3{12, 2, 0}));
     EXPECT_EQ(corners[6], (Point3{10, 0, 5}));
     for (std::size_t i = 0; i < corners.size(); i += 3)
-        EXPECT_LT(0, cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z * (i < 6 ? 1 : -1)) << i;
+        EXPECT_GT(cross(corners[i + 1] - corners[i], corners[i + 2] - corners[i]).z, 0) << i;
 }
 
 TEST(SurfaceReader, IgnoresPointsAndLines) {
