@@ -39,7 +39,7 @@ public:
     static std::uint32_t previous(std::uint32_t edge) { return edge % 4 == 0 ? edge + 2 : edge - 1; }
 
     std::size_t triangle_count() const { return triangles_.size(); }
-    std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const { return triangles_[triangle].corners; }
+    const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const { return triangles_[triangle].corners; }
 
     std::uint32_t origin(std::uint32_t edge) const { return triangles_[edge / 4].corners[edge % 4]; }
     std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
