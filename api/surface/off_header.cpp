@@ -62,7 +62,7 @@ Result<OffHeader> read_off_header(std::string_view text) {
     const auto vertices = next_count();
     const auto faces = next_count();
     if (!header || !vertices || !faces)
-        return unusable_surface(SurfaceFormat::Off, "it does not begin with OFF and the numbers of vertices and faces");
+        return unusable_surface("OFF", "it does not begin with OFF and the numbers of vertices and faces");
     header->vertices = *vertices;
     header->faces = *faces;
     header->data = text;
