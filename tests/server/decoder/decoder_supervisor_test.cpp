@@ -669,7 +669,7 @@ TEST(DecoderSupervisor, ReadsShapefiles) {
     EXPECT_EQ(supervisor.deaths(), 1U);
 }
 
-constexpr api::SurfaceHeader kMeshes{api::SurfaceFormat::Off, 4, 12, std::uint64_t{64} << 20};
+constexpr api::SurfaceHeader kMeshes{api::SurfaceFormat::Off, 1, 4, 12, std::uint64_t{64} << 20};
 
 TEST(DecoderSupervisor, TransfersMeshes) {
     BoxOfTests supervisor(forking({obey, obey_in_colour, {}, {}, obey_as_surface}), limits_of_tests);
@@ -751,7 +751,7 @@ TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
     constexpr auto kReasons = std::to_array<std::string_view>(
         {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
          "it has no triangles", "promises at least", "does not begin with OFF and the numbers", "Invalid face index",
-         "TEXCOORD_1", "not valid JSON"});
+         "TEXCOORD_1", "not valid JSON", "faces are damaged"});
     std::size_t read = 0;
     for (const auto& path : mesh_files(folder)) {
         const std::string reason = describe_reading(supervisor, bytes_at(path), 1'000'000);
