@@ -20,6 +20,8 @@ namespace {
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
 // Smallest extent relative to the magnitude of the coordinates; a smaller surface has too few distinct coordinates.
 constexpr double kMinSize = 1e-9;
+// Adding and subtracting it rounds to multiples of 2^-36.
+constexpr double kRounder = 0x1p16;
 // Share of the centroid in points that are moved slightly into their face.
 constexpr double kInset = 1e-9;
 
@@ -73,6 +75,10 @@ Result<Extent> find_extent(const TriangleSoup& soup) {
     if (size == 0) return failure(ErrorCode::Unusable, "no triangle has an area");
     if (size >= kMinExtent && size <= kMaxExtent && size >= kMinSize * extent.magnitude()) return extent;
     return failure(ErrorCode::Unusable, "the extent is too large, or too small for the coordinates");
+}
+
+double squared(Point3 p) {
+    return dot(p, p);
 }
 
 Point3 unit(Point3 p) {
@@ -140,8 +146,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     surface.origin_ = extent->min;
     surface.scale_ = extent->size();
 
-    // Multiples of 2^-52 have exact differences, whose products do not underflow.
-    const auto rounded = [](double value) { return (value + 1) - 1; };
+    const auto rounded = [](double value) { return (value + kRounder) - kRounder; };
     std::vector<Point3> positions(soup.vertices.size());
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point3 p = surface.from_input(soup.vertices[v]);
@@ -153,18 +158,17 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 
     surface.vertices_ = std::move(connected->vertices);
     surface.faces_.resize(connected->faces.size());
-    std::vector<std::uint8_t> flat(surface.faces_.size());
-    for (std::size_t f = 0; f < flat.size(); ++f) {
+    for (std::size_t f = 0; f < surface.faces_.size(); ++f) {
         const ConnectedTriangles::Face& from = connected->faces[f];
         Face& face = surface.faces_[f];
         face.corners = from.corners;
         face.twins = from.twins;
         face.triangle = from.triangle;
         face.turned = from.turned;
-        flat[f] = from.flat;
+        face.flat = from.flat;
     }
     connected->faces = {};
-    surface.measure_faces(flat);
+    surface.measure_faces();
     surface.mark_creases(crease);
     surface.number_components();
     surface.compute_vertex_normals();
@@ -174,31 +178,38 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 }
 
 /// Computes areas and normals. The normals of flat faces come from their neighbours at the longest edge.
-/// @param flat  [faces]
-void Surface::measure_faces(const std::vector<std::uint8_t>& flat) {
+void Surface::measure_faces() {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         const auto face = static_cast<std::uint32_t>(f);
-        const Point3 doubled = cross(edge_vector(face, 0), edge_vector(face, 1));
+        const Point3 doubled = ConnectedTriangles::doubled_area(places(face));
         faces_[f].area = length(doubled) / 2;
         faces_[f].normal = unit(doubled);
         total_area_ += faces_[f].area;
     }
-    const auto across = [this](std::uint32_t face) {
-        std::uint32_t longest = 0;
-        for (std::uint32_t k = 1; k < 3; ++k) {
-            const Point3 a = edge_vector(face, k), b = edge_vector(face, longest);
-            if (dot(a, a) > dot(b, b)) longest = k;
-        }
-        return faces_[face].twins[longest];
-    };
-    constexpr int kMaxFlat = 100;  // successive flat faces
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (!flat[f]) continue;
-        std::uint32_t edge = 4 * static_cast<std::uint32_t>(f);
-        for (int i = 0; i < kMaxFlat && edge != kNone && flat[edge / 4]; ++i) edge = across(edge / 4);
-        if (edge != kNone && !flat[edge / 4]) faces_[f].normal = faces_[edge / 4].normal;
-        if (dot(faces_[f].normal, faces_[f].normal) == 0) faces_[f].normal = {0, 0, 1};
+        if (!faces_[f].flat) continue;
+        const std::uint32_t face = face_beside(static_cast<std::uint32_t>(f));
+        if (!faces_[face].flat) faces_[f].normal = faces_[face].normal;
+        if (faces_[f].normal == Point3{}) faces_[f].normal = {0, 0, 1};
     }
+}
+
+/// Returns the first face that is not flat on a way from a flat face over longest edges, or the last face before a
+/// border.
+std::uint32_t Surface::face_beside(std::uint32_t face) const {
+    constexpr int kMaxFaces = 100;
+    std::uint32_t entry = kNone;
+    for (int i = 0; i < kMaxFaces && faces_[face].flat; ++i) {
+        std::uint32_t longest = entry == 0 ? 1 : 0;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (k != entry && squared(edge_vector(face, k)) > squared(edge_vector(face, longest))) longest = k;
+        }
+        const std::uint32_t other = faces_[face].twins[longest];
+        if (other == kNone) break;
+        face = other / 4;
+        entry = other % 4;
+    }
+    return face;
 }
 
 void Surface::mark_creases(std::optional<double> crease) {
@@ -244,7 +255,7 @@ void Surface::compute_vertex_normals() {
     // The normals around a vertex may cancel out.
     for (const Face& face : faces_) {
         for (const std::uint32_t v : face.corners) {
-            if (dot(normals_[v], normals_[v]) < 1e-24) normals_[v] = face.normal;
+            if (squared(normals_[v]) < 1e-24) normals_[v] = face.normal;
         }
     }
     for (Point3& normal : normals_) normal = unit(normal);
@@ -264,7 +275,7 @@ Point3 Surface::place(const SurfacePoint& point) const {
 Point3 Surface::smooth_normal(const SurfacePoint& point) const {
     const auto& [a, b, c] = faces_[point.face].corners;
     const Point3 sum = point.weights[0] * normals_[a] + point.weights[1] * normals_[b] + point.weights[2] * normals_[c];
-    return dot(sum, sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
+    return squared(sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
 }
 
 Point3 Surface::to_input(Point3 p) const {
@@ -284,8 +295,8 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
     Walk walk{.face = from.face, .left = size * length(way), .entry = from.weights};
     // On an edge, rounding could make all corners lie on one side of the line.
     constexpr double kLeastWeight = 1e-12;
-    constexpr double kLeastInPlane = 1e-12;  // share of the move that is not perpendicular to the face
-    constexpr double kLeastLength = 1e-17;   // shorter than every edge
+    constexpr double kLeastInPlane = 1e-12;   // least part of the direction in the face, or across an edge
+    constexpr double kLeastLength = 0x1p-37;  // shorter than every edge
     if (std::min({walk.entry[0], walk.entry[1], walk.entry[2]}) < kLeastWeight)
         walk.entry = inset(walk.entry, kLeastWeight);
 
@@ -300,23 +311,25 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
     x /= in_plane;
     y /= in_plane;
     const double px[3] = {0, base, dot(v, x_axis)};
-    const double py[3] = {0, 0, 2 * faces_[walk.face].area / base};
+    const double py[3] = {0, 0, height(walk.face, base)};
     const double start_x = walk.entry[1] * px[1] + walk.entry[2] * px[2], start_y = walk.entry[2] * py[2];
     double ahead[3], aside[3];  // of the corners, relative to the line; the left side is positive
     for (int i = 0; i < 3; ++i) {
         ahead[i] = x * (px[i] - start_x) + y * (py[i] - start_y);
         aside[i] = x * (py[i] - start_y) - y * (px[i] - start_x);
     }
-    // Rounding may make all corners lie on one side. Then the line passes through the one that is farthest ahead.
-    const bool some_left = aside[0] > 0 || aside[1] > 0 || aside[2] > 0;
-    const bool all_left = aside[0] > 0 && aside[1] > 0 && aside[2] > 0;
-    if (!some_left || all_left) {
-        aside[std::max_element(ahead, ahead + 3) - ahead] = all_left ? 0 : std::numeric_limits<double>::min();
-    }
+    // The line leaves over the edge that runs from its right to its left side. Rounding may make all corners lie on one
+    // side. Then the line leaves at the corner that is farthest ahead.
     Walk::Exit exit;
-    while (aside[exit.side] > 0 || !(aside[next(exit.side)] > 0)) exit.side = next(exit.side);
+    const bool some_left = aside[0] > 0 || aside[1] > 0 || aside[2] > 0;
+    const bool some_right = !(aside[0] > 0 && aside[1] > 0 && aside[2] > 0);
+    if (some_left && some_right) {
+        while (aside[exit.side] > 0 || !(aside[next(exit.side)] > 0)) exit.side = next(exit.side);
+        exit.t = -aside[exit.side] / (aside[next(exit.side)] - aside[exit.side]);
+    } else {
+        exit.side = static_cast<std::uint32_t>(std::max_element(ahead, ahead + 3) - ahead);
+    }
     const std::uint32_t head = next(exit.side);
-    exit.t = -aside[exit.side] / (aside[head] - aside[exit.side]);
     exit.distance = std::max(0.0, ahead[exit.side] + exit.t * (ahead[head] - ahead[exit.side]));
 
     // The direction relative to the edge, as the next face sees it: from the second to the first corner.
@@ -328,7 +341,7 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
         walk.left -= exit.distance;
         base = std::max(kLeastLength, std::sqrt(edge_x * edge_x + edge_y * edge_y));
         const double along = (x * edge_x + y * edge_y) / base;
-        y = std::max(0.0, (y * edge_x - x * edge_y) / base);
+        y = std::max(kLeastInPlane, (y * edge_x - x * edge_y) / base);
         x = along;
 
         // The face beyond has the edge on the x axis, with its left end at the origin.
@@ -341,21 +354,21 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
         const Point3 axis = 1 / base * edge_vector(walk.face, side);
         const Point3 from_right = edge_vector(walk.face, next(side));
         const Point3 from_left = -1 * edge_vector(walk.face, previous(side));
-        const double height = 2 * faces_[walk.face].area / base;
-        const double top = x * height - y * (dot(from_left, axis) - t * base);
+        const double rise = height(walk.face, base);
+        const double top = x * rise - y * (dot(from_left, axis) - t * base);
         if (top > 0) {
             const double right = y * base * (1 - t);
             exit.side = next(side);
             exit.t = right / (top + right);
             edge_x = -dot(from_right, axis);
-            edge_y = -height;
+            edge_y = -rise;
             exit.distance = x * (base * (1 - t) - exit.t * edge_x) - y * exit.t * edge_y;
         } else {
             const double left = y * base * t;
             exit.side = previous(side);
             exit.t = left - top > 0 ? -top / (left - top) : 0;
             edge_x = dot(from_left, axis);
-            edge_y = height;
+            edge_y = rise;
             exit.distance = x * ((1 - exit.t) * edge_x - base * t) + y * (1 - exit.t) * edge_y;
         }
         exit.distance = std::max(0.0, exit.distance);
