@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
 // Measures a triangulation of the vertices that a surface was sampled with, and that of CGAL's isotropic remeshing with
-// as many vertices. Usage: ccdt_mesh_quality SURFACE MESH. Both are files of a format that CGAL reads, such as OBJ.
+// as many vertices. Usage: ccdt_mesh_quality SURFACE MESH CREASE. Both are files of a format that CGAL reads, such as
+// OBJ. Edges whose faces form a greater angle than CREASE, in degrees, are creases, which the remeshing preserves.
 #include <CGAL/Polygon_mesh_processing/IO/polygon_mesh_io.h>
 #include <CGAL/Polygon_mesh_processing/bbox.h>
+#include <CGAL/Polygon_mesh_processing/detect_features.h>
 #include <CGAL/Polygon_mesh_processing/distance.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
@@ -16,9 +18,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <numbers>
-#include <string>
 
 namespace ccdt::bench {
 namespace {
@@ -39,14 +41,17 @@ bool read(const char* path, Mesh& mesh) {
 }
 
 /// Replaces the triangles of a mesh, so that it has approximately `count` vertices.
-void remesh(Mesh& mesh, std::size_t count) {
+void remesh(Mesh& mesh, std::size_t count, double crease) {
     const Mesh original = mesh;
     // The edge of equilateral triangles, of which there are twice as many as vertices.
     double edge = std::sqrt(2 * pmp::area(mesh) / (std::sqrt(3.0) * static_cast<double>(count)));
     constexpr int kAttempts = 4;
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         mesh = original;
-        pmp::isotropic_remeshing(faces(mesh), edge, mesh, parameters::number_of_iterations(10));
+        const auto creases = mesh.add_property_map<Mesh::Edge_index, bool>("e:crease", false).first;
+        pmp::detect_sharp_edges(mesh, crease, creases);
+        pmp::isotropic_remeshing(faces(mesh), edge, mesh,
+                                 parameters::number_of_iterations(10).edge_is_constrained_map(creases));
         mesh.collect_garbage();
         edge *= std::sqrt(static_cast<double>(mesh.number_of_vertices()) / static_cast<double>(count));
     }
@@ -85,13 +90,13 @@ void report(const char* name, const Mesh& surface, const Mesh& mesh, double seco
         distance / diagonal, seconds);
 }
 
-int run(const char* surface_path, const char* mesh_path) {
+int run(const char* surface_path, const char* mesh_path, double crease) {
     Mesh surface, mesh;
     if (!read(surface_path, surface) || !read(mesh_path, mesh)) return 1;
     report("given", surface, mesh, 0);
     Mesh other = surface;
     const auto begin = std::chrono::steady_clock::now();
-    remesh(other, mesh.number_of_vertices());
+    remesh(other, mesh.number_of_vertices(), crease);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     report("CGAL", surface, other, elapsed.count());
     return 0;
@@ -101,12 +106,12 @@ int run(const char* surface_path, const char* mesh_path) {
 }  // namespace ccdt::bench
 
 int main(int argc, char** argv) {
-    if (argc != 3) {
-        std::fputs("usage: ccdt_mesh_quality SURFACE MESH\n", stderr);
+    if (argc != 4) {
+        std::fputs("usage: ccdt_mesh_quality SURFACE MESH CREASE\n", stderr);
         return 2;
     }
     try {
-        return ccdt::bench::run(argv[1], argv[2]);
+        return ccdt::bench::run(argv[1], argv[2], std::atof(argv[3]));
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s\n", error.what());
         return 1;

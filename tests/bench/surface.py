@@ -127,10 +127,10 @@ def table_of_meshes(meshes, options):
         with tempfile.TemporaryDirectory() as folder:
             files = pathlib.Path(folder, "surface.obj"), pathlib.Path(folder, "mesh.obj")
             query = f"/sample?sites={options.sites}&quality={options.quality[-1]}&mesh=true&format=obj"
-            query += "&crease=40" if name == "cube" else ""
+            query += f"&crease={options.crease}" if options.crease else ""
             files[0].write_bytes(mesh)
             files[1].write_bytes(ask(options.url + query, mesh, "model/obj"))
-            done = subprocess.run([options.mesh, *files], stdout=subprocess.PIPE, check=False, timeout=3600)
+            done = subprocess.run([options.mesh, *files, str(options.crease or 180)], stdout=subprocess.PIPE, check=False, timeout=3600)
         for found in map(json.loads, done.stdout.splitlines()):
             kind = options.quality[-1] if found["name"] == "given" else found["name"]
             print(f"| {name}, {kind} | {found['vertices']:,} | {100 * found['area_variation']:.1f} % | "
@@ -145,6 +145,7 @@ def main():
     parser.add_argument("--quality", nargs="+", default=["standard"])
     parser.add_argument("--sets", type=int, default=1)
     parser.add_argument("--modes", type=int, default=401)
+    parser.add_argument("--crease", type=float)
     parser.add_argument("--cycodebase")
     parser.add_argument("--mesh")
     options = parser.parse_args()
