@@ -51,7 +51,7 @@ public:
     static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
     static std::uint32_t next(std::uint32_t edge) { return TriangleLinks::next(edge); }
     static std::uint32_t previous(std::uint32_t edge) { return TriangleLinks::previous(edge); }
-    std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const { return links_.corners(triangle); }
+    const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const { return links_.corners(triangle); }
     std::uint32_t origin(std::uint32_t edge) const { return links_.origin(edge); }
     std::uint32_t target(std::uint32_t edge) const { return links_.target(edge); }
     /// Half-edge on the other side of the edge; kNone on borders and creases.
