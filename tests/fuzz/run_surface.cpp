@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/extremes.h"
