@@ -13,10 +13,10 @@
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
 #include "api/surface/surface_header.h"
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
 
 namespace ccdt::api {
 namespace {

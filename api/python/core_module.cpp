@@ -25,8 +25,8 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {

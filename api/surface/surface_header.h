@@ -26,6 +26,12 @@ struct SurfaceHeader {
     std::uint64_t decoder_bytes = 0;  ///< upper bound of the memory for reading the file, in addition to the file
 };
 
+/// Mesh file in a request.
+struct SurfaceFile {
+    std::string_view bytes;  ///< must outlive this object
+    SurfaceHeader header;
+};
+
 /// Recognises the format of a mesh file by its content. If the content is not sufficient, uses the media type, such as
 /// `model/stl`, in lower case and without parameters.
 /// @returns  none for other files

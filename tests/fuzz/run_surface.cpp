@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "tests/fuzz/answer_checks.h"
 #include "tests/fuzz/checks.h"
 #include "tests/fuzz/extremes.h"
@@ -62,8 +62,8 @@ TriangleSoup take_shape(Bytes& input) {
 TriangleSoup take_soup(Bytes& input, std::uint16_t bits) {
     TriangleSoup soup = take_shape(input);
     const double x = take_number(input);
-    const Point3 scale = is_given(bits, Given::Stretched) ? Point3{x, take_number(input), take_number(input)}
-                                                          : Point3{x, x, x};
+    const Point3 scale =
+        is_given(bits, Given::Stretched) ? Point3{x, take_number(input), take_number(input)} : Point3{x, x, x};
     const Point3 offset = is_given(bits, Given::Moved) ? Point3{take_number(input), -take_number(input), 1} : Point3{};
     for (Point3& p : soup.vertices) p = {scale.x * p.x + offset.x, scale.y * p.y + offset.y, scale.z * p.z + offset.z};
     if (is_given(bits, Given::Damaged)) {
