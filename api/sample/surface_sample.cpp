@@ -57,11 +57,11 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-/// Whether points have the same density everywhere on the surface, which has neither borders nor creases.
+/// Whether points have the same density everywhere on the surface, which has no border.
 bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
     if (!density.is_uniform() || !request.run.fixed.empty()) return false;
     for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
-        if (edge % 4 < 3 && surface.is_crease(edge)) return false;
+        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return false;
     }
     return true;
 }

@@ -142,7 +142,7 @@ TEST(TriangleLinks, KeepsTheTopologyInRandomSequences) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Links links = octahedron();
         Random random(seed, 0);
-        const auto any = [&](std::size_t count) { return static_cast<std::uint32_t>(random.uniform() * count); };
+        const auto any = [&](std::size_t count) { return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(count)); };
         for (std::uint32_t v = 6; v < 60; ++v) {
             links.add_vertices(1);
             if (random.uniform() < 0.5) {
