@@ -107,7 +107,7 @@ std::vector<api::TextOption> take_options(Bytes& input, std::uint16_t bits, cons
     return options;
 }
 
-void check_json(const api::SurfaceRequest& request, const TriangleSoup& soup, const std::string& body) {
+void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, const std::string& body) {
     const auto json = nlohmann::json::parse(body, nullptr, false);
     CCDT_CHECK(!json.is_discarded() && body.find("null") == std::string::npos);
     const std::size_t sites = request.run.sites;
@@ -166,7 +166,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     CCDT_CHECK(answer->sites == request->run.sites && !answer->partial);
     CCDT_CHECK(answer->body.size() >= request->run.sites * request->format->least);
-    if (request->format->file.name == "json") fuzz::check_json(*request, soup, answer->body);
+    if (request->format->file.name == "json") fuzz::check_points(*request, soup, answer->body);
     CCDT_CHECK(fuzz::without_time(answer->body) == fuzz::without_time(run()->body));
     return 0;
 }
