@@ -133,6 +133,8 @@ private:
     double height(std::uint32_t face, double base) const {
         return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
     }
+    bool begin_walk(Walk& walk, Point3 direction) const;
+    void cross_edge(Walk& walk) const;
     void measure_faces();
     std::uint32_t face_beside(std::uint32_t face) const;
     void mark_creases(std::optional<double> crease);

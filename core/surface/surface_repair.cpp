@@ -69,7 +69,9 @@ private:
         double angle;
         std::uint32_t edge;
 
-        friend auto operator<=>(const Angle&, const Angle&) = default;
+        friend bool operator<(const Angle& a, const Angle& b) {
+            return std::tie(a.angle, a.edge) < std::tie(b.angle, b.edge);
+        }
     };
 
     bool stopping() const { return stop_.stop_requested(); }
