@@ -380,7 +380,6 @@ void Surface::cross_edge(Walk& walk) const {
 
 SurfacePoint Surface::nearest(Point3 p) const {
     std::call_once(tree_->once, [this] {
-        // Points of flat faces also belong to other faces.
         std::vector<std::uint32_t> solid;
         for (std::uint32_t f = 0; f < face_count(); ++f) {
             if (!faces_[f].flat) solid.push_back(f);

@@ -100,7 +100,7 @@ public:
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
 
-    /// Returns the point of the surface that is nearest to p, in the unit frame.
+    /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
     ///
     /// Several threads may call it at once. O(log faces), typically; the first call builds a tree in
