@@ -100,7 +100,7 @@ public:
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
 
-    /// Returns the point of the surface that is nearest to p, in the unit frame.
+    /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
     ///
     /// Several threads may call it at once. O(log faces), typically; the first call builds a tree in
@@ -133,6 +133,8 @@ private:
     double height(std::uint32_t face, double base) const {
         return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
     }
+    bool begin_walk(Walk& walk, Point3 direction) const;
+    void cross_edge(Walk& walk) const;
     void measure_faces();
     std::uint32_t face_beside(std::uint32_t face) const;
     void mark_creases(std::optional<double> crease);

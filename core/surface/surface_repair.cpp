@@ -69,7 +69,9 @@ private:
         double angle;
         std::uint32_t edge;
 
-        friend auto operator<=>(const Angle&, const Angle&) = default;
+        friend bool operator<(const Angle& a, const Angle& b) {
+            return std::tie(a.angle, a.edge) < std::tie(b.angle, b.edge);
+        }
     };
 
     bool stopping() const { return stop_.stop_requested(); }
@@ -244,8 +246,11 @@ void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
     if (group_.size() <= 2) return;
     const std::uint32_t high = sides.front().high;
     on_cut_[low] = on_cut_[high] = 1;
+    // Faces are in the order of the triangles.
+    const auto by_edge = [](const Angle& a, const Angle& b) { return a.edge < b.edge; };
+    const std::uint32_t first = std::min_element(group_.begin(), group_.end(), by_edge)->edge;
     Count& count = pair_by_angle(low, high) ? touching_edges_ : shared_edges_;
-    count.add(face_of(group_.front().edge).triangle);
+    count.add(face_of(first).triangle);
 }
 
 /// Pairs the sides in group_ such that each pair bounds a wedge of the inside. Returns false if the orientations of the

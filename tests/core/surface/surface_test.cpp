@@ -202,6 +202,7 @@ TEST(Surface, CutsEdgesOfThreeTriangles) {
     EXPECT_EQ(fan.surface.vertex_count(), 9U);
     ASSERT_EQ(fan.repairs.size(), 1U);
     EXPECT_EQ(fan.repairs[0].detail, "the surface was cut along 1 edge that more than two triangles share");
+    EXPECT_EQ(fan.repairs[0].triangle, 0U);
 }
 
 /// A square of two triangles that are connected by a triangle without area.
