@@ -19,6 +19,8 @@
 #include "api/output/formats.h"
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample_parser.h"
+#include "api/surface/surface_formats.h"
+#include "api/surface/surface_parser.h"
 
 namespace ccdt::api {
 namespace {
@@ -50,6 +52,13 @@ Json describe(const DeviceFormat& format) {
 
 Json describe(const PixelFormat& format) {
     return describe(format.file);
+}
+
+Json describe(const SurfacePointFormat& format) {
+    Json json = describe(format.file);
+    json["needs"] = Json::array();
+    if (format.writer(false) == nullptr) json["needs"].push_back("mesh");
+    return json;
 }
 
 Json describe(const AnalysisFormat& format) {
@@ -88,9 +97,19 @@ constexpr std::array<FileFormat, 3> kMaps = {{
     {"shapefile", "Shapefile, zipped", "zip", "application/zip", ""},
 }};
 
-Json describe_maps() {
+/// Formats of meshes that `/sample` reads.
+constexpr std::array<FileFormat, 6> kMeshes = {{
+    {"stl", "STL", "stl", "model/stl", ""},
+    {"obj", "Wavefront OBJ", "obj", "model/obj", ""},
+    {"ply", "PLY", "ply", "model/ply", ""},
+    {"off", "OFF", "off", "model/off", ""},
+    {"gltf", "glTF with embedded buffers", "gltf", "model/gltf+json", ""},
+    {"glb", "glTF, binary", "glb", "model/gltf-binary", ""},
+}};
+
+Json describe_all(std::span<const FileFormat> files) {
     Json list = Json::array();
-    for (const FileFormat& map : kMaps) list.push_back(describe(map));
+    for (const FileFormat& file : files) list.push_back(describe(file));
     return list;
 }
 
@@ -138,7 +157,8 @@ std::string_view name_of(OfferedPictures pictures) {
 
 std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bool documentation) {
     const Json document = {
-        {"limits", {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}}},
+        {"limits",
+         {{"max_sites", limits.max_sites}, {"max_pixels", limits.max_pixels}, {"max_faces", limits.max_faces}}},
         {"halftone",
          {{"formats", describe_all(halftone_formats())},
           {"options", halftone_options()},
@@ -147,9 +167,13 @@ std::string capabilities_json(const Limits& limits, OfferedPictures pictures, bo
           {"pictures", name_of(pictures)}}},
         {"sample",
          {{"formats", describe_all(sample_formats())},
-          {"inputs", describe_maps()},
+          {"inputs", describe_all(kMaps)},
           {"masks", describe_all(mask_formats())},
           {"pixels", {{"formats", describe_all(pixel_formats())}, {"options", pixel_options()}}},
+          {"surfaces",
+           {{"inputs", describe_all(kMeshes)},
+            {"formats", describe_all(surface_formats())},
+            {"options", surface_options()}}},
           {"options", sample_options()},
           {"methods", describe_methods(limits)}}},
         {"analyze", {{"formats", describe_all(analyze_formats())}, {"options", analyze_options()}}},

@@ -534,7 +534,8 @@ Result<PlacedDots> place_dots(const HalftoneRequest& request, HalftonePlan& plan
     auto dots = distribute_inks(*domain, densities, plan.sites, request.run, control, retouch);
     if (!dots) return about_image(dots.error(), request);
     for (const Distribution& each : *dots) {
-        if (auto whole = check_whole(each, request.on_deadline); !whole) return about_image(whole.error(), request);
+        if (auto whole = check_whole(each.stopped, request.on_deadline); !whole)
+            return about_image(whole.error(), request);
     }
     placed.inks = *std::move(dots);
     if (plan.two_sides) placed.sized = size_dots(request, plan, placed.inks, control);

@@ -18,6 +18,7 @@
 #include "api/image/library_reader.h"
 #include "api/image/picture_reader.h"
 #include "api/image/row_source.h"
+#include "api/surface/surface_reader.h"
 
 namespace ccdt::api {
 namespace {
@@ -91,6 +92,9 @@ Decode decode_inline() {
             },
             [](std::string_view bytes, const Reading& reading, const std::stop_token&) {
                 return decode_colour_image(bytes, reading);
+            },
+            [](std::string_view bytes, const SurfaceHeader& header, const std::stop_token&) {
+                return read_surface(bytes, header);
             }};
 }
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "api/image/picture_reader.h"
+#include "api/surface/surface_reader.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 
@@ -29,8 +30,8 @@ Result<Picture> decode_image(std::string_view bytes, const Reading& reading, con
 Result<ColourPicture> decode_colour_image(std::string_view bytes, const Reading& reading,
                                           const NewPlane& make_plane = new_plane);
 
-/// Decoders: decode_image() and decode_colour_image(), or functions that do the same in another process. They may poll
-/// the stop token; after a stop, they fail with Stopped.
+/// Decoders: decode_image(), decode_colour_image() and read_surface(), or functions that do the same in another
+/// process. They may poll the stop token; after a stop, they fail with Stopped.
 struct Decode {
     template <class AnyPicture>
     using To =
@@ -38,6 +39,9 @@ struct Decode {
 
     To<Picture> grey;
     To<ColourPicture> colour;
+    std::function<Result<SurfaceContents>(std::string_view bytes, const SurfaceHeader& header,
+                                          const std::stop_token& stop)>
+        surface = {};  ///< empty where no mesh files are read
 };
 
 /// Returns decoders that run in the calling thread and ignore the stop token.

@@ -12,11 +12,17 @@
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
 #include "api/sample/threshold_mask.h"
+#include "api/surface/surface_header.h"
+#include "api/surface/surface_parser.h"
+#include "api/surface/surface_sample.h"
 
 namespace ccdt::api {
 namespace {
 
 Cost cost_within(const AnalyzeRequest& request, const Limits& /*limits*/) {
+    return cost_of(request);
+}
+Cost cost_within(const SurfaceRequest& request, const Limits& /*limits*/) {
     return cost_of(request);
 }
 Cost cost_within(const auto& request, const Limits& limits) {
@@ -46,6 +52,10 @@ Result<Answer> compute(const SampleRequest& request, const Limits& limits, const
 Result<Answer> compute(const PixelRequest& request, const Limits& limits, const Decode& decode, const Control& control,
                        Timings& timings, BodySink* sink) {
     return run_pixels(request, limits, decode, control, timings, sink);
+}
+Result<Answer> compute(const SurfaceRequest& request, const Limits& /*limits*/, const Decode& decode,
+                       const Control& control, Timings& timings, BodySink* sink) {
+    return run_surface(request, decode, control, timings, sink);
 }
 Result<Answer> compute(const AnalyzeRequest& request, const Limits& /*limits*/, const Decode& /*decode*/,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {
@@ -93,7 +103,13 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
 }
 
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
-                                           std::string_view accept, const Limits& limits) {
+                                           std::string_view accept, const Limits& limits, std::string_view media_type) {
+    if (const auto format = recognise_surface(body, media_type)) {
+        auto file = read_surface_header(body, *format, limits.max_faces).map([&](const SurfaceHeader& header) {
+            return SurfaceFile{body, header};
+        });
+        return pack(parse_surface(std::move(file), options, accept, limits), limits);
+    }
     const auto document = JsonDocument::parse(body);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();

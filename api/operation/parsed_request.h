@@ -50,10 +50,13 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits);
 
-/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON. The other parameters
-/// are those of parse_halftone_request(). Errors: those of parse_sample() and parse_pixels().
+/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, or a mesh, which is
+/// recognised by its content. The other parameters are those of parse_halftone_request().
+/// @param media_type  media type of the body, in lower case and without parameters; empty: unknown
+/// Errors: those of parse_sample(), parse_pixels() and parse_surface().
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
-                                           std::string_view accept, const Limits& limits);
+                                           std::string_view accept, const Limits& limits,
+                                           std::string_view media_type = {});
 
 /// Parses a request for an analysis of points. The body is JSON. Errors: those of parse_analyze().
 Result<ParsedPointer> parse_analyze_request(std::string_view body, std::string_view accept, const Limits& limits);

@@ -15,8 +15,8 @@ Result<void> check_stop(const std::stop_token& stop) {
     return stopped_if(stop.stop_requested());
 }
 
-Result<void> check_whole(const Distribution& distribution, OnStop on_stop) {
-    return stopped_if(distribution.stopped && on_stop == OnStop::Error);
+Result<void> check_whole(bool stopped, OnStop on_stop) {
+    return stopped_if(stopped && on_stop == OnStop::Error);
 }
 
 std::stop_token stop_of_writing(const Control& control, OnStop on_stop) {

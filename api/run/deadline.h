@@ -14,8 +14,9 @@ enum class OnStop { Error, Partial };
 /// Checks that no stop was requested. Errors: Stopped.
 Result<void> check_stop(const std::stop_token& stop);
 
-/// Checks that a distribution is complete, or that partial results are accepted. Errors: Stopped.
-Result<void> check_whole(const Distribution& distribution, OnStop on_stop);
+/// Checks that a result is complete, or that partial results are accepted. Errors: Stopped.
+/// @param stopped  whether a stop ended the computation of the result early
+Result<void> check_whole(bool stopped, OnStop on_stop);
 
 /// Returns the token that stops the writing of an answer. If partial results are accepted, no stop is ever requested
 /// for it, because the partial result must still be written.

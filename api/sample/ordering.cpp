@@ -38,7 +38,7 @@ std::vector<std::uint32_t> progressive(const SampleRequest& request, const Domai
 /// Checks that the ordering was not stopped, unless partial results are accepted.
 Result<void> check_order(const SampleRequest& request, Distribution& points, const std::stop_token& stop) {
     points.stopped = points.stopped || stop.stop_requested();
-    return check_whole(points, request.on_deadline);
+    return check_whole(points.stopped, request.on_deadline);
 }
 
 /// Orders the dots of each group along a short path.

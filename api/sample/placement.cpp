@@ -142,7 +142,7 @@ Result<PlacedPoints> place_points(const SampleRequest& request, const SampleArea
     if (!placed) return tl::unexpected(located(request, area, placed.error()));
     const auto stop = stop_of_writing(control, request.on_deadline);
     for (ClassDots& each : placed->classes) {
-        auto arranged = check_whole(each.dots, request.on_deadline);
+        auto arranged = check_whole(each.dots.stopped, request.on_deadline);
         if (arranged && request.counts) {
             for (std::uint32_t& feature : each.feature_of) feature = area.numbers[feature];
         } else if (arranged && request.features) {

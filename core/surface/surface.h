@@ -13,6 +13,7 @@
 
 #include "core/geometry/point3.h"
 #include "core/result.h"
+#include "core/surface/surface_note.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt {
@@ -24,13 +25,6 @@ struct SurfacePoint {
     std::array<double, 3> weights{1, 0, 0};
 };
 
-/// A change that made triangles a surface, or a property of the triangles that users should know.
-struct SurfaceNote {
-    std::string detail;            ///< what was changed or found, and how often
-    std::size_t count = 0;         ///< number of triangles, vertices or edges concerned
-    std::optional<std::uint32_t> triangle = {};  ///< first triangle concerned, an index into TriangleSoup::triangles
-};
-
 /// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form
 /// one fan. Neighbouring triangles have the same orientation. A surface may have borders and several components.
 /// Coordinates are in the unit frame: translated and scaled such that the longest side of the bounding box is 1.
@@ -39,19 +33,20 @@ struct SurfaceNote {
 class Surface {
 public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    static constexpr int kMaxSteps = 1 << 14;  ///< largest number of edges that trace() crosses
 
     struct Made;  ///< a surface, with the repairs that were necessary
 
-    /// Makes a surface of triangles. Merges vertices at the same position, removes triangles without area and repeated
-    /// triangles, turns triangles so that neighbours have the same orientation, and cuts the surface where more than
-    /// two triangles share an edge or several fans share a vertex.
+    /// Makes a surface of triangles, repaired by connect_triangles(). Vertices that no triangle uses are ignored.
     /// @param crease  angle between the normals of two faces, in radians, above which their common edge counts as a
     ///                crease; none: no edge does
     /// @param stop    polled regularly
     ///
-    /// Errors: Unusable if a coordinate is not finite (the field is "vertices/N"), if no triangle has an area, or if the
-    /// extent is so small relative to the coordinates that positions coincide; Stopped. Deterministic.
-    static Result<Made> create(const TriangleSoup& soup, std::optional<double> crease, const std::stop_token& stop = {});
+    /// Errors: Unusable if a coordinate is not finite (the field is "vertices/N"), if no triangle has an area, or if
+    /// the extent is too large, or so small relative to the coordinates that positions coincide; LimitExceeded if there
+    /// are more than 2^30 triangles; Stopped. Deterministic. O(n log n).
+    static Result<Made> create(const TriangleSoup& soup, std::optional<double> crease,
+                               const std::stop_token& stop = {});
 
     Surface(Surface&&) noexcept;
     Surface& operator=(Surface&&) noexcept;
@@ -72,7 +67,8 @@ public:
     }
     double area(std::uint32_t face) const { return faces_[face].area; }
     double total_area() const { return total_area_; }
-    Point3 normal(std::uint32_t face) const { return faces_[face].normal; }  ///< unit length
+    /// Normal of unit length. Faces without area have the normal of the neighbour at their longest edge.
+    Point3 normal(std::uint32_t face) const { return faces_[face].normal; }
     /// Mean normal of the faces around a vertex, weighted by their angles. Unit length.
     Point3 vertex_normal(std::uint32_t vertex) const { return normals_[vertex]; }
     /// Connected component of a face: faces are connected by edges that are neither borders nor creases.
@@ -109,18 +105,28 @@ public:
 
 private:
     struct Tree;
+    struct Walk;
     struct Face {
         std::array<std::uint32_t, 3> corners{};
         std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};
         std::uint32_t triangle = 0;
         std::uint32_t component = 0;
-        std::uint8_t creases = 0;
-        std::uint8_t order = 0;
+        std::uint8_t creases = 0;  ///< bit i is set if edge i is a crease
+        bool turned = false;       ///< whether the last two corners of the triangle were swapped
         double area = 0;
         Point3 normal;
     };
 
     Surface();
+
+    Point3 edge_vector(std::uint32_t face, std::uint32_t side) const {
+        const auto& corners = faces_[face].corners;
+        return vertices_[corners[side == 2 ? 0 : side + 1]] - vertices_[corners[side]];
+    }
+    void measure_faces(const std::vector<std::uint8_t>& flat);
+    void mark_creases(std::optional<double> crease);
+    void number_components();
+    void compute_vertex_normals();
 
     std::vector<Point3> vertices_;
     std::vector<Point3> normals_;

@@ -10,6 +10,7 @@
 #include "api/input/negotiation.h"
 #include "api/output/formats.h"
 #include "api/sample/pixel_formats.h"
+#include "api/surface/surface_formats.h"
 #include "api/text/text.h"
 #include "server/cli/api_schema.h"
 
@@ -24,7 +25,7 @@ Formats joined(Formats first, const Formats& second) {
 }
 
 constexpr auto kHalftoneSchemas = std::to_array<std::string_view>({"HalftoneOptions", "DeviceOptions"});
-constexpr auto kSampleSchemas = std::to_array<std::string_view>({"SampleRequest", "PixelRequest"});
+constexpr auto kSampleSchemas = std::to_array<std::string_view>({"SampleRequest", "PixelRequest", "SurfaceOptions"});
 constexpr auto kAnalyzeSchemas = std::to_array<std::string_view>({"AnalyzeRequest"});
 
 constexpr auto kHalftoneExamples = std::to_array<std::string_view>({
@@ -39,6 +40,8 @@ constexpr auto kSampleExamples = std::to_array<std::string_view>({
     "ccdt sample districts.zip --sites people --per 500 --properties name -o dots.geojson",
     R"(ccdt sample --domain '{"type":"torus","width":1,"height":1}' --sites 1000 -o points.csv)",
     "ccdt sample --polygon @shape.json --density @weights.png --sites 1000 -o dots.svg",
+    "ccdt sample bunny.obj --sites 4000 -o points.ply",
+    "ccdt sample bunny.obj --sites 4000 --mesh -o remeshed.glb",
 });
 constexpr auto kAnalyzeExamples = std::to_array<std::string_view>({
     "ccdt analyze points.csv -o spectrum.svg",
@@ -51,11 +54,15 @@ const std::array kCommands = {
             "applied.",
             kHalftoneExamples, kHalftoneSchemas,
             [] { return joined(api::files_of(api::halftone_formats()), api::files_of(api::device_formats())); }},
-    Command{"sample", "spread points evenly in areas", "[MAP...] [OPTION]...",
-            "A MAP is a GeoJSON or TopoJSON document, a zip archive with a shapefile of polygons, or the JSON of a "
-            "request to the service. Without a MAP, an option gives the area: --domain, --polygon or --geometry.",
+    Command{"sample", "spread points evenly in areas and on surfaces", "[FILE...] [OPTION]...",
+            "A FILE is a map: a GeoJSON or TopoJSON document, a zip archive with a shapefile of polygons, or the JSON "
+            "of a request to the service; or a mesh: an STL, OBJ, PLY, OFF, GLB, or glTF file with embedded buffers. "
+            "Without a FILE, an option gives the area: --domain, --polygon or --geometry.",
             kSampleExamples, kSampleSchemas,
-            [] { return joined(api::files_of(api::sample_formats()), api::files_of(api::pixel_formats())); }},
+            [] {
+                return joined(joined(api::files_of(api::sample_formats()), api::files_of(api::pixel_formats())),
+                              api::files_of(api::surface_formats()));
+            }},
     Command{
         "analyze", "measure how evenly points are spread", "[POINTS...] [OPTION]...",
         "POINTS is a CSV file with the columns x and y, an NPY file with an array of at least two columns, a JSON "
@@ -134,7 +141,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Area", " domain polygon holes geometry object coordinates invalid buffer avoid exclude "},
     {"Dots", " sites minutes per classes properties density fixed sets dot dots tone detail levels invert "},
     {"Colour", " color palette foreground background layers "},
-    {"Placement", " method quality iterations passes tolerance order mesh seed "},
+    {"Placement", " method quality iterations passes tolerance crease order mesh seed "},
     {"Analysis", " max-frequency spectrum "},
     {"Format and size", " format multipoint width height scale fit antialias width-mm "},
     {"Plotters", " style pen speed dwell pen-down pen-up "},

@@ -32,6 +32,9 @@ api::Decode Decoding::functions() {
             },
             [this](std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
                 return start().and_then([&] { return client_->decode_colour(bytes, reading, stop); });
+            },
+            [this](std::string_view bytes, const api::SurfaceHeader& header, const std::stop_token& stop) {
+                return start().and_then([&] { return client_->read_surface(bytes, header, stop); });
             }};
 }
 

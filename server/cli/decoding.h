@@ -10,7 +10,8 @@
 
 namespace ccdt::server {
 
-/// Decodes pictures and shapefiles in ccdt-decoder, which is started when it is first needed and ends with this object.
+/// Decodes pictures, shapefiles and mesh files in ccdt-decoder, which is started when it is first needed and ends with
+/// this object.
 class Decoding {
 public:
     Decoding() = default;

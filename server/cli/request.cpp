@@ -9,6 +9,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/input/negotiation.h"
 #include "api/json/json_document.h"
+#include "api/surface/surface_header.h"
 #include "api/text/base64.h"
 #include "api/text/numbers.h"
 #include "api/text/text.h"
@@ -106,7 +107,8 @@ std::vector<const api::FileFormat*> formats_of(const Command& command, const Arg
 
 Result<ApiRequest> build_request(const Command& command, const Arguments& arguments, const std::string* input,
                                  std::string_view accept) {
-    if (input != nullptr && takes_query(arguments) && command.name != "analyze") {
+    const bool is_mesh = input != nullptr && command.name == "sample" && api::recognise_surface(*input);
+    if (input != nullptr && (is_mesh || takes_query(arguments)) && command.name != "analyze") {
         ApiRequest request{*input, {}, std::string(accept)};
         for (const auto& [option, value] : arguments.given) request.options.push_back({option->member, value});
         return request;

@@ -137,6 +137,12 @@ tl::unexpected<Error> describe(const NoReply& none, const std::string& what) {
     return failure(ErrorCode::Unavailable, "the decoder has ended, and was not restarted in time");
 }
 
+/// Returns the subject of error messages about a file.
+std::string subject_of(Order::Product product) {
+    if (product == Order::Product::Map) return "the shapefile";
+    return product == Order::Product::Surface ? "the mesh" : "the image";
+}
+
 /// Sends orders to decode a file until there is a reply. Repeats an order only if it was lost because its helper ended.
 /// @param longest_wait  see DecoderClient::kLongestWait
 /// @param deaths        counts children that crashed, exceeded a limit or wrote an invalid reply
@@ -157,7 +163,7 @@ ResultOf<Reply> decode_by(const DecoderClient::PassOrder& pass_order, std::strin
         if (!retry_until) retry_until = Clock::now() + longest_wait;
         // The file does not cause the end of the helper, so the order is repeated.
         if (reason != Reason::OrderLost || Clock::now() > *retry_until)
-            return describe(reply.error(), text.product == Order::Product::Map ? "the shapefile" : "the image");
+            return describe(reply.error(), subject_of(text.product));
     }
 }
 
@@ -171,6 +177,13 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels) {
     if (!header) return {kMemory, kTime};
     const std::chrono::milliseconds for_pixels(header->pixels() / kPixelsPerMillisecond);
     return {header->decoder_bytes, kTime + std::chrono::ceil<std::chrono::seconds>(for_pixels)};
+}
+
+DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header) {
+    constexpr std::chrono::seconds kTime{10};
+    constexpr std::size_t kBytesPerMillisecond = 4000;
+    const std::chrono::milliseconds for_bytes(file.size() / kBytesPerMillisecond);
+    return {static_cast<std::size_t>(header.decoder_bytes), kTime + std::chrono::ceil<std::chrono::seconds>(for_bytes)};
 }
 
 DecoderLimits shapefile_limits(std::size_t max_bytes) {
@@ -212,12 +225,25 @@ Result<std::string> DecoderClient::read_shapefile(std::string_view archive, cons
     return decode_by<ReplyText>(pass_order_, archive, text, stop, longest_wait_, deaths_);
 }
 
+Result<api::SurfaceContents> DecoderClient::read_surface(std::string_view bytes, const api::SurfaceHeader& header,
+                                                         const std::stop_token& stop) {
+    Order::Text text;
+    text.max_size = ReplySurface::max_bytes(header);
+    text.product = Order::Product::Surface;
+    text.surface = header;
+    text.limits = surface_limits(bytes, header);
+    return decode_by<ReplySurface>(pass_order_, bytes, text, stop, longest_wait_, deaths_);
+}
+
 api::Decode DecoderClient::functions() {
     return {[this](std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
                 return decode(bytes, reading, stop);
             },
             [this](std::string_view bytes, const api::Reading& reading, const std::stop_token& stop) {
                 return decode_colour(bytes, reading, stop);
+            },
+            [this](std::string_view bytes, const api::SurfaceHeader& header, const std::stop_token& stop) {
+                return read_surface(bytes, header, stop);
             }};
 }
 

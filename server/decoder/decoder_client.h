@@ -13,6 +13,7 @@
 
 #include "api/image/image_codec.h"
 #include "api/map/shapefile_parts.h"
+#include "api/surface/surface_reader.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 #include "server/decoder/decoder_sandbox.h"
@@ -30,8 +31,12 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 /// @param max_bytes  see api::ShapefileReading
 DecoderLimits shapefile_limits(std::size_t max_bytes);
 
-/// Sends pictures and shapefiles to a DecoderSupervisor, which may belong to another process, and returns the decoded
-/// results. May be used from any thread.
+/// Returns the limits for reading a mesh file: the memory in its header, and a processor time that suffices on a slow
+/// machine.
+DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header);
+
+/// Sends pictures, shapefiles and mesh files to a DecoderSupervisor, which may belong to another process, and returns
+/// the decoded results. May be used from any thread.
 class DecoderClient {
 public:
     using LimitsOf = std::function<DecoderLimits(std::string_view file, std::size_t max_pixels)>;
@@ -62,7 +67,12 @@ public:
     Result<std::string> read_shapefile(std::string_view archive, const api::ShapefileReading& reading,
                                        const std::stop_token& stop);
 
-    /// Returns decode() and decode_colour() as functions for api. The client must outlive these functions.
+    /// Reads a mesh file. Errors: those of api::read_surface, and those of decode() except errors of picture readers.
+    Result<api::SurfaceContents> read_surface(std::string_view bytes, const api::SurfaceHeader& header,
+                                              const std::stop_token& stop);
+
+    /// Returns decode(), decode_colour() and read_surface() as functions for api. The client must outlive these
+    /// functions.
     api::Decode functions();
 
     /// Number of children so far that crashed, exceeded a limit or wrote an invalid reply.

@@ -127,6 +127,8 @@ private:
                 decode(*std::move(order), decoder_.colour);
             case Order::Product::Map:
                 decode_map(*std::move(order));
+            case Order::Product::Surface:
+                decode_surface(*std::move(order));
         }
         _exit(kFailed);
     }
@@ -156,6 +158,13 @@ private:
             reply.write(decoder_.map(bytes, {text.object.data(), max_bytes},
                                      [&reply](std::string_view piece) { return reply.append(piece); }));
             return true;
+        });
+    }
+
+    [[noreturn]] void decode_surface(Order order) const {
+        ReplySurface reply(order.reply, static_cast<std::size_t>(order.text.max_size));
+        carry_out(std::move(order), reply, [&](std::string_view bytes, const Order::Text& text) {
+            return decoder_.surface && reply.write(decoder_.surface(bytes, text.surface));
         });
     }
 

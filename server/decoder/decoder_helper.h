@@ -7,6 +7,7 @@
 
 #include "api/image/image_codec.h"
 #include "api/map/shapefile_reader.h"
+#include "api/surface/surface_reader.h"
 #include "server/processes/unique_fd.h"
 
 namespace ccdt::server {
@@ -21,10 +22,15 @@ struct Decoder {
     using ToMap = std::function<Result<void>(std::string_view archive, const api::ShapefileReading& reading,
                                              const api::TakeText& take)>;
 
+    /// Signature of api::read_surface.
+    using ToSurface =
+        std::function<Result<api::SurfaceContents>(std::string_view file, const api::SurfaceHeader& header)>;
+
     To<Picture> grey;               ///< normally api::decode_image
     To<ColourPicture> colour;       ///< normally api::decode_colour_image
     std::function<void()> warm_up;  ///< initialises libraries before the first file; may be empty
     ToMap map = {};                 ///< empty: orders for shapefiles fail
+    ToSurface surface = {};         ///< empty: orders for meshes fail
 };
 
 /// Turns the calling process into the parent of the helper. The helper receives orders, and forks a sandboxed child for

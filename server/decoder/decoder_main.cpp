@@ -6,6 +6,7 @@
 #include "api/image/decoder_warm_up.h"
 #include "api/image/image_codec.h"
 #include "api/map/shapefile_reader.h"
+#include "api/surface/surface_reader.h"
 #include "server/decoder/decoder_helper.h"
 #include "server/processes/child_program.h"
 
@@ -17,6 +18,6 @@ int main() {
         std::fputs("ccdt-decoder: ccdt-server starts this program\n", stderr);
         return 2;
     }
-    server::run_decoder_helper(
-        std::move(orders), {api::decode_image, api::decode_colour_image, api::warm_up_decoder, api::read_shapefile});
+    server::run_decoder_helper(std::move(orders), {api::decode_image, api::decode_colour_image, api::warm_up_decoder,
+                                                   api::read_shapefile, api::read_surface});
 }

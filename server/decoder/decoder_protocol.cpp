@@ -5,7 +5,9 @@
 #include <array>
 #include <cstring>
 #include <new>
+#include <span>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <fcntl.h>
@@ -25,14 +27,16 @@ constexpr std::size_t kHeadSize = 4096;
 
 /// The beginning of a reply. The message and the field name of an error follow it.
 struct ReplyHead {
-    std::uint32_t is_product = 0;  ///< 1: picture or text; 0: error
+    std::uint32_t is_product = 0;  ///< 1: picture, text or mesh; 0: error
     std::uint32_t code = 0;        ///< for an error
     std::uint64_t message_size = 0;
     std::int32_t width = 0;  ///< for a picture, like `height` and `has_alpha`
     std::int32_t height = 0;
     std::uint32_t has_alpha = 0;
     std::uint64_t field_size = 0;
-    std::uint64_t text_size = 0;  ///< for a text
+    std::uint64_t text_size = 0;           ///< for a text
+    std::array<std::uint64_t, 4> sizes{};  ///< for a mesh: sizes of its arrays, as in arrays_of()
+    std::uint64_t ignored = 0;             ///< for a mesh
 };
 static_assert(sizeof(ReplyHead) + kLongestMessage + kLongestField <= kHeadSize);
 
@@ -90,6 +94,22 @@ auto planes_of(AnyPicture& picture) {
     } else {
         return std::array{&picture.red, &picture.green, &picture.blue, &picture.alpha};
     }
+}
+
+/// Arrays of a mesh, in the order in which a reply contains them.
+template <class Soup>
+auto arrays_of(Soup& soup) {
+    return std::tie(soup.vertices, soup.colours, soup.texture, soup.triangles);
+}
+
+/// Whether the arrays of a mesh fit together and all indices are valid.
+bool is_consistent(const TriangleSoup& soup) {
+    const std::size_t vertices = soup.vertices.size();
+    const auto may_have = [vertices](const auto& array) { return array.empty() || array.size() == vertices; };
+    return may_have(soup.colours) && may_have(soup.texture) && !soup.triangles.empty() &&
+           std::ranges::all_of(soup.triangles, [vertices](const std::array<std::uint32_t, 3>& corners) {
+               return std::ranges::all_of(corners, [vertices](std::uint32_t corner) { return corner < vertices; });
+           });
 }
 
 }  // namespace
@@ -221,6 +241,70 @@ std::optional<Result<std::string>> ReplyText::read() const {
     if (head.text_size > max_bytes_) return std::nullopt;
     return std::string(reinterpret_cast<const char*>(memory_.get()) + kHeadSize,
                        static_cast<std::size_t>(head.text_size));
+}
+
+std::size_t ReplySurface::max_bytes(const api::SurfaceHeader& header) {
+    using Soup = TriangleSoup;
+    constexpr std::size_t kVertex = sizeof(Soup::vertices[0]) + sizeof(Soup::colours[0]) + sizeof(Soup::texture[0]);
+    return static_cast<std::size_t>(header.max_vertices) * kVertex +
+           static_cast<std::size_t>(header.max_triangles) * sizeof(Soup::triangles[0]);
+}
+
+UniqueFd ReplySurface::make_file(std::size_t max_bytes) {
+    return make_reply_file(size(max_bytes));
+}
+
+std::size_t ReplySurface::size(std::size_t max_bytes) {
+    return kHeadSize + max_bytes;
+}
+
+ReplySurface::ReplySurface(const UniqueFd& file, std::size_t max_bytes)
+    : max_bytes_(max_bytes), memory_(map_reply(file, size(max_bytes))) {}
+
+bool ReplySurface::write(const Result<api::SurfaceContents>& result) {
+    ReplyHead head;
+    if (result) {
+        const auto arrays = arrays_of(result->soup);
+        std::size_t used = 0;
+        const auto append = [&](const auto& array) {
+            const auto bytes = std::as_bytes(std::span(array));
+            if (bytes.size() > max_bytes_ - used) return false;
+            if (!bytes.empty()) std::memcpy(memory_.get() + kHeadSize + used, bytes.data(), bytes.size());
+            used += bytes.size();
+            return true;
+        };
+        if (!std::apply([&](const auto&... array) { return (append(array) && ...); }, arrays)) return false;
+        head.is_product = 1;
+        head.sizes =
+            std::apply([](const auto&... array) { return std::array{std::uint64_t{array.size()}...}; }, arrays);
+        head.ignored = result->ignored;
+    } else {
+        write_error(result.error(), head, memory_.get());
+    }
+    std::memcpy(memory_.get(), &head, sizeof(head));
+    return true;
+}
+
+std::optional<Result<api::SurfaceContents>> ReplySurface::read() const {
+    ReplyHead head;
+    std::memcpy(&head, memory_.get(), sizeof(head));
+    if (head.is_product == 0) return read_error(head, memory_.get());
+    api::SurfaceContents contents;
+    contents.ignored = static_cast<std::size_t>(head.ignored);
+    std::size_t used = 0;
+    const auto take = [&](auto& array, std::uint64_t size) {
+        if (size > (max_bytes_ - used) / sizeof(array[0])) return false;
+        array.resize(static_cast<std::size_t>(size));
+        const auto bytes = std::as_writable_bytes(std::span(array));
+        if (!bytes.empty()) std::memcpy(bytes.data(), memory_.get() + kHeadSize + used, bytes.size());
+        used += bytes.size();
+        return true;
+    };
+    const bool fits =
+        std::apply([&, i = std::size_t{0}](auto&... array) mutable { return (take(array, head.sizes[i++]) && ...); },
+                   arrays_of(contents.soup));
+    if (!fits || !is_consistent(contents.soup)) return std::nullopt;
+    return contents;
 }
 
 }  // namespace ccdt::server

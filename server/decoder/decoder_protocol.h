@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "api/surface/surface_reader.h"
 #include "core/halftone/picture.h"
 #include "core/result.h"
 #include "server/decoder/decoder_confinement.h"
@@ -28,24 +29,25 @@ struct Hello {
 
 /// Message from the server to the helper: a file to decode.
 struct Order {
-    /// Type of the result: a Picture, a ColourPicture, or the GeoJSON of a shapefile.
-    enum class Product : std::uint32_t { Grey, Colour, Map };
+    /// Type of the result: a Picture, a ColourPicture, the GeoJSON of a shapefile, or the triangles of a mesh.
+    enum class Product : std::uint32_t { Grey, Colour, Map, Surface };
 
     /// Maximum length of a shapefile's name, in bytes.
     static constexpr std::size_t kLongestName = 1000;
 
     struct Text {
         std::uint64_t bytes = 0;     ///< size of the file
-        std::uint64_t max_size = 0;  ///< maximum number of pixels of the picture or bytes of the map
+        std::uint64_t max_size = 0;  ///< maximum number of pixels of the picture, or of bytes of the map or the mesh
         Product product = Product::Grey;
         std::int32_t reduce = 1;                         ///< as in api::Reading
         std::array<char, kLongestName + 1> object = {};  ///< as in api::ShapefileReading; padded with zeros
+        api::SurfaceHeader surface = {};                 ///< for a mesh
         std::int64_t patience_ms = 0;                    ///< maximum wait for a helper, in milliseconds
         DecoderLimits limits;
     };
     Text text;
     UniqueFd file;
-    UniqueFd reply;    ///< memory made by ReplyMemory or ReplyText
+    UniqueFd reply;    ///< memory made by ReplyMemory, ReplyText or ReplySurface
     UniqueFd outcome;  ///< socket for Outcomes; when its other end is closed, the child is ended
 
     using Files = std::array<UniqueFd, 3>;
@@ -135,6 +137,35 @@ public:
 private:
     std::size_t max_bytes_;
     std::size_t used_ = 0;
+    std::shared_ptr<std::byte> memory_;
+};
+
+/// A child's reply that is a mesh, in memory shared with the server.
+class ReplySurface {
+public:
+    /// Returns the largest size of the arrays of a mesh, in bytes.
+    static std::size_t max_bytes(const api::SurfaceHeader& header);
+
+    /// Creates the shared memory, like ReplyMemory::make_file.
+    static UniqueFd make_file(std::size_t max_bytes);
+
+    /// Maps the memory. After a failure, the object converts to false.
+    ReplySurface(const UniqueFd& file, std::size_t max_bytes);
+    explicit operator bool() const { return memory_ != nullptr; }
+
+    static std::size_t size(std::size_t max_bytes);
+
+    /// Writes a result. Called by the child.
+    /// @returns  false if the arrays do not fit
+    bool write(const Result<api::SurfaceContents>& result);
+
+    /// Reads the result. Called by the server. Copies the arrays, because the child could still change them. The
+    /// indices of the triangles are valid. Other values are not checked.
+    /// @returns  none if the reply is invalid
+    std::optional<Result<api::SurfaceContents>> read() const;
+
+private:
+    std::size_t max_bytes_;
     std::shared_ptr<std::byte> memory_;
 };
 

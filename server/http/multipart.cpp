@@ -26,9 +26,10 @@ bool is_boundary(std::string_view text) {
            std::ranges::all_of(text, is_allowed);
 }
 
-/// Finds the name in the Content-Disposition of a part.
-HttpResult<std::string> part_name(std::string_view headers) {
+/// Finds the name, and whether there is a file name, in the Content-Disposition of a part.
+HttpResult<FormPart> part_name(std::string_view headers) {
     std::optional<std::string> name;
+    bool is_file = false;
     while (!headers.empty()) {
         const auto line = api::take_until(headers, kLineEnd);
         const auto colon = line.find(':');
@@ -36,9 +37,10 @@ HttpResult<std::string> part_name(std::string_view headers) {
             continue;
         if (name) return problem(400, "a part of the form has more than one Content-Disposition");
         name = header_parameter(line.substr(colon + 1), "name");
+        is_file = !header_parameter(line.substr(colon + 1), "filename").empty();
     }
     if (!name || name->empty()) return problem(400, "a part of the form has no name, or more than one");
-    return *std::move(name);
+    return FormPart{*std::move(name), 0, 0, is_file};
 }
 
 /// Finds the beginning of the content of a part, after its headers.
@@ -77,11 +79,13 @@ HttpResult<std::vector<FormPart>> parse_multipart(std::string_view body, std::st
         if (parts.size() == kMaxParts) return problem(400, "the form has more than 1000 parts");
         const auto begin = skip_headers(body, at);
         if (!begin) return tl::unexpected(begin.error());
-        auto name = part_name(body.substr(at, *begin - at));
-        if (!name) return tl::unexpected(name.error());
+        auto part = part_name(body.substr(at, *begin - at));
+        if (!part) return tl::unexpected(part.error());
         const auto end = body.find(delimiter, *begin);
         if (end == std::string_view::npos) return truncated();
-        parts.push_back({*std::move(name), *begin, end - *begin});
+        part->begin = *begin;
+        part->size = end - *begin;
+        parts.push_back(*std::move(part));
         at = end + delimiter.size();
     }
     return parts;

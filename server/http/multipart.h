@@ -15,6 +15,7 @@ struct FormPart {
     std::string name;
     std::size_t begin = 0;
     std::size_t size = 0;
+    bool is_file = false;  ///< whether the field has a file name
 
     std::string_view content(std::string_view body) const { return body.substr(begin, size); }
 };

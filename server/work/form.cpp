@@ -9,12 +9,14 @@
 namespace ccdt::server {
 namespace {
 
+constexpr std::string_view kFile = "file";  ///< name of a field that is the body, whatever its kind
+
 bool is_form(const ComputeRequest& request) {
     return media_type(request.content_type) == "multipart/form-data";
 }
 
 bool is_body(const FormPart& field, std::string_view part) {
-    return field.name == part || field.name == "file";
+    return field.name == part || field.name == kFile;
 }
 
 Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::string_view part) {
@@ -34,9 +36,12 @@ Result<const FormPart*> find_body(const std::vector<FormPart>& fields, std::stri
 
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request) {
     if (!is_form(request)) return {};
-    return parse_multipart(request.body, request.content_type).map_error([](Problem problem) {
-        return Error{ErrorCode::Malformed, std::move(problem.error.message), {}};
-    });
+    auto fields = parse_multipart(request.body, request.content_type);
+    if (!fields) return failure(ErrorCode::Malformed, std::move(fields.error().error.message));
+    for (FormPart& field : *fields) {
+        if (field.name == "mesh" && field.is_file) field.name = kFile;
+    }
+    return *std::move(fields);
 }
 
 Result<void> take_apart(ComputeRequest& request, const std::vector<FormPart>& fields, std::string_view part) {

@@ -10,7 +10,8 @@
 
 namespace ccdt::server {
 
-/// Finds the fields of a request whose content type is multipart/form-data.
+/// Finds the fields of a request whose content type is multipart/form-data. A field `mesh` with a file name is a mesh
+/// and gets the name `file`; without a file name, it is the option `mesh`.
 /// @returns  empty if the body is not a form
 /// Errors (Malformed): those of parse_multipart.
 Result<std::vector<FormPart>> find_fields(const ComputeRequest& request);

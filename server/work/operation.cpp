@@ -6,6 +6,7 @@
 
 #include "api/map/shapefile_reader.h"
 #include "api/sample/sample_cost.h"
+#include "api/surface/surface_header.h"
 #include "api/text/text.h"
 #include "server/http/http.h"
 
@@ -37,6 +38,15 @@ bool holds_json(const ComputeRequest& request) {
     return is_json(type) || (may_hold_json(type) && api::trim(request.body, " \t\r\n").starts_with('{'));
 }
 
+/// Whether the body may be a mesh, according to its content type alone.
+bool is_mesh(std::string_view type) {
+    return api::recognise_surface({}, type).has_value();
+}
+
+bool holds_mesh(const Operation& operation, const ComputeRequest& request) {
+    return operation.takes_shapes && api::recognise_surface(request.body, media_type(request.content_type));
+}
+
 bool reads_json(const Operation& operation, const ComputeRequest& request) {
     return !operation.takes_pictures || holds_json(request);
 }
@@ -49,7 +59,8 @@ Result<api::ParsedPointer> parse_halftone(const ComputeRequest& request, const a
 }
 
 Result<api::ParsedPointer> parse_sample(const ComputeRequest& request, const api::Limits& limits) {
-    return api::parse_sample_request(request.body, parse_query(request.query), request.accept, limits);
+    return api::parse_sample_request(request.body, parse_query(request.query), request.accept, limits,
+                                     media_type(request.content_type));
 }
 
 Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits) {
@@ -59,9 +70,11 @@ Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const ap
 Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);
-    const bool is_taken = may_hold_json(type) || (operation.takes_shapefiles && is_zip(type)) ||
+    const bool is_taken = may_hold_json(type) || (operation.takes_shapes && (is_zip(type) || is_mesh(type))) ||
                           (!operation.form_part.empty() && type == "multipart/form-data");
-    const std::string others = operation.takes_shapefiles ? ", application/zip or multipart/form-data" : "";
+    const std::string others = operation.takes_shapes
+                                   ? ", application/zip, the type of a mesh, such as model/obj, or multipart/form-data"
+                                   : "";
     if (!is_taken)
         return failure(ErrorCode::Unsupported, "the body must be application/json" + others + ", not " + type);
     if (!operation.takes_query && !request.query.empty())
@@ -70,19 +83,24 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
 }
 
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request) {
-    if (!operation.takes_shapefiles) return false;
+    if (!operation.takes_shapes) return false;
     const std::string type = media_type(request.content_type);
     return is_zip(type) || (may_hold_json(type) && request.body.starts_with(api::kZipSignature));
 }
 
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request) {
-    return !reads_json(operation, request) || request.body.size() <= kQuickToParse;
+    return !reads_json(operation, request) || request.body.size() + request.query.size() <= kQuickToParse;
 }
 
 api::Cost cost_of_parsing(const Operation& operation, const ComputeRequest& request) {
-    if (reads_json(operation, request)) return api::cost_of_parsing(request.body);
     constexpr double kSecondsPerByte = 1e-9;
-    return {0, static_cast<double>(request.body.size()) * kSecondsPerByte};
+    const double seconds = static_cast<double>(request.body.size()) * kSecondsPerByte;
+    if (!reads_json(operation, request)) return {0, seconds};
+    if (!holds_mesh(operation, request)) return api::cost_of_parsing(request.body);
+    // Densities and fixed points are lists in JSON. Each value follows one of these characters.
+    constexpr std::size_t kBytesPerValue = 64;
+    const auto values = std::ranges::count_if(request.query, [](char c) { return c == ',' || c == '[' || c == '%'; });
+    return {2 * request.query.size() + kBytesPerValue * static_cast<std::size_t>(values), seconds};
 }
 
 api::Cost cost_of_answering(const Operation& operation, const ComputeRequest& request,

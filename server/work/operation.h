@@ -16,7 +16,7 @@ namespace ccdt::server {
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
-    bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies and converts them to JSON
+    bool takes_shapes;      ///< accepts meshes as bodies, and zipped shapefiles, which are converted to JSON
     bool takes_query;       ///< accepts options in the query
     /// Name of the form field that becomes the body; a field named `file` is accepted, too. Empty: forms are refused.
     std::string_view form_part;
@@ -49,7 +49,8 @@ Result<void> check(const Operation& operation, const ComputeRequest& request);
 /// Whether the body is a zipped shapefile. Only the decoder process may read such a body.
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
-/// Whether the thread of a connection may parse the request without a noticeable delay: JSON up to 8 KiB, or a picture.
+/// Whether the thread of a connection may parse the request without a noticeable delay: JSON or a mesh of up to 8 KiB,
+/// with its options, or a picture.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
 /// Estimates the cost of parsing.

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/surface/distribute.h"
+#include "core/surface/surface.h"
+#include "core/surface/triangle_soup.h"
+
+namespace ccdt::api {
+
+/// Points that are placed on the surface of a mesh. They can be written in several formats.
+struct PlacedSurface {
+    TriangleSoup soup;  ///< triangles of the file
+    Surface surface;    ///< surface that was made of the triangles
+    std::vector<SurfaceNote> repairs;
+    std::vector<SurfaceNote> warnings;
+    SurfaceDistribution dots;
+    std::uint64_t seed = 0;
+    double elapsed = 0;  ///< computing time so far, milliseconds
+
+    std::size_t size() const { return dots.points.size(); }
+    bool has_colours() const { return !soup.colours.empty(); }
+    bool has_texture() const { return !soup.texture.empty(); }
+
+    /// Index of the triangle of the file in which point i lies.
+    std::uint32_t face(std::size_t i) const { return surface.triangle_of(dots.points[i].face); }
+
+    /// Barycentric coordinates of point i in this triangle.
+    std::array<double, 3> weights(std::size_t i) const { return surface.original_weights(dots.points[i]); }
+
+    /// Position of point i in the coordinates of the file.
+    Point3 place(std::size_t i) const {
+        const auto [u, v, w] = weights(i);
+        const auto& [a, b, c] = soup.triangles[face(i)];
+        return u * soup.vertices[a] + v * soup.vertices[b] + w * soup.vertices[c];
+    }
+
+    /// Normal of the surface at point i; unit length.
+    Point3 normal(std::size_t i) const { return surface.smooth_normal(dots.points[i]); }
+
+    /// Colour at point i in linear light. The file must have colours.
+    std::array<float, 3> colour(std::size_t i) const { return interpolated(soup.colours, i); }
+
+    /// Texture coordinates at point i. The file must have them.
+    std::array<float, 2> texture(std::size_t i) const { return interpolated(soup.texture, i); }
+
+private:
+    /// @param values  [vertices] values at the vertices of the file
+    template <std::size_t kSize>
+    std::array<float, kSize> interpolated(const std::vector<std::array<float, kSize>>& values, std::size_t i) const {
+        const auto weights_of = weights(i);
+        const auto& corners = soup.triangles[face(i)];
+        std::array<float, kSize> value{};
+        for (std::size_t k = 0; k < kSize; ++k) {
+            double sum = 0;
+            for (std::size_t corner = 0; corner < corners.size(); ++corner)
+                sum += weights_of[corner] * static_cast<double>(values[corners[corner]][k]);
+            value[k] = static_cast<float>(sum);
+        }
+        return value;
+    }
+};
+
+}  // namespace ccdt::api

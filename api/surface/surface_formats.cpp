@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/surface/surface_formats.h"
+
+#include <string_view>
+#include <vector>
+
+#include "api/image/srgb.h"
+#include "api/json/json_document.h"
+#include "api/output/json_pieces.h"
+#include "api/output/npy_header.h"
+#include "api/surface/surface_files.h"
+#include "api/text/numbers.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::size_t kStopStride = 4'096;  ///< points between two checks of the stop token
+
+/// Column of a table of points.
+struct Column {
+    std::string_view name;
+    bool is_whole = false;  ///< whether all values are integers
+};
+
+std::vector<Column> columns_of(const PlacedSurface& placed) {
+    std::vector<Column> columns = {{"x"}, {"y"}, {"z"}, {"face", true}, {"u"}, {"v"}, {"w"}, {"nx"}, {"ny"}, {"nz"}};
+    if (placed.has_colours()) columns.insert(columns.end(), {{"r", true}, {"g", true}, {"b", true}});
+    if (placed.has_texture()) columns.insert(columns.end(), {{"s"}, {"t"}});
+    if (!placed.dots.ranks.empty()) columns.push_back({"rank", true});
+    return columns;
+}
+
+/// Computes the values of point i in the columns of columns_of().
+void fill_row(const PlacedSurface& placed, std::size_t i, std::vector<double>& row) {
+    const Point3 place = placed.place(i), normal = placed.normal(i);
+    const auto [u, v, w] = placed.weights(i);
+    row.assign({place.x, place.y, place.z, static_cast<double>(placed.face(i)), u, v, w, normal.x, normal.y, normal.z});
+    if (placed.has_colours()) {
+        for (const float light : placed.colour(i)) row.push_back(to_srgb(static_cast<double>(light)));
+    }
+    if (placed.has_texture()) {
+        for (const float ordinate : placed.texture(i)) row.push_back(static_cast<double>(ordinate));
+    }
+    if (!placed.dots.ranks.empty()) row.push_back(placed.dots.ranks[i]);
+}
+
+/// Calls append(row) for each point, until a stop or until the sink of the body fails.
+template <class Append>
+void write_rows(const PlacedSurface& placed, Body& body, const std::stop_token& stop, Append append) {
+    std::vector<double> row;
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        if (i % kStopStride == 0 && (!body.flush() || stop.stop_requested())) break;
+        fill_row(placed, i, row);
+        append(row);
+    }
+}
+
+Result<void> write_csv(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
+    const std::vector<Column> columns = columns_of(placed);
+    std::string& out = body.text();
+    for (const Column& column : columns) out.append(out.empty() ? "" : ",").append(column.name);
+    out += "\r\n";
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            if (k > 0) out += ',';
+            columns[k].is_whole ? append_number(out, static_cast<std::uint64_t>(row[k])) : append_number(out, row[k]);
+        }
+        out += "\r\n";
+    });
+    return {};
+}
+
+Result<void> write_npy(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
+    const std::size_t columns = columns_of(placed).size();
+    const std::string header = npy_header("<f8", placed.size(), columns);
+    body.expect(header.size() + placed.size() * columns * sizeof(double));
+    body.text() += header;
+    write_rows(placed, body, stop, [&](const std::vector<double>& row) {
+        body.text().append(reinterpret_cast<const char*>(row.data()), row.size() * sizeof(double));
+    });
+    return {};
+}
+
+void append_triple(std::string& out, const Point3& p) {
+    append_numbers(out, std::array{p.x, p.y, p.z});
+}
+
+/// Writes the columns of the points that depend on the file.
+void write_properties(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
+    std::string& text = body.text();
+    if (placed.has_colours()) {
+        const auto append_colour = [&](std::string& out, std::size_t i) {
+            append_array(out, placed.colour(i),
+                         [](std::string& to, float light) { append_index(to, to_srgb(static_cast<double>(light))); });
+        };
+        text += ",\"colors\":";
+        write_list(body, placed.size(), append_colour, stop);
+    }
+    if (placed.has_texture()) {
+        const auto append_texture = [&](std::string& out, std::size_t i) {
+            append_array(out, placed.texture(i), [](std::string& to, float ordinate) { append_number(to, ordinate); });
+        };
+        text += ",\"texture\":";
+        write_list(body, placed.size(), append_texture, stop);
+    }
+}
+
+void write_triangulation(const SurfaceMesh& mesh, Body& body, const std::stop_token& stop) {
+    body.text() += ",\"mesh\":{\"vertices\":";
+    write_list(body, std::span(mesh.vertices), append_triple, stop);
+    body.text() += ",\"triangles\":";
+    write_list(body, std::span(mesh.triangles), append_indices, stop);
+    body.text() += '}';
+}
+
+void append_run(std::string& out, const PlacedSurface& placed) {
+    append_member(out, "sites", std::uint64_t{placed.size()});
+    append_member(out, "seed", placed.seed);
+    append_member(out, "iterations", static_cast<std::uint64_t>(placed.dots.iterations));
+    append_member(out, "variation", placed.dots.variation());
+    if (placed.dots.stopped) out += ",\"partial\":true";
+    if (!placed.repairs.empty()) out.append(",\"repaired\":").append(write_notes(placed.repairs));
+    if (!placed.warnings.empty()) out.append(",\"warnings\":").append(write_notes(placed.warnings));
+    out += ",\"trace\":";
+    append_trace(out, placed.dots.trace);
+    append_elapsed(out, placed.elapsed);
+}
+
+Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
+    const std::size_t size = placed.size();
+    const auto write = [&](std::string_view name, auto append_element) {
+        body.text().append(name);
+        write_list(body, size, append_element, stop);
+    };
+    write("{\"points\":", [&](std::string& out, std::size_t i) { append_triple(out, placed.place(i)); });
+    write(",\"faces\":", [&](std::string& out, std::size_t i) { append_index(out, placed.face(i)); });
+    write(",\"barycentric\":", [&](std::string& out, std::size_t i) { append_numbers(out, placed.weights(i)); });
+    write(",\"normals\":", [&](std::string& out, std::size_t i) { append_triple(out, placed.normal(i)); });
+    write_properties(placed, body, stop);
+    append_run(body.text(), placed);
+    write_ranks(body, placed.dots.ranks, stop);
+    if (placed.dots.mesh) write_triangulation(*placed.dots.mesh, body, stop);
+    body.text() += "}\n";
+    return {};
+}
+
+// Costs of a point; a triangulation has about two triangles per point.
+constexpr Estimate kTextCost{330, 1.5 * kMicrosecond};
+constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
+
+constexpr SurfacePointFormat kJsonPoints{kJson, 30, kTextCost, false, write_json, nullptr};
+constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv, nullptr};
+constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
+// PLY has no registered media type.
+constexpr SurfacePointFormat kPlyFile{
+    {"ply", "PLY", "ply", "model/ply", ""}, 24, kBinaryCost, true, write_ply_points, write_ply_mesh};
+constexpr SurfacePointFormat kGlbFile{
+    {"glb", "glTF, binary", "glb", "model/gltf-binary", ""}, 12, kBinaryCost, true, write_glb_points, write_glb_mesh};
+constexpr SurfacePointFormat kObjFile{
+    {"obj", "Wavefront OBJ", "obj", "model/obj", ""}, 8, kTextCost, true, nullptr, write_obj_mesh};
+constexpr SurfacePointFormat kStlFile{
+    {"stl", "STL", "stl", "model/stl", ""}, 50, kBinaryCost, true, nullptr, write_stl_mesh};
+
+constexpr const SurfacePointFormat* kFormats[] = {&kJsonPoints, &kCsvPoints, &kNpyPoints, &kPlyFile,
+                                                  &kGlbFile,    &kObjFile,   &kStlFile};
+
+}  // namespace
+
+std::span<const SurfacePointFormat* const> surface_formats() {
+    return kFormats;
+}
+
+std::string write_notes(std::span<const SurfaceNote> notes) {
+    std::string out;
+    append_array(out, notes, [](std::string& to, const SurfaceNote& note) {
+        to += R"({"pointer":"","detail":)";
+        append_ascii_json_text(to, note.detail);
+        if (note.triangle) append_member(to, "face", std::uint64_t{*note.triangle});
+        to += '}';
+    });
+    return out;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Formats of mesh files.
+enum class SurfaceFormat : std::uint32_t { StlText, StlBinary, Obj, Ply, Off, Gltf, Glb };
+
+/// Returns the name of a format, such as "STL".
+std::string_view name_of(SurfaceFormat format);
+
+/// Properties of a mesh file that can be determined without the mesh library. The library has faults, and only a
+/// confined process uses it.
+struct SurfaceHeader {
+    SurfaceFormat format = SurfaceFormat::StlText;
+    std::uint64_t max_triangles = 0;  ///< upper bound, at most the limit on faces
+    std::uint64_t max_vertices = 0;   ///< upper bound
+    std::uint64_t decoder_bytes = 0;  ///< upper bound of the memory for reading the file, in addition to the file
+};
+
+/// Recognises the format of a mesh file by its content. If the content is not sufficient, uses the media type, such as
+/// `model/stl`, in lower case and without parameters.
+/// @returns  none for other files
+std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type = {});
+
+/// Checks the counts in a mesh file against its size, and estimates what its triangles need.
+///
+/// Polygons are counted as triangles. The file is not validated: it may still turn out to be damaged.
+/// Errors: Unusable for a damaged header, for a file that is shorter than its header requires, for a glTF whose data is
+/// in other files, and for versions and encodings that are not supported; LimitExceeded for more than `max_faces`
+/// faces. O(size of the file). Sources: glTF 2.0 (ISO/IEC 12113), 3.6 and 5; Turk, The PLY Polygon File Format;
+/// Geomview, OFF(5); Wavefront, Advanced Visualizer, appendix B1.
+Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces);
+
+/// Returns the error of a mesh that exceeds the limit on faces.
+tl::unexpected<Error> too_many_faces(std::uint64_t max_faces);
+
+}  // namespace ccdt::api

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/surface/surface_parser.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "api/input/negotiation.h"
+#include "api/input/option_reader.h"
+#include "api/input/run_options.h"
+#include "api/json/json_document.h"
+#include "api/text/text.h"
+#include "core/ccdt/ccdt.h"
+
+namespace ccdt::api {
+namespace {
+
+/// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
+struct Draft {
+    SurfaceRequest request;
+    Options run;
+};
+
+/// Parses an option whose value is a JSON list, and reads its elements.
+/// @param read  called as read(element) for each element, whose name and field are those of the option with an index
+template <class ReadElement>
+Result<void> read_json_list(const Input& input, ReadElement read) {
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    const auto document = JsonDocument::parse(*text);
+    if (!document || !document->root().is_array()) return malformed(input, "must be a list in JSON");
+    std::size_t index = 0;
+    for (const JsonValue value : document->root()) {
+        const std::string field = input.field + '/' + std::to_string(index++);
+        if (auto element = read(Input{field, field, value}); !element) return element;
+    }
+    return {};
+}
+
+Result<void> read_density(const Input& input, SurfaceRequest& request) {
+    static constexpr Choice<SurfaceDensityKind> kWords[] = {{"uniform", SurfaceDensityKind::Uniform},
+                                                            {"color", SurfaceDensityKind::Colour},
+                                                            {"curvature", SurfaceDensityKind::Curvature}};
+    const auto text = read_text(input);
+    if (!text) return tl::unexpected(text.error());
+    if (!trim(*text, " \t\r\n").starts_with('['))
+        return assign(request.density, read_choice<SurfaceDensityKind>(input, kWords).map_error([](Error error) {
+            error.message += ", or a list in JSON with a number for each vertex";
+            return error;
+        }));
+    std::vector<double> values;
+    auto read = read_json_list(input, [&](const Input& element) {
+        return read_number(element, Interval{.min = 0}).map([&](double value) { values.push_back(value); });
+    });
+    request.density = std::move(values);
+    return read;
+}
+
+Result<void> read_position(const Input& input, std::vector<Point3>& points) {
+    constexpr std::string_view kExpected = "must be a position [x, y, z]";
+    const auto list = std::get<JsonValue>(input.value);
+    if (!list.is_array() || list.size() != 3) return malformed(input, kExpected);
+    std::array<double, 3> position{};
+    auto ordinate = position.begin();
+    for (const JsonValue value : list) {
+        if (!value.is_number()) return malformed(input, kExpected);
+        *ordinate++ = value.number();
+    }
+    points.push_back({position[0], position[1], position[2]});
+    return {};
+}
+
+Result<void> read_fixed(const Input& input, const Limits& limits, std::vector<Point3>& points) {
+    return read_json_list(input, [&](const Input& element) -> Result<void> {
+        if (points.size() == limits.max_sites)
+            return failure(
+                ErrorCode::LimitExceeded,
+                "there are more points than this server's limit (max-sites), " + std::to_string(limits.max_sites),
+                element.field);
+        return read_position(element, points);
+    });
+}
+
+Result<void> read_crease(const Input& input, SurfaceRequest& request) {
+    constexpr double kDegree = std::numbers::pi / 180;
+    constexpr Interval kAngles{.min = 0, .max = 180, .above_min = true};
+    return assign(request.crease, read_number(input, kAngles).map([](double degrees) { return degrees * kDegree; }));
+}
+
+Result<void> read_order(const Input& input, SurfaceRequest& request) {
+    static constexpr Choice<PointOrder> kWords[] = {{"none", PointOrder::None},
+                                                    {"progressive", PointOrder::Progressive}};
+    if (const auto text = read_text(input); text && *text == "path")
+        return malformed(input, "cannot be 'path' on a surface, because paths are for drawings in the plane");
+    return assign(request.order, read_choice<PointOrder>(input, kWords));
+}
+
+constexpr std::array<OptionRule<Draft>, 12> kRules = {{
+    {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.run.sites, read_sites(i, l)); }},
+    {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.run); }},
+    {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.run); }},
+    {"passes", [](const Input& i, const Limits&, Draft& d) { return read_passes(i, d.run); }},
+    {"quality", [](const Input& i, const Limits&, Draft& d) { return read_halftone_quality(i, d.run); }},
+    {"on_deadline",
+     [](const Input& i, const Limits&, Draft& d) { return assign(d.request.on_deadline, read_on_deadline(i)); }},
+    {"density", [](const Input& i, const Limits&, Draft& d) { return read_density(i, d.request); }},
+    {"crease", [](const Input& i, const Limits&, Draft& d) { return read_crease(i, d.request); }},
+    {"fixed", [](const Input& i, const Limits& l, Draft& d) { return read_fixed(i, l, d.request.run.fixed); }},
+    {"order", [](const Input& i, const Limits&, Draft& d) { return read_order(i, d.request); }},
+    {"mesh", [](const Input& i, const Limits&, Draft& d) { return assign(d.run.keep_mesh, read_boolean(i)); }},
+    {"format", [](const Input& i, const Limits&,
+                  Draft& d) { return assign(d.request.format, read_format(i, surface_formats())); }},
+}};
+
+}  // namespace
+
+std::vector<std::string_view> surface_options() {
+    return names_of<Draft>(kRules);
+}
+
+Result<void> check_mesh(const SurfacePointFormat& format, bool mesh) {
+    if (format.writer(mesh) != nullptr) return {};
+    return failure(ErrorCode::Malformed,
+                   "format=" + std::string(format.file.name) + " is a triangulation, which needs mesh=true", "mesh");
+}
+
+Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
+                                     std::string_view accept, const Limits& limits) {
+    Draft draft;
+    ErrorList errors;
+    const auto has_sites = std::ranges::find(options, "sites", &TextOption::name) != options.end();
+    errors.add(read_options<Draft>(kRules, inputs_of(options), limits, draft));
+    if (!has_sites) errors.add(Result<void>(failure(ErrorCode::Malformed, "sites is missing", "sites")));
+    errors.add(file);
+    if (auto right = errors.result(); !right) return tl::unexpected(right.error());
+    auto& [request, run] = draft;
+    SurfaceOptions& chosen = request.run;
+    chosen.sites = run.sites;
+    chosen.seed = run.seed;
+    chosen.iterations = run.iterations;
+    chosen.passes = run.passes;
+    chosen.quality = run.quality;
+    chosen.keep_mesh = run.keep_mesh;
+    request.file = *std::move(file);
+    auto settled = settle_format(accept, surface_formats(), request.format);
+    if (settled) settled = check_mesh(*request.format, chosen.keep_mesh);
+    if (!settled) return tl::unexpected(settled.error());
+    return std::move(request);
+}
+
+}  // namespace ccdt::api

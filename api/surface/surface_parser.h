@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "api/run/options.h"
+#include "api/surface/surface_request.h"
+#include "core/result.h"
+
+namespace ccdt::api {
+
+/// Returns the names of the options.
+std::vector<std::string_view> surface_options();
+
+/// Checks that a format can be written with or without the triangulation. Errors: Malformed.
+Result<void> check_mesh(const SurfacePointFormat& format, bool mesh);
+
+/// Reads a request for points on a surface.
+///
+/// @param file     the mesh, or the error of its header
+/// @param options  options in the order of the request
+/// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
+/// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, and for a format of
+/// meshes without `mesh`; LimitExceeded for too many sites; NotAcceptable if the client accepts none of the formats.
+/// Error::field is an option's name, for a list followed by the index of the faulty element: `density/3`.
+Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
+                                     std::string_view accept, const Limits& limits);
+
+}  // namespace ccdt::api

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/surface/surface_sample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "api/output/stage_costs.h"
+#include "api/run/estimate.h"
+#include "api/run/stopwatch.h"
+#include "api/surface/surface_parser.h"
+#include "core/surface/surface_density.h"
+
+namespace ccdt::api {
+namespace {
+
+Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface& surface, const TriangleSoup& soup) {
+    const auto as_option = [](Error error) {
+        if (error.field.empty()) error.field = "density";
+        return error;
+    };
+    if (const auto* values = std::get_if<std::vector<double>>(&request.density))
+        return SurfaceDensity::of_vertices(surface, soup, *values).map_error(as_option);
+    switch (std::get<SurfaceDensityKind>(request.density)) {
+        case SurfaceDensityKind::Uniform:
+            break;
+        case SurfaceDensityKind::Colour:
+            return SurfaceDensity::of_colours(surface, soup).map_error(as_option);
+        case SurfaceDensityKind::Curvature: {
+            const double spacing = std::sqrt(surface.total_area() / static_cast<double>(request.run.sites));
+            return SurfaceDensity::of_curvature(surface, spacing);
+        }
+    }
+    return SurfaceDensity::uniform();
+}
+
+/// Writes notes for an HTTP header.
+std::string header_of(std::span<const SurfaceNote> notes) {
+    constexpr std::size_t kMaxInHeader = 8;  // each note takes about 100 characters
+    return notes.empty() ? std::string() : write_notes(notes.first(std::min(notes.size(), kMaxInHeader)));
+}
+
+/// Returns the answer without its body.
+Answer head_of(const SurfacePointFormat& format, const PlacedSurface& placed) {
+    Answer answer;
+    answer.media_type = format.file.content_type();
+    answer.repeats = format.repeats;
+    answer.sites = placed.size();
+    answer.partial = placed.dots.stopped;
+    if (format.file.name == "json") return answer;
+    answer.repaired = header_of(placed.repairs);
+    answer.warnings = header_of(placed.warnings);
+    return answer;
+}
+
+}  // namespace
+
+Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                                    Timings& timings) {
+    Stopwatch watch;
+    auto read = decode.surface(request.file.bytes, request.file.header, control.stop);
+    timings.decode = watch.lap();
+    if (!read) return tl::unexpected(std::move(read.error()));
+    auto made = Surface::create(read->soup, request.crease, control.stop);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    const auto density = make_density(request, made->surface, read->soup);
+    if (!density) return tl::unexpected(density.error());
+    auto dots = distribute_on_surface(made->surface, *density, request.run, control);
+    timings.optimise = watch.lap();
+    if (!dots) return tl::unexpected(std::move(dots.error()));
+    if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
+    if (read->ignored > 0)
+        made->warnings.push_back(
+            {"points and lines, which have no area, are ignored: " + std::to_string(read->ignored), read->ignored});
+    return PlacedSurface{
+        std::move(read->soup), std::move(made->surface), std::move(made->repairs),         std::move(made->warnings),
+        *std::move(dots),      request.run.seed,         timings.decode + timings.optimise};
+}
+
+Result<Answer> write_answer(const SurfaceRequest& request, const PlacedSurface& placed,
+                            const SurfacePointFormat& format, const Control& control, Timings& timings,
+                            BodySink* sink) {
+    Stopwatch watch;
+    if (auto can = check_mesh(format, request.run.keep_mesh); !can) return tl::unexpected(can.error());
+    Answer answer = head_of(format, placed);
+    const std::stop_token stop = stop_of_writing(control, request.on_deadline);
+    Body body(answer, sink, control.stop);
+    auto written = format.writer(request.run.keep_mesh)(placed, body, stop);
+    if (written) written = check_stop(stop);
+    timings.encode = watch.lap();
+    if (!written) return tl::unexpected(written.error());
+    return body.finish(std::move(answer));
+}
+
+Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
+                           Timings& timings, BodySink* sink) {
+    const auto placed = place_surface(request, decode, control, timings);
+    if (!placed) return tl::unexpected(placed.error());
+    return write_answer(request, *placed, *request.format, control, timings, sink);
+}
+
+Cost cost_of(const SurfaceRequest& request) {
+    // Measured peaks of resident memory and times; tests/api/cost_test.cpp compares them with measurements.
+    constexpr Estimate kTriangle{500, 2.5 * kMicrosecond};  // reading, the surface, and its search tree
+    constexpr Estimate kVertex{80, 0.2 * kMicrosecond};
+    constexpr Estimate kSite{900, 12 * kMicrosecond};        // initial sites and their triangulation
+    constexpr Estimate kPass{0, 1.2 * kMicrosecond};         // a pass of an iteration, for a site
+    constexpr Estimate kPolish{200, 8 * kMicrosecond};       // standard quality, for a site
+    constexpr Estimate kProgressive{400, 8 * kMicrosecond};  // for a site
+    constexpr Estimate kMeshSite{80, 0};                     // triangulation that is kept
+    constexpr double kBest = 3;                              // polish of the best quality, relative to standard
+    const SurfaceOptions& run = request.run;
+    const SurfaceHeader& header = request.file.header;
+    const Estimate read{static_cast<double>(header.decoder_bytes), 0};
+    Estimate site = kSite + kPass * (static_cast<double>(run.iterations) * run.passes);
+    if (run.quality != Quality::Draft) site = site + kPolish * (run.quality == Quality::Best ? kBest : 1);
+    if (run.keep_mesh) site = site + kMeshSite;
+    if (request.order == PointOrder::Progressive) site = site + kProgressive;
+    const Estimate surface =
+        kTriangle * static_cast<double>(header.max_triangles) + kVertex * static_cast<double>(header.max_vertices);
+    const auto sites = static_cast<double>(run.sites + run.fixed.size());
+    Cost cost =
+        total_cost(then(read, surface + site * sites + request.format->per_site * static_cast<double>(run.sites)));
+    cost.answer = run.sites * request.format->least;
+    return cost;
+}
+
+std::size_t size_of(const SurfaceRequest& request) {
+    const auto* values = std::get_if<std::vector<double>>(&request.density);
+    return request.run.fixed.size() * sizeof(Point3) + (values == nullptr ? 0 : values->size() * sizeof(double));
+}
+
+}  // namespace ccdt::api

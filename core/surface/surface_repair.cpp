@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/surface/surface_repair.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace ccdt {
+
+namespace {
+
+using Face = ConnectedTriangles::Face;
+using Corners = std::array<std::uint32_t, 3>;
+
+constexpr std::uint32_t kNone = ConnectedTriangles::kNone;
+constexpr std::size_t kStopStride = std::size_t{1} << 16;
+
+constexpr std::uint32_t next(std::uint32_t side) {
+    return side == 2 ? 0 : side + 1;
+}
+constexpr std::uint32_t previous(std::uint32_t side) {
+    return side == 0 ? 2 : side - 1;
+}
+
+/// Counts the occurrences of one repair.
+struct Count {
+    std::size_t number = 0;
+    std::uint32_t first = kNone;  ///< first triangle concerned
+
+    void add(std::uint32_t triangle) {
+        ++number;
+        first = std::min(first, triangle);
+    }
+};
+
+class Connector {
+public:
+    Connector(std::span<const Point3> positions, const std::stop_token& stop) : positions_(positions), stop_(stop) {}
+
+    Result<ConnectedTriangles> run(std::span<const Corners> triangles);
+
+private:
+    /// A half-edge, at the lower of its vertices.
+    struct Side {
+        std::uint32_t high;      ///< the higher vertex of the edge
+        std::uint32_t opposite;  ///< third vertex of the triangle
+        std::uint32_t edge;
+
+        friend bool operator<(const Side& a, const Side& b) {
+            return std::tie(a.high, a.opposite, a.edge) < std::tie(b.high, b.opposite, b.edge);
+        }
+    };
+
+    bool stopping() const { return stop_.stop_requested(); }
+    Face& face_of(std::uint32_t edge) { return result_.faces[edge / 4]; }
+    std::uint32_t tail(std::uint32_t edge) const { return result_.faces[edge / 4].corners[edge % 4]; }
+    std::uint32_t& twin(std::uint32_t edge) { return face_of(edge).twins[edge % 4]; }
+    bool is_removed(std::uint32_t face) const { return removed_[face] != 0; }
+    void remove(std::uint32_t face, Count& count);
+
+    void number_positions();
+    void take_triangles(std::span<const Corners> triangles);
+    void pair_edges();
+    template <class Function>
+    void for_edges(std::uint32_t low, Function&& function);
+    void remove_repeated(std::span<const Side> sides);
+    void remove_flat(std::span<const Side> sides);
+    void pair(std::uint32_t low, std::span<const Side> sides);
+    void cut(std::uint32_t edge, Count& count);
+
+    void orient();
+    void collect_component(std::uint32_t first);
+    void finish_component();
+    double volume() const;
+    void apply_turns();
+    void compact();
+    void split_vertices();
+    void number_fan(std::uint32_t face, std::uint32_t corner, std::uint32_t number,
+                    std::vector<Corners>& numbers) const;
+    void note();
+
+    std::span<const Point3> positions_;
+    const std::stop_token& stop_;
+    ConnectedTriangles result_;
+
+    std::vector<std::uint32_t> vertex_of_;   ///< [positions] first position that is equal
+    std::vector<std::uint8_t> removed_;      ///< [faces]
+    std::vector<std::uint8_t> visited_;      ///< [faces]
+    std::vector<std::uint8_t> on_cut_;       ///< [positions] whether the vertex is an end of a cut edge
+    std::vector<std::uint32_t> first_side_;  ///< [positions + 1] start of each vertex' sides
+    std::vector<Side> sides_;
+    std::vector<std::uint32_t> component_;  ///< faces of the current component
+    Count without_area_, flat_, repeated_, turned_, shared_edges_, one_sided_edges_, shared_vertices_;
+};
+
+void Connector::remove(std::uint32_t face, Count& count) {
+    if (is_removed(face)) return;
+    removed_[face] = 1;
+    count.add(result_.faces[face].triangle);
+}
+
+/// Finds equal positions by sorting hashes; equal hashes are sorted by position, so that no input is slow.
+void Connector::number_positions() {
+    struct Entry {
+        std::uint64_t hash;
+        std::uint32_t index;
+    };
+    std::vector<Entry> entries(positions_.size());
+    const auto mix = [](std::uint64_t state, double value) {
+        // Adding zero makes -0 equal to 0.
+        state = (state ^ std::bit_cast<std::uint64_t>(value + 0.0)) * 0x9e3779b97f4a7c15;
+        return state ^ state >> 32;
+    };
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const Point3& p = positions_[i];
+        entries[i] = {mix(mix(mix(0, p.x), p.y), p.z), static_cast<std::uint32_t>(i)};
+    }
+    const auto key = [this](const Entry& e) {
+        const Point3& p = positions_[e.index];
+        return std::tie(p.x, p.y, p.z);
+    };
+    std::sort(entries.begin(), entries.end(), [&key](const Entry& a, const Entry& b) {
+        if (a.hash != b.hash) return a.hash < b.hash;
+        const auto first = key(a);
+        const auto second = key(b);
+        return first != second ? first < second : a.index < b.index;
+    });
+    vertex_of_.resize(entries.size());
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const bool repeats = i > 0 && key(entries[i]) == key(entries[i - 1]);
+        vertex_of_[entries[i].index] = repeats ? vertex_of_[entries[i - 1].index] : entries[i].index;
+    }
+}
+
+void Connector::take_triangles(std::span<const Corners> triangles) {
+    result_.faces.reserve(triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const auto triangle = static_cast<std::uint32_t>(t);
+        const auto [a, b, c] = triangles[t];
+        const Corners corners{vertex_of_[a], vertex_of_[b], vertex_of_[c]};
+        if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
+            without_area_.add(triangle);
+            continue;
+        }
+        result_.faces.push_back({.corners = corners,
+                                 .triangle = triangle,
+                                 .flat = ConnectedTriangles::is_flat(positions_[a], positions_[b], positions_[c])});
+    }
+    removed_.resize(result_.faces.size());
+}
+
+/// Lists the sides of all faces by their lower vertices, and pairs sides of the same edge.
+void Connector::pair_edges() {
+    first_side_.assign(positions_.size() + 2, 0);
+    const auto for_sides = [this](auto&& function) {
+        for (std::size_t f = 0; f < result_.faces.size(); ++f) {
+            const Corners& corners = result_.faces[f].corners;
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const auto [low, high] = std::minmax(corners[k], corners[next(k)]);
+                function(low, Side{high, corners[previous(k)], static_cast<std::uint32_t>(4 * f + k)});
+            }
+        }
+    };
+    for_sides([this](std::uint32_t low, const Side&) { ++first_side_[low + 2]; });
+    for (std::size_t v = 2; v < first_side_.size(); ++v) first_side_[v] += first_side_[v - 1];
+    sides_.resize(first_side_.back());
+    for_sides([this](std::uint32_t low, const Side& side) { sides_[first_side_[low + 1]++] = side; });
+
+    const auto for_vertices = [this](auto&& function) {
+        for (std::size_t v = 0; v < positions_.size(); ++v) {
+            if (v % kStopStride == 0 && stopping()) return;
+            function(static_cast<std::uint32_t>(v));
+        }
+    };
+    for_vertices([this](std::uint32_t v) {
+        std::sort(sides_.begin() + first_side_[v], sides_.begin() + first_side_[v + 1]);
+        for_edges(v, [this](std::span<const Side> sides) { remove_repeated(sides); });
+    });
+    for_vertices(
+        [this](std::uint32_t v) { for_edges(v, [this](std::span<const Side> sides) { remove_flat(sides); }); });
+    for_vertices([this](std::uint32_t v) { for_edges(v, [this, v](std::span<const Side> sides) { pair(v, sides); }); });
+    sides_ = {};
+    first_side_ = {};
+}
+
+/// Calls a function with the sides of each edge whose lower vertex is `low`.
+template <class Function>
+void Connector::for_edges(std::uint32_t low, Function&& function) {
+    const std::size_t end = first_side_[low + 1];
+    for (std::size_t begin = first_side_[low]; begin < end;) {
+        std::size_t last = begin + 1;
+        while (last < end && sides_[last].high == sides_[begin].high) ++last;
+        function(std::span(&sides_[begin], last - begin));
+        begin = last;
+    }
+}
+
+void Connector::remove_repeated(std::span<const Side> sides) {
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        if (sides[i].opposite == sides[i - 1].opposite) remove(sides[i].edge / 4, repeated_);
+    }
+}
+
+void Connector::remove_flat(std::span<const Side> sides) {
+    const auto remains = [this](const Side& side) { return !is_removed(side.edge / 4); };
+    if (sides.size() <= 2 || std::count_if(sides.begin(), sides.end(), remains) <= 2) return;
+    for (const Side& side : sides) {
+        if (face_of(side.edge).flat) remove(side.edge / 4, flat_);
+    }
+}
+
+void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
+    std::uint32_t found = kNone;
+    std::size_t number = 0;
+    for (const Side& side : sides) {
+        if (is_removed(side.edge / 4)) continue;
+        if (++number == 2) {
+            twin(side.edge) = found;
+            twin(found) = side.edge;
+        }
+        if (number == 1) found = side.edge;
+    }
+    if (number <= 2) return;
+    cut(found, shared_edges_);
+    on_cut_[low] = on_cut_[sides.front().high] = 1;
+}
+
+/// Separates the two faces at an edge.
+void Connector::cut(std::uint32_t edge, Count& count) {
+    const std::uint32_t other = std::exchange(twin(edge), kNone);
+    twin(other) = kNone;
+    count.add(face_of(edge).triangle);
+}
+
+void Connector::orient() {
+    visited_.assign(result_.faces.size(), 0);
+    for (std::size_t f = 0; f < result_.faces.size(); ++f) {
+        if (f % kStopStride == 0 && stopping()) return;
+        const auto face = static_cast<std::uint32_t>(f);
+        if (visited_[f] || is_removed(face)) continue;
+        collect_component(face);
+        finish_component();
+    }
+}
+
+/// Turns all faces that are connected to a face such that they have its orientation.
+void Connector::collect_component(std::uint32_t first) {
+    component_.assign(1, first);
+    visited_[first] = 1;
+    for (std::size_t i = 0; i < component_.size(); ++i) {
+        const std::uint32_t f = component_[i];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t edge = 4 * f + k;
+            const std::uint32_t other = twin(edge);
+            if (other == kNone) continue;
+            Face& neighbour = face_of(other);
+            const bool turned = result_.faces[f].turned != (tail(edge) == tail(other));
+            if (!visited_[other / 4]) {
+                visited_[other / 4] = 1;
+                neighbour.turned = turned;
+                component_.push_back(other / 4);
+            } else if (neighbour.turned != turned) {
+                on_cut_[tail(edge)] = on_cut_[result_.faces[f].corners[next(k)]] = 1;
+                cut(edge, one_sided_edges_);
+            }
+        }
+    }
+}
+
+/// Chooses the orientation of a component, or removes it if it has no area.
+void Connector::finish_component() {
+    const auto& faces = result_.faces;
+    const auto count = [this](auto&& predicate) {
+        return static_cast<std::size_t>(std::count_if(component_.begin(), component_.end(), predicate));
+    };
+    if (count([&](std::uint32_t f) { return faces[f].flat; }) == component_.size()) {
+        for (const std::uint32_t f : component_) remove(f, flat_);
+        return;
+    }
+    const bool is_closed =
+        count([&](std::uint32_t f) {
+            return std::find(faces[f].twins.begin(), faces[f].twins.end(), kNone) != faces[f].twins.end();
+        }) == 0;
+    const bool turn_all =
+        is_closed ? volume() < 0 : 2 * count([&](std::uint32_t f) { return faces[f].turned; }) > component_.size();
+    for (const std::uint32_t f : component_) {
+        Face& face = result_.faces[f];
+        face.turned = face.turned != turn_all;
+        if (face.turned) turned_.add(face.triangle);
+    }
+}
+
+/// Returns six times the volume that the component encloses.
+double Connector::volume() const {
+    const Point3 origin = positions_[result_.faces[component_.front()].corners[0]];
+    double sum = 0;
+    for (const std::uint32_t f : component_) {
+        const auto& [a, b, c] = result_.faces[f].corners;
+        const double part = dot(positions_[a] - origin, cross(positions_[b] - origin, positions_[c] - origin));
+        sum += result_.faces[f].turned ? -part : part;
+    }
+    return sum;
+}
+
+void Connector::apply_turns() {
+    for (Face& face : result_.faces) {
+        for (std::uint32_t& other : face.twins) {
+            if (other != kNone && face_of(other).turned && other % 4 != 1) other ^= 2;
+        }
+    }
+    for (Face& face : result_.faces) {
+        if (!face.turned) continue;
+        std::swap(face.corners[1], face.corners[2]);
+        std::swap(face.twins[0], face.twins[2]);
+    }
+}
+
+/// Drops removed faces.
+void Connector::compact() {
+    std::vector<std::uint32_t> numbers(result_.faces.size());
+    std::uint32_t number = 0;
+    for (std::size_t f = 0; f < numbers.size(); ++f) {
+        numbers[f] = number;
+        if (!removed_[f]) result_.faces[number++] = result_.faces[f];
+    }
+    result_.faces.resize(number);
+    for (Face& face : result_.faces) {
+        for (std::uint32_t& other : face.twins) {
+            if (other != kNone) other = 4 * numbers[other / 4] + other % 4;
+        }
+    }
+}
+
+/// Numbers vertices such that each fan of faces around a position has its own vertex.
+void Connector::split_vertices() {
+    std::vector<Corners> numbers(result_.faces.size(), Corners{kNone, kNone, kNone});
+    std::vector<std::uint8_t> seen(positions_.size());
+    for (std::size_t f = 0; f < result_.faces.size(); ++f) {
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (numbers[f][k] != kNone) continue;
+            const std::uint32_t position = result_.faces[f].corners[k];
+            if (std::exchange(seen[position], 1) && !on_cut_[position]) shared_vertices_.add(result_.faces[f].triangle);
+            number_fan(static_cast<std::uint32_t>(f), k, static_cast<std::uint32_t>(result_.vertices.size()), numbers);
+            result_.vertices.push_back(positions_[position]);
+        }
+    }
+    for (std::size_t f = 0; f < result_.faces.size(); ++f) result_.faces[f].corners = numbers[f];
+}
+
+void Connector::number_fan(std::uint32_t face, std::uint32_t corner, std::uint32_t number,
+                           std::vector<Corners>& numbers) const {
+    const std::uint32_t start = 4 * face + corner;
+    std::uint32_t at = start;
+    do {
+        numbers[at / 4][at % 4] = number;
+        at = result_.faces[at / 4].twins[previous(at % 4)];
+    } while (at != kNone && at != start);
+    if (at == start) return;
+    at = result_.faces[face].twins[corner];
+    while (at != kNone) {
+        const std::uint32_t side = next(at % 4);
+        numbers[at / 4][side] = number;
+        at = result_.faces[at / 4].twins[side];
+    }
+}
+
+void Connector::note() {
+    const auto add = [this](const Count& count, const char* one, const char* many) {
+        if (count.number == 0) return;
+        result_.repairs.push_back(
+            {count.number == 1 ? one : std::to_string(count.number) + many, count.number, count.first});
+    };
+    add(without_area_, "1 triangle with coincident corners was removed",
+        " triangles with coincident corners were removed");
+    add(flat_, "1 triangle without area was removed", " triangles without area were removed");
+    add(repeated_, "1 repeated triangle was removed", " repeated triangles were removed");
+    add(turned_, "1 triangle was turned over", " triangles were turned over");
+    add(shared_edges_, "the surface was cut along 1 edge that more than two triangles share",
+        " edges that more than two triangles share were cut");
+    add(one_sided_edges_, "the surface was cut along 1 edge, because it has only one side",
+        " edges were cut, because the surface has only one side");
+    add(shared_vertices_, "the surface was cut at 1 vertex where it only touches itself",
+        " vertices where the surface only touches itself were cut");
+}
+
+Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
+    number_positions();
+    take_triangles(triangles);
+    on_cut_.resize(positions_.size());
+    pair_edges();
+    if (!stopping()) orient();
+    if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    apply_turns();
+    compact();
+    split_vertices();
+    note();
+    return std::move(result_);
+}
+
+}  // namespace
+
+bool ConnectedTriangles::is_flat(Point3 a, Point3 b, Point3 c) {
+    constexpr double kMinSlope = 1e-10;  // height relative to the longest side; rounding turns the normal by 1e-6
+    const Point3 u = b - a, v = c - a, w = c - b;
+    const double longest = std::max({dot(u, u), dot(v, v), dot(w, w)});
+    return !(length(cross(u, v)) > kMinSlope * longest);
+}
+
+Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,
+                                             std::span<const std::array<std::uint32_t, 3>> triangles,
+                                             const std::stop_token& stop) {
+    return Connector(positions, stop).run(triangles);
+}
+
+}  // namespace ccdt

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/result.h"
+#include "core/surface/surface_note.h"
+
+namespace ccdt {
+
+/// Triangles that form an oriented surface: every edge belongs to one or two triangles, neighbours have the same
+/// orientation, and the triangles around each vertex form one fan.
+struct ConnectedTriangles {
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    /// Largest number of triangles, because half-edges have 32-bit numbers.
+    static constexpr std::size_t kMaxTriangles = std::size_t{1} << 30;
+
+    struct Face {
+        std::array<std::uint32_t, 3> corners{};
+        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};  ///< half-edges, as in Surface
+        std::uint32_t triangle = 0;                               ///< index of the triangle
+        bool turned = false;                                      ///< whether the last two corners were swapped
+        bool flat = false;                                        ///< whether is_flat()
+    };
+
+    std::vector<Point3> vertices;
+    std::vector<Face> faces;  ///< in the order of the triangles
+    std::vector<SurfaceNote> repairs;
+
+    /// Whether a triangle is so thin that rounding determines its normal.
+    static bool is_flat(Point3 a, Point3 b, Point3 c);
+};
+
+/// Makes a surface of triangles. Vertices at the same position become one vertex. Triangles with fewer than three
+/// positions disappear, so that their neighbours become adjacent. Flat triangles with three positions remain as faces,
+/// because cracks would replace them, except where more than two triangles share one of their edges and where all
+/// connected triangles are flat. Of repeated triangles, the first remains. The surface is cut along edges that more
+/// than two triangles share, and along edges that prevent a consistent orientation. Then the connected triangles are
+/// turned such that a closed surface encloses a positive volume; on a surface with borders, the fewer triangles are
+/// turned. A vertex with several fans becomes several vertices.
+///
+/// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
+/// does not report all cuts.
+/// @param positions  multiples of 2^-52 in [0, 1], so that differences are exact
+/// @param triangles  every index is valid; at most kMaxTriangles
+///
+/// Errors: Stopped. There may be no face. Deterministic. O(n log n), with about 130 bytes per triangle.
+Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,
+                                             std::span<const std::array<std::uint32_t, 3>> triangles,
+                                             const std::stop_token& stop);
+
+}  // namespace ccdt

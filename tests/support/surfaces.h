@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <functional>
+
+#include "core/surface/triangle_soup.h"
+
+namespace ccdt::test {
+
+/// Returns a grid of columns x rows quadrilaterals, each made of two triangles, whose vertices have the positions that
+/// a function gives for coordinates in [0, 1] x [0, 1]. Sides of the grid that have the same positions are closed only
+/// by merging vertices.
+TriangleSoup grid_surface(int columns, int rows, const std::function<Point3(double, double)>& position);
+
+/// Returns the unit square with z = 0, oriented upwards.
+TriangleSoup square_surface(int cells);
+
+/// Returns an axis-parallel cube, oriented outwards.
+TriangleSoup cube_surface(Point3 corner = {}, double side = 1);
+
+/// Returns an icosahedron whose triangles are divided into four `levels` times, with its vertices on the unit sphere.
+TriangleSoup sphere_surface(int levels);
+
+/// Returns a torus around the z axis, oriented outwards.
+TriangleSoup torus_surface(double major, double minor, int columns, int rows);
+
+/// Returns a strip with an odd number of half turns.
+TriangleSoup moebius_strip(int columns, int rows);
+
+/// Returns the triangles of two soups without colours.
+TriangleSoup joined(TriangleSoup a, const TriangleSoup& b);
+
+}  // namespace ccdt::test
