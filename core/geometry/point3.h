@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace ccdt {
 
@@ -25,6 +27,23 @@ inline double dot(Point3 a, Point3 b) {
 }
 inline double length(Point3 a) {
     return std::sqrt(dot(a, a));
+}
+
+/// A closed axis-parallel box in space.
+struct Box3 {
+    Point3 min;
+    Point3 max;
+};
+
+/// Returns the smallest box around points.
+/// @param points  [n >= 1]
+inline Box3 bounds_of(std::span<const Point3> points) {
+    Box3 box{points.front(), points.front()};
+    for (const Point3 p : points) {
+        box.min = {std::min(box.min.x, p.x), std::min(box.min.y, p.y), std::min(box.min.z, p.z)};
+        box.max = {std::max(box.max.x, p.x), std::max(box.max.y, p.y), std::max(box.max.z, p.z)};
+    }
+    return box;
 }
 
 }  // namespace ccdt

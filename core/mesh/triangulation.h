@@ -107,6 +107,12 @@ public:
         return points_[target(edge)] + distance(shift(edge)) - points_[origin(edge)];
     }
 
+    /// Vector perpendicular to the edge, of the same length, that points into the edge's triangle.
+    Point inward(std::uint32_t edge) const {
+        const Point a = along(edge);
+        return {-a.y, a.x};
+    }
+
     /// Positions of the corners. The first corner has its stored position; the others are shifted by periods to be next
     /// to it.
     std::array<Point, 3> places(std::uint32_t triangle) const {

@@ -16,64 +16,77 @@ constexpr int kMaxDepth = 16;
 
 }  // namespace
 
-CellList::CellList(const Domain& domain, std::span<const Point> places)
-    : torus_(domain.is_torus()), sides_(domain.unit_bounds().max) {
+template <class P>
+void BasicCellList<P>::sort(std::span<const P> places, P min, P max) {
     assert(!places.empty());
     sorted_.reserve(places.size());
-    for (const Point p : places) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
-    divide(domain.unit_bounds(), 0, static_cast<std::uint32_t>(sorted_.size()), 0);
+    for (const P p : places) sorted_.push_back({p, static_cast<std::uint32_t>(sorted_.size())});
+    divide(min, max, 0, static_cast<std::uint32_t>(sorted_.size()), 0);
 }
 
-void CellList::find_near(Point p, double reach, std::vector<Run>& runs) const {
+template <class P>
+void BasicCellList<P>::find_near(P p, double reach, std::vector<Run>& runs) const {
     runs.clear();
     const Grid& grid = grids_.front();
-    const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y);
-    for (int j = y.first; j <= y.last; ++j) {
-        const int row = wrapped(j, grid.y.cells);
-        const Point from{p.x, p.y - (j - row) / grid.y.cells * sides_.y};
-        // On a torus, cells beyond one end continue at the other end.
-        const auto add = [&](int first, int last, int period) {
-            const int shift = period * grid.x.cells;
-            const Range part{std::max(first, x.first) - shift, std::min(last, x.last) - shift};
-            if (part.first <= part.last) add_row(grid, row, part, {p.x - period * sides_.x, from.y}, reach, runs);
-        };
-        add(-grid.x.cells, -1, -1);
-        add(0, grid.x.cells - 1, 0);
-        add(grid.x.cells, 2 * grid.x.cells - 1, 1);
+    const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y), z = grid.layers(p, reach);
+    for (int k = z.first; k <= z.last; ++k) {
+        for (int j = y.first; j <= y.last; ++j) {
+            const int row = wrapped(j, grid.y.cells);
+            const std::size_t cell = grid.cell(0, row, k);
+            const double from = p.y - (j - row) / grid.y.cells * sides_.y;
+            // On a torus, cells beyond one end continue at the other end.
+            const auto add = [&](int first, int last, int period) {
+                const int shift = period * grid.x.cells;
+                const Range part{std::max(first, x.first) - shift, std::min(last, x.last) - shift};
+                if (part.first > part.last) return;
+                add_row(cell, part, vector(p.x - period * sides_.x, from, height(p)), reach, runs);
+            };
+            add(-grid.x.cells, -1, -1);
+            add(0, grid.x.cells - 1, 0);
+            add(grid.x.cells, 2 * grid.x.cells - 1, 1);
+        }
     }
 }
 
-void CellList::add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const {
-    const std::size_t last = grid.cell(columns.last, row);
-    std::size_t k = grid.cell(columns.first, row);
+template <class P>
+void BasicCellList<P>::add_row(std::size_t row, Range columns, P p, double reach, std::vector<Run>& runs) const {
+    const std::size_t last = row + static_cast<std::size_t>(columns.last);
+    std::size_t k = row + static_cast<std::size_t>(columns.first);
     while (k <= last) {
         const std::uint32_t begin = cells_[k].begin;
         while (k <= last && cells_[k].grid == 0) ++k;
         if (cells_[k].begin > begin) runs.push_back({begin, cells_[k].begin});
         if (k > last) return;
         const Grid& inner = grids_[cells_[k++].grid];
-        const Range inside{inner.x.cell(p.x - reach), inner.x.cell(p.x + reach)};
-        for (int j = inner.y.cell(p.y - reach); j <= inner.y.cell(p.y + reach); ++j)
-            add_row(inner, j, inside, p, reach, runs);
+        const Range x = inner.x.within(p.x, reach), y = inner.y.within(p.y, reach), z = inner.layers(p, reach);
+        for (int layer = z.first; layer <= z.last; ++layer) {
+            for (int j = y.first; j <= y.last; ++j) add_row(inner.cell(0, j, layer), x, p, reach, runs);
+        }
     }
 }
 
-std::vector<std::uint32_t> CellList::numbers() const {
+template <class P>
+std::vector<std::uint32_t> BasicCellList<P>::numbers() const {
     std::vector<std::uint32_t> numbers;
     numbers.reserve(sorted_.size());
     for (const Listed& listed : sorted_) numbers.push_back(listed.number);
     return numbers;
 }
 
-/// Sorts points into the cells of a grid over the box, and recurses into crowded cells.
-void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth) {
+template <class P>
+void BasicCellList<P>::divide(P min, P max, std::uint32_t begin, std::uint32_t end, int depth) {
     const double count = end - begin;
-    const double side = std::sqrt(box.width() * box.height() / count);
-    const auto cells = [&](double length) { return std::max(1, static_cast<int>(std::min(length / side, count))); };
-    const int columns = cells(box.width()), rows = cells(box.height());
-    const Grid grid{{box.min.x, columns / box.width(), columns}, {box.min.y, rows / box.height(), rows}, cells_.size()};
+    const P sides = max - min;
+    const double side = cell_side(sides, count);
+    const auto axis = [&](double origin, double length) -> Axis {
+        if (!(length > 0)) return {};
+        const int cells = std::max(1, static_cast<int>(std::min(length / side, count)));
+        return {origin, cells / length, cells};
+    };
+    const Grid grid{axis(min.x, sides.x), axis(min.y, sides.y), axis(height(min), height(sides)), cells_.size()};
+    const int columns = grid.x.cells, rows = grid.y.cells, layers = grid.z.cells;
     grids_.push_back(grid);
-    const std::size_t last = grid.cell(columns - 1, rows - 1);
+    const std::size_t last = grid.cell(columns - 1, rows - 1, layers - 1);
     cells_.resize(last + 2, {0});
 
     const std::vector<Listed> unsorted(sorted_.begin() + begin, sorted_.begin() + end);
@@ -84,18 +97,35 @@ void CellList::divide(const Box& box, std::uint32_t begin, std::uint32_t end, in
     for (std::size_t i = unsorted.size(); i-- > 0;) sorted_[--cells_[grid.cell(unsorted[i].place)].begin] = unsorted[i];
 
     if (depth == kMaxDepth) return;
-    const double width = box.width() / columns, height = box.height() / rows;
-    for (int row = 0; row < rows; ++row) {
-        for (int column = 0; column < columns; ++column) {
-            const std::size_t k = grid.cell(column, row);
-            const std::uint32_t from = cells_[k].begin, to = cells_[k + 1].begin;
-            const Point corner = box.min + Point{column * width, row * height};
-            const Box inner{corner, corner + Point{width, height}};
-            if (to - from <= kMaxPerCell || !(inner.width() > 0 && inner.height() > 0)) continue;
-            cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
-            divide(inner, from, to, depth + 1);
+    const P size = vector(sides.x / columns, sides.y / rows, height(sides) / layers);
+    for (int layer = 0; layer < layers; ++layer) {
+        for (int row = 0; row < rows; ++row) {
+            for (int column = 0; column < columns; ++column) {
+                const std::size_t k = grid.cell(column, row, layer);
+                const std::uint32_t from = cells_[k].begin, to = cells_[k + 1].begin;
+                const P corner = min + vector(column * size.x, row * size.y, layer * height(size));
+                const P inner = (corner + size) - corner;
+                if (to - from <= kMaxPerCell || !(std::max({inner.x, inner.y, height(inner)}) > 0)) continue;
+                cells_[k].grid = static_cast<std::uint32_t>(grids_.size());
+                divide(corner, corner + size, from, to, depth + 1);
+            }
         }
     }
 }
+
+template <>
+BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places)
+    : torus_(domain.is_torus()), sides_(domain.unit_bounds().max) {
+    sort(places, domain.unit_bounds().min, domain.unit_bounds().max);
+}
+
+template <>
+BasicCellList<Point3>::BasicCellList(std::span<const Point3> places) : torus_(false) {
+    const Box3 box = bounds_of(places);
+    sort(places, box.min, box.max);
+}
+
+template class BasicCellList<Point>;
+template class BasicCellList<Point3>;
 
 }  // namespace ccdt

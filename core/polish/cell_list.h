@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -10,29 +11,51 @@
 
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 
 namespace ccdt {
 
-/// Finds the points near a place by means of a grid with about one point per cell. Each crowded cell has a nested grid.
-class CellList {
+/// Returns the side of squares of which about `count` cover a rectangle.
+inline double cell_side(Point sides, double count) {
+    return std::sqrt(sides.x * sides.y / count);
+}
+
+/// Returns the side of cubes of which about `count` cover a box. A flat box has a single layer of cubes.
+inline double cell_side(Point3 sides, double count) {
+    const double face = std::max({sides.x * sides.y, sides.y * sides.z, sides.z * sides.x});
+    return std::max(std::cbrt(sides.x * sides.y * sides.z / count), std::sqrt(face / count));
+}
+
+/// Finds the points near a place by means of a grid with about one cell per point. Each crowded cell has a nested grid.
+/// @tparam P  Point or Point3
+template <class P>
+class BasicCellList {
 public:
     /// @param places  [n >= 1], in the domain's bounding box; on a torus, wrapped into it
     ///
     /// O(points), multiplied by the depth of nested grids.
-    CellList(const Domain& domain, std::span<const Point> places);
+    BasicCellList(const Domain& domain, std::span<const P> places);
+
+    /// @param places  [n >= 1], anywhere in space
+    ///
+    /// O(points), multiplied by the depth of nested grids, which is small for points on a surface, too.
+    explicit BasicCellList(std::span<const P> places);
 
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
     /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
     /// @param reach  > 0
     template <class Function>
-    void for_near(Point p, double reach, Function&& function) const {
+    void for_near(P p, double reach, Function&& function) const {
         const Grid& grid = grids_.front();
-        const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y);
-        for (int j = y.first; j <= y.last; ++j) {
-            for (int i = x.first; i <= x.last; ++i) {
-                const int column = wrapped(i, grid.x.cells), row = wrapped(j, grid.y.cells);
-                const Point shift{(i - column) / grid.x.cells * sides_.x, (j - row) / grid.y.cells * sides_.y};
-                look_into(grid.cell(column, row), p, reach, shift, function);
+        const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y), z = grid.layers(p, reach);
+        for (int k = z.first; k <= z.last; ++k) {
+            for (int j = y.first; j <= y.last; ++j) {
+                for (int i = x.first; i <= x.last; ++i) {
+                    const int column = wrapped(i, grid.x.cells), row = wrapped(j, grid.y.cells);
+                    const P shift =
+                        vector((i - column) / grid.x.cells * sides_.x, (j - row) / grid.y.cells * sides_.y, 0);
+                    look_into(grid.cell(column, row, k), p, reach, shift, function);
+                }
             }
         }
     }
@@ -44,30 +67,54 @@ public:
 
     /// Finds the points that for_near() visits, as runs.
     /// @param runs  out; cleared first
-    void find_near(Point p, double reach, std::vector<Run>& runs) const;
+    void find_near(P p, double reach, std::vector<Run>& runs) const;
 
     /// Returns the indices of all points in `places`, sorted by cell. Runs are ranges of this list.
     std::vector<std::uint32_t> numbers() const;
 
 private:
+    static constexpr bool kInSpace = std::same_as<P, Point3>;
+
+    static double height(P p) {
+        if constexpr (kInSpace) return p.z;
+        return 0;
+    }
+    static P vector(double x, double y, double z) {
+        if constexpr (kInSpace)
+            return {x, y, z};
+        else
+            return {x, y};
+    }
+
+    struct Range {
+        int first, last;
+    };
+
     struct Axis {
         double origin = 0;
         double cells_per_length = 0;
-        int cells = 0;
+        int cells = 1;
 
         double place(double v) const { return (v - origin) * cells_per_length; }
         int cell(double v) const { return static_cast<int>(std::clamp(place(v), 0.0, cells - 1.0)); }
+        Range within(double v, double reach) const { return {cell(v - reach), cell(v + reach)}; }
     };
 
+    /// Cells in rows along x. In the plane, there is one layer of cells.
     struct Grid {
-        Axis x, y;
+        Axis x, y, z;
         std::size_t first;  ///< index of the grid's first cell in cells_
 
-        std::size_t cell(int column, int row) const {
-            return first + static_cast<std::size_t>(row) * static_cast<std::size_t>(x.cells) +
+        std::size_t cell(int column, int row, int layer) const {
+            const auto rows = static_cast<std::size_t>(layer) * static_cast<std::size_t>(y.cells);
+            return first + (rows + static_cast<std::size_t>(row)) * static_cast<std::size_t>(x.cells) +
                    static_cast<std::size_t>(column);
         }
-        std::size_t cell(Point p) const { return cell(x.cell(p.x), y.cell(p.y)); }
+        std::size_t cell(P p) const { return cell(x.cell(p.x), y.cell(p.y), layers(p, 0).first); }
+        Range layers(P p, double reach) const {
+            if constexpr (kInSpace) return z.within(p.z, reach);
+            return {0, 0};
+        }
     };
 
     struct Cell {
@@ -76,12 +123,8 @@ private:
     };
 
     struct Listed {
-        Point place;
+        P place;
         std::uint32_t number;
-    };
-
-    struct Range {
-        int first, last;
     };
 
     static int wrapped(int i, int cells) { return i < 0 ? i + cells : i >= cells ? i - cells : i; }
@@ -89,7 +132,7 @@ private:
     /// Returns the range of cells of the first grid within `reach` of a coordinate. On a torus, the range may extend
     /// beyond the grid's ends, but contains no cell twice.
     Range around(double v, double reach, const Axis& axis) const {
-        if (!torus_) return {axis.cell(v - reach), axis.cell(v + reach)};
+        if (!torus_) return axis.within(v, reach);
         const auto cell = [&](double place) {
             return static_cast<int>(std::clamp(std::floor(axis.place(place)), -1.0 * axis.cells, 2.0 * axis.cells - 1));
         };
@@ -98,7 +141,7 @@ private:
     }
 
     template <class Function>
-    void look_into(std::size_t number, Point p, double reach, Point shift, Function& function) const {
+    void look_into(std::size_t number, P p, double reach, P shift, Function& function) const {
         const Cell& cell = cells_[number];
         if (cell.grid == 0) {
             for (std::uint32_t k = cell.begin; k < cells_[number + 1].begin; ++k)
@@ -106,23 +149,42 @@ private:
             return;
         }
         const Grid& grid = grids_[cell.grid];
-        const Point q = p - shift;
-        for (int j = grid.y.cell(q.y - reach); j <= grid.y.cell(q.y + reach); ++j) {
-            for (int i = grid.x.cell(q.x - reach); i <= grid.x.cell(q.x + reach); ++i)
-                look_into(grid.cell(i, j), p, reach, shift, function);
+        const P q = p - shift;
+        const Range x = grid.x.within(q.x, reach), y = grid.y.within(q.y, reach), z = grid.layers(q, reach);
+        for (int k = z.first; k <= z.last; ++k) {
+            for (int j = y.first; j <= y.last; ++j) {
+                for (int i = x.first; i <= x.last; ++i) look_into(grid.cell(i, j, k), p, reach, shift, function);
+            }
         }
     }
 
     /// Appends to `runs` the points near p in some cells of one row, including the cells of nested grids.
-    void add_row(const Grid& grid, int row, Range columns, Point p, double reach, std::vector<Run>& runs) const;
+    /// @param row  index of the row's first cell
+    void add_row(std::size_t row, Range columns, P p, double reach, std::vector<Run>& runs) const;
 
-    void divide(const Box& box, std::uint32_t begin, std::uint32_t end, int depth);
+    /// Lists points and sorts them into grids.
+    void sort(std::span<const P> places, P min, P max);
+
+    /// Sorts points into the cells of a grid over a box, and recurses into crowded cells.
+    void divide(P min, P max, std::uint32_t begin, std::uint32_t end, int depth);
 
     bool torus_;
-    Point sides_;
+    P sides_;                     ///< of a torus
     std::vector<Grid> grids_;     ///< the first one covers the domain
     std::vector<Cell> cells_;     ///< cells of each grid, each followed by a cell that marks the end
     std::vector<Listed> sorted_;  ///< sorted by cell
 };
+
+// The first constructor exists in the plane only, the second one in space only.
+template <>
+BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places);
+template <>
+BasicCellList<Point3>::BasicCellList(std::span<const Point3> places);
+
+extern template class BasicCellList<Point>;
+extern template class BasicCellList<Point3>;
+
+using CellList = BasicCellList<Point>;
+using CellList3 = BasicCellList<Point3>;
 
 }  // namespace ccdt

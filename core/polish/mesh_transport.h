@@ -6,14 +6,13 @@
 #include <functional>
 #include <span>
 #include <stop_token>
-#include <vector>
 
 #include "core/density/density.h"
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
 #include "core/mesh/triangulation.h"
+#include "core/polish/excess_flow.h"
 #include "core/polish/first_row.h"
-#include "core/polish/graph_solver.h"
 
 namespace ccdt {
 
@@ -62,17 +61,8 @@ public:
                        std::span<Point> moves, const std::stop_token& stop = {});
 
 private:
-    void find_errors(const Triangulation& mesh);
-    void flow(const Triangulation& mesh, std::span<const double> spacings, std::span<Point> moves) const;
-
-    Executor& executor_;
-    GraphSolver solver_;
+    ExcessFlow flow_;
     Measure measure_;
-    std::vector<double> error_, potential_;  ///< [sites] error and potential of each site
-    /// [sites] number of the site's component. Sites are connected if a path of edges that carry a flow joins them.
-    std::vector<std::uint32_t> part_of_;
-    std::vector<double> sums_;    ///< [components] sum of the errors of the sites
-    std::vector<double> counts_;  ///< [components] number of sites
 };
 
 }  // namespace ccdt

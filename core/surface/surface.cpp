@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <numeric>
 #include <string>
 #include <utility>
 
+#include "core/surface/face_tree.h"
 #include "core/surface/surface_repair.h"
 
 namespace ccdt {
@@ -115,7 +118,10 @@ struct Surface::Walk {
     SurfacePoint stop_at(const Exit& exit) const { return {face, inset(weights_of(exit), kInset)}; }
 };
 
-struct Surface::Tree {};
+struct Surface::Tree {
+    std::once_flag once;
+    std::optional<FaceTree> faces;  ///< made when it is needed first
+};
 
 Surface::Surface() = default;
 Surface::Surface(Surface&&) noexcept = default;
@@ -354,6 +360,25 @@ SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
         }
         exit.distance = std::max(0.0, exit.distance);
     }
+}
+
+SurfacePoint Surface::nearest(Point3 p) const {
+    std::call_once(tree_->once, [this] {
+        std::vector<std::uint32_t> all(face_count());
+        std::iota(all.begin(), all.end(), 0U);
+        // The surface may move, but its vertices and faces stay in place.
+        tree_->faces.emplace(std::move(all), [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
+            const auto& [a, b, c] = faces[f].corners;
+            return std::array{vertices[a], vertices[b], vertices[c]};
+        });
+    });
+    // From far away, the direction determines the nearest point.
+    constexpr double kFar = 1e6, kFarthest = 1e300;
+    for (double* value : {&p.x, &p.y, &p.z}) *value = std::clamp(*value, -kFarthest, kFarthest);
+    if (const double size = largest(p); size > kFar) p = kFar / size * p;
+
+    const FaceTree::Nearest found = tree_->faces->nearest(p);
+    return {found.face, found.weights};
 }
 
 }  // namespace ccdt

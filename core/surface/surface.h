@@ -99,8 +99,11 @@ public:
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
 
-    /// Returns the point of the surface that is nearest to p, in the unit frame. Several threads may call it at once
-    /// after the first call. O(log faces), typically.
+    /// Returns the point of the surface that is nearest to p, in the unit frame.
+    /// @param p  may be infinite, but not NaN
+    ///
+    /// Several threads may call it at once. O(log faces), typically; the first call builds a tree in
+    /// O(faces log faces).
     SurfacePoint nearest(Point3 p) const;
 
 private:

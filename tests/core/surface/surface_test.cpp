@@ -202,5 +202,29 @@ TEST(Surface, TracesLinesAroundACube) {
     expect_near(surface.place(surface.trace(start, {0, 400, 0})), p, 1e-7);
 }
 
+TEST(Surface, FindsNearestPoints) {
+    const Surface cube = made(cube_surface()).surface;
+    const auto nearest = [](const Surface& surface, Point3 p) {
+        const SurfacePoint found = surface.nearest(p);
+        expect_inside(found, surface);
+        return surface.place(found);
+    };
+    expect_near(nearest(cube, {0.25, 0.5, 0.9}), {0.25, 0.5, 1}, 1e-12);
+    expect_near(nearest(cube, {0.25, 2, 3}), {0.25, 1, 1}, 1e-12);
+    expect_near(nearest(cube, {1e308, -1e308, 1e308}), {1, 0, 1}, 1e-12);
+    EXPECT_EQ(nearest(cube, {std::numeric_limits<double>::infinity(), 1e6, 0.5}).x, 1);
+
+    Surface sphere = made(test::sphere_surface(4)).surface;
+    sphere.nearest({});
+    const Surface moved = std::move(sphere);
+    Random random(1, 2);
+    for (int i = 0; i < 1000; ++i) {
+        const Point3 p{random.uniform() * 4 - 2, random.uniform() * 4 - 2, random.uniform() * 4 - 2};
+        const Point3 found = moved.to_input(nearest(moved, moved.from_input(p)));
+        EXPECT_NEAR(length(found - p), std::abs(length(p) - 1), 0.002);
+        EXPECT_NEAR(length(found), 1, 0.002);
+    }
+}
+
 }  // namespace
 }  // namespace ccdt

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/geometry/point3.h"
+
+namespace ccdt {
+
+/// Finds nearest points of triangles by a tree of bounding boxes.
+///
+/// CGAL's AABB_tree does not visit the nearer box first. On a torus of a million triangles, it took 8 us for points
+/// near the surface and 100 us for distant points, with six times the memory.
+class FaceTree {
+public:
+    using Corners = std::function<std::array<Point3, 3>(std::uint32_t face)>;
+
+    /// The point of a triangle that is nearest to another point.
+    struct Nearest {
+        std::uint32_t face = 0;
+        std::array<double, 3> weights{};  ///< barycentric coordinates
+        double squared = 0;               ///< squared distance
+    };
+
+    /// @param faces    numbers of the triangles, at least one
+    /// @param corners  returns the corners of a triangle, which differ; called during the life of the tree, also by
+    ///                 several threads at once
+    ///
+    /// O(n log n), with about 60 bytes per triangle.
+    FaceTree(std::vector<std::uint32_t> faces, Corners corners);
+
+    /// Returns the nearest point of all triangles, up to rounding. Several threads may call it at once. O(log n),
+    /// typically.
+    Nearest nearest(Point3 p) const;
+
+private:
+    /// A box around the triangles of a range of faces_. Its first child is the next node.
+    struct Node {
+        Point3 min, max;
+        std::uint32_t second = 0;  ///< second child; 0 if there are no children
+    };
+    struct Range {
+        std::uint32_t begin, end;
+
+        std::uint32_t middle() const { return begin + (end - begin) / 2; }
+    };
+
+    Point3 centre(std::uint32_t face) const;
+    void build(Range range);
+    void search(std::uint32_t number, Range range, Point3 p, Nearest& found) const;
+
+    std::vector<std::uint32_t> faces_;
+    Corners corners_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace ccdt
