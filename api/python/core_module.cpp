@@ -17,6 +17,7 @@
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/operation/parsed_request.h"
+#include "api/python/array_mesh.h"
 #include "api/python/array_picture.h"
 #include "api/python/decode_capsule.h"
 #include "api/python/interruptible.h"
@@ -24,6 +25,8 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
+#include "api/surface/surface_parser.h"
+#include "api/surface/surface_sample.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {
@@ -123,11 +126,12 @@ private:
 };
 
 /// Finds a format by name. Throws ccdt.Error if the endpoint does not have it.
-const api::PointFormat& format_of(std::span<const api::PointFormat* const> formats, std::string_view name) {
-    const auto found = std::ranges::find(formats, name, [](const api::PointFormat* each) { return each->file.name; });
+template <class Format>
+const Format& format_of(std::span<const Format* const> formats, std::string_view name) {
+    const auto found = std::ranges::find(formats, name, [](const Format* each) { return each->file.name; });
     if (found != formats.end()) return **found;
     std::string names;
-    for (const api::PointFormat* each : formats) names.append(names.empty() ? "" : ", ").append(each->file.name);
+    for (const Format* each : formats) names.append(names.empty() ? "" : ", ").append(each->file.name);
     raise({ErrorCode::NotAcceptable, "format " + std::string(name) + " is not one of " + names, "format"});
 }
 
@@ -221,6 +225,76 @@ private:
     api::PlacedSample placed_;
 };
 
+/// Mesh of a request: the bytes of a file, or arrays.
+class MeshInput {
+public:
+    /// @param mesh  bytes, or a tuple of arrays as in soup_of()
+    explicit MeshInput(py::object mesh) : mesh_(std::move(mesh)) {
+        if (py::isinstance<py::bytes>(mesh_)) return;
+        const TriangleSoup soup = value_or_raise(soup_of(py::cast<py::tuple>(mesh_)));
+        header_.max_vertices = soup.vertices.size();
+        header_.max_triangles = soup.triangles.size();
+        decode_.surface = [soup](std::string_view, const api::SurfaceHeader&, const std::stop_token&) {
+            return Result<api::SurfaceContents>(api::SurfaceContents{soup});
+        };
+    }
+
+    Result<api::SurfaceFile> file(const api::Limits& limits) const {
+        if (decode_.surface) {
+            if (header_.max_triangles > limits.max_faces) return api::too_many_faces(limits.max_faces);
+            return api::SurfaceFile{{}, header_};
+        }
+        const std::string_view bytes = py::reinterpret_borrow<py::bytes>(mesh_);
+        const auto format = api::recognise_surface(bytes);
+        if (!format) return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
+        return api::read_surface_header(bytes, *format, limits.max_faces).map([&](const api::SurfaceHeader& header) {
+            return api::SurfaceFile{bytes, header};
+        });
+    }
+
+    const api::Decode& decode() const { return decode_.surface ? decode_ : file_decode(); }
+
+private:
+    py::object mesh_;  ///< owns the bytes to which requests refer
+    api::SurfaceHeader header_;
+    api::Decode decode_;  ///< without functions for a file
+};
+
+/// Points that are placed on a mesh, with the request that asked for them.
+class SurfaceSample {
+public:
+    SurfaceSample(py::object mesh, const OptionList& options, const Running& running)
+        : input_(std::move(mesh)), request_(parsed(options)), placed_(value_or_raise(placed(running))) {}
+
+    bool has_colours() const { return placed_.has_colours(); }
+    bool has_texture() const { return placed_.has_texture(); }
+
+    AnswerPointer write(const std::string& format, const Running& running) const {
+        const auto& chosen = format.empty() ? *request_.format : format_of(api::surface_formats(), format);
+        return keep(run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::write_answer(request_, placed_, chosen, control, timings);
+        }));
+    }
+
+private:
+    api::SurfaceRequest parsed(const OptionList& options) const {
+        return value_or_raise(api::parse_surface(input_.file({}), text_options(options), "", {}));
+    }
+
+    Result<api::PlacedSurface> placed(const Running& running) const {
+        const api::Decode& decode = input_.decode();
+        return run_interruptible(running.threads, running.progress, [&](const Control& control) {
+            api::Timings timings;
+            return api::place_surface(request_, decode, control, timings);
+        });
+    }
+
+    MeshInput input_;
+    api::SurfaceRequest request_;
+    api::PlacedSurface placed_;
+};
+
 AnswerPointer run_parsed(Result<api::ParsedPointer> parsed, bool has_pictures, const Running& running) {
     const api::ParsedPointer request = value_or_raise(std::move(parsed));
     const api::Decode decode = embedded_decode(has_pictures);
@@ -272,6 +346,7 @@ Extensions file_extensions() {
     append_extensions(api::device_formats(), list);
     append_extensions(api::sample_formats(), list);
     append_extensions(api::pixel_formats(), list);
+    append_extensions(api::surface_formats(), list);
     append_extensions(api::analyze_formats(), list);
     return list;
 }
@@ -313,6 +388,13 @@ PYBIND11_MODULE(_core, module) {
              py::arg("running"))
         .def("write", &Sample::write, py::arg("format"), py::arg("running"));
 
+    py::class_<SurfaceSample>(module, "SurfaceSample")
+        .def(py::init<py::object, const OptionList&, const Running&>(), py::arg("mesh"), py::arg("options"),
+             py::arg("running"))
+        .def_property_readonly("has_colors", &SurfaceSample::has_colours)
+        .def_property_readonly("has_texture", &SurfaceSample::has_texture)
+        .def("write", &SurfaceSample::write, py::arg("format"), py::arg("running"));
+
     module.def("answer_device", &answer_device, py::arg("picture"), py::arg("linear"), py::arg("options"),
                py::arg("running"));
     module.def("answer_sample", &answer_sample, py::arg("body"), py::arg("has_pictures"), py::arg("running"));
@@ -325,6 +407,7 @@ PYBIND11_MODULE(_core, module) {
     module.def("halftone_options", [] { return option_names(api::halftone_options()); });
     module.def("device_options", [] { return option_names(api::device_options()); });
     module.def("sample_options", [] { return option_names(api::sample_options()); });
+    module.def("surface_options", [] { return option_names(api::surface_options()); });
     module.def("pixel_options", [] { return option_names(api::pixel_options()); });
     module.def("analyze_options", [] { return option_names(api::analyze_options()); });
 }

@@ -14,7 +14,7 @@ namespace ccdt::api {
 struct Limits {
     std::size_t max_sites = 2'000'000;
     std::size_t max_pixels = 64'000'000;  ///< maximum number of pixels of a decoded picture, a drawing or a raster
-    std::size_t max_faces = 4'000'000;    ///< maximum number of triangles of a mesh
+    std::size_t max_faces = 4'000'000;    ///< maximum number of triangles into which the faces of a mesh are divided
 };
 
 /// Estimated cost of computing an answer.

@@ -148,7 +148,7 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
 constexpr Estimate kTextCost{330, 1.5 * kMicrosecond};
 constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
 
-constexpr SurfacePointFormat kJsonPoints{kJson, 30, kTextCost, false, write_json, nullptr};
+constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json, nullptr};
 constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv, nullptr};
 constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
 // PLY has no registered media type.
@@ -159,7 +159,7 @@ constexpr SurfacePointFormat kGlbFile{
 constexpr SurfacePointFormat kObjFile{
     {"obj", "Wavefront OBJ", "obj", "model/obj", ""}, 8, kTextCost, true, nullptr, write_obj_mesh};
 constexpr SurfacePointFormat kStlFile{
-    {"stl", "STL", "stl", "model/stl", ""}, 50, kBinaryCost, true, nullptr, write_stl_mesh};
+    {"stl", "STL", "stl", "model/stl", ""}, 20, kBinaryCost, true, nullptr, write_stl_mesh};
 
 constexpr const SurfacePointFormat* kFormats[] = {&kJsonPoints, &kCsvPoints, &kNpyPoints, &kPlyFile,
                                                   &kGlbFile,    &kObjFile,   &kStlFile};

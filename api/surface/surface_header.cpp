@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/json/json_document.h"
+#include "api/surface/off_header.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -218,41 +219,16 @@ Result<Bounds> bounds_of_ply(std::string_view bytes) {
     return bounds;
 }
 
-/// Returns the least number of values of a vertex, according to the keyword of an OFF; none for another text.
-std::optional<std::uint64_t> values_of_off(std::string_view keyword) {
-    constexpr auto kPrefixes =
-        std::to_array<std::pair<std::string_view, std::uint64_t>>({{"ST", 2}, {"C", 3}, {"N", 3}, {"4", 1}});
-    std::uint64_t values = 3;
-    for (const auto& [prefix, more] : kPrefixes) {
-        if (!keyword.starts_with(prefix)) continue;
-        keyword.remove_prefix(prefix.size());
-        values += more;
-    }
-    if (keyword != "OFF") return std::nullopt;
-    return values;
-}
-
 Result<Bounds> bounds_of_off(std::string_view text) {
-    const auto values = values_of_off(take_word(text));
-    const auto next_count = [&text]() -> std::optional<std::uint32_t> {
-        std::string_view word = take_word(text);
-        while (word.starts_with('#')) {
-            take_until(text, "\n");
-            word = take_word(text);
-        }
-        return parse_number<std::uint32_t>(word);
-    };
-    const auto vertices = next_count();
-    const auto faces = next_count();
-    if (!values || !vertices || !faces)
-        return unusable(SurfaceFormat::Off, "it does not begin with OFF and the numbers of vertices and faces");
-    const std::uint64_t needed = *vertices * *values + *faces;
-    const std::uint64_t present = count_words(text);
+    const auto header = read_off_header(text);
+    if (!header) return tl::unexpected(header.error());
+    const std::uint64_t needed = header->vertices * header->values_per_vertex() + header->faces;
+    const std::uint64_t present = count_words(header->data);
     if (needed > present)
         return unusable(SurfaceFormat::Off, "its header promises at least " + std::to_string(needed) +
                                                 " numbers, but the file has " + std::to_string(present));
-    const std::uint64_t triangles = triangles_of(present - needed, *faces);
-    return Bounds{triangles, *vertices, std::min<std::uint64_t>(*faces, triangles)};
+    const std::uint64_t triangles = triangles_of(present - needed, header->faces);
+    return Bounds{triangles, header->vertices, std::min(header->faces, triangles)};
 }
 
 /// Returns the JSON part of a glTF. Errors: Unusable for a damaged container.
@@ -450,8 +426,9 @@ Result<Bounds> bounds_of(std::string_view bytes, SurfaceFormat format) {
 
 /// Returns the memory for reading a file, measured with files of a million faces and doubled.
 std::uint64_t decoder_bytes_of(const SurfaceHeader& header, std::size_t file) {
-    constexpr std::uint64_t kBase = std::uint64_t{24} << 20;
-    return kBase + 4 * file + 100 * header.max_triangles + 150 * header.max_vertices;
+    constexpr std::uint64_t kBase = std::uint64_t{48} << 20;
+    const std::uint64_t per_triangle = header.format == SurfaceFormat::Obj ? 300 : 60;
+    return kBase + 2 * file + per_triangle * header.max_triangles + 110 * header.max_vertices;
 }
 
 }  // namespace
@@ -483,7 +460,7 @@ std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::stri
     std::string_view text = bytes;
     const std::string_view first = take_word(text);
     if (first == "ply") return SurfaceFormat::Ply;
-    if (values_of_off(first)) return SurfaceFormat::Off;
+    if (is_off(bytes)) return SurfaceFormat::Off;
     if (first == "solid") return SurfaceFormat::StlText;
     if (is_gltf(bytes)) return SurfaceFormat::Gltf;
     if (is_obj(bytes)) return SurfaceFormat::Obj;

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <exception>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,11 +18,15 @@
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 
+#include "api/surface/off_header.h"
 #include "api/text/text.h"
 #include "core/halftone/srgb.h"
 
 namespace ccdt::api {
 namespace {
+
+/// Maximum number of corners of a polygon. The library needs 1 s to divide the largest one.
+constexpr unsigned kMaxCorners = 10'000;
 
 using Matrix = aiMatrix4x4t<double>;
 
@@ -31,6 +34,10 @@ tl::unexpected<Error> unusable(SurfaceFormat format, std::string_view reason) {
     constexpr std::size_t kLongest = 300;
     return failure(ErrorCode::Unusable,
                    std::string(name_of(format)) + " file cannot be read: " + std::string(reason.substr(0, kLongest)));
+}
+
+bool is_gltf(SurfaceFormat format) {
+    return format == SurfaceFormat::Gltf || format == SurfaceFormat::Glb;
 }
 
 /// Refuses to open the files that a mesh file refers to, such as materials.
@@ -51,9 +58,8 @@ const char* extension_of(SurfaceFormat format) {
         case SurfaceFormat::Obj:
             return "obj";
         case SurfaceFormat::Ply:
-            return "ply";
         case SurfaceFormat::Off:
-            return "off";
+            return "ply";
         case SurfaceFormat::Gltf:
             return "gltf";
         case SurfaceFormat::Glb:
@@ -105,8 +111,7 @@ std::span<const aiFace> faces_of(const aiMesh& mesh) {
 }
 
 /// Lists the meshes of a scene in the order in which its nodes refer to them, parents first.
-/// @returns  none if there are more than `most` meshes
-std::optional<std::vector<PlacedMesh>> place_meshes(const aiScene& scene, std::uint64_t most) {
+std::vector<PlacedMesh> place_meshes(const aiScene& scene) {
     std::vector<PlacedMesh> placed;
     std::vector<std::pair<const aiNode*, Matrix>> waiting;
     if (scene.mRootNode != nullptr) waiting.emplace_back(scene.mRootNode, Matrix());
@@ -114,10 +119,8 @@ std::optional<std::vector<PlacedMesh>> place_meshes(const aiScene& scene, std::u
         const auto [node, parent] = waiting.back();
         waiting.pop_back();
         const Matrix matrix = parent * Matrix(node->mTransformation);
-        for (const unsigned index : std::span(node->mMeshes, node->mNumMeshes)) {
-            if (placed.size() == most) return std::nullopt;
+        for (const unsigned index : std::span(node->mMeshes, node->mNumMeshes))
             placed.push_back({scene.mMeshes[index], matrix});
-        }
         for (unsigned i = node->mNumChildren; i-- > 0;) waiting.emplace_back(node->mChildren[i], matrix);
     }
     return placed;
@@ -177,18 +180,16 @@ private:
     using Texture = std::array<float, 2>;
     static constexpr Colour kWhite{1, 1, 1};
 
-    bool is_gltf() const { return format_ == SurfaceFormat::Gltf || format_ == SurfaceFormat::Glb; }
-
     Colour light_of(const aiColor4D& colour) const {
         const auto light = [this](float value) {
             const float share = value > 0 ? std::min(value, 1.0F) : 0;  // also if it is NaN
-            return is_gltf() ? share : light_of_srgb(share);
+            return is_gltf(format_) ? share : light_of_srgb(share);
         };
         return {light(colour.r), light(colour.g), light(colour.b)};
     }
 
     Texture texture_of(const aiVector3D& at) const {
-        return {at.x, is_gltf() ? 1 - at.y : at.y};  // the library turns those of a glTF upside down
+        return {at.x, is_gltf(format_) ? 1 - at.y : at.y};  // the library turns those of a glTF upside down
     }
 
     SurfaceFormat format_;
@@ -197,14 +198,17 @@ private:
     SurfaceContents contents_;
 };
 
-/// Checks all indices, because further steps of the library do not. Checks that the triangles into which the faces are
-/// divided, and the vertices, do not exceed the upper bounds.
+/// Checks all indices and polygons, because further steps of the library do not. Checks that the triangles into which
+/// the faces are divided, and the vertices, do not exceed the upper bounds.
 Result<void> check(std::span<const PlacedMesh> meshes, const SurfaceHeader& header) {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     for (const auto& [mesh, matrix] : meshes) {
         vertices += mesh->mNumVertices;
         for (const aiFace& face : faces_of(*mesh)) {
+            if (face.mNumIndices > kMaxCorners)
+                return unusable(header.format,
+                                "a polygon has more than " + std::to_string(kMaxCorners) + " corners, the limit");
             if (face.mNumIndices > 2) triangles += face.mNumIndices - 2;
             for (const unsigned index : std::span(face.mIndices, face.mNumIndices)) {
                 if (index < mesh->mNumVertices) continue;
@@ -217,6 +221,11 @@ Result<void> check(std::span<const PlacedMesh> meshes, const SurfaceHeader& head
             return too_many_faces(header.max_triangles);
     }
     if (triangles == 0) return unusable(header.format, "it has no triangles or polygons");
+    // The header counts the triangles of a glTF exactly. The library omits triangles with invalid indices.
+    if (is_gltf(header.format) && triangles < header.max_triangles)
+        return unusable(header.format, std::to_string(header.max_triangles - triangles) + " of its " +
+                                           std::to_string(header.max_triangles) +
+                                           " triangles refer to vertices that do not exist");
     return {};
 }
 
@@ -232,15 +241,14 @@ Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHea
     keep_reader(importer, header.format);
     const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, extension_of(header.format));
     if (scene == nullptr) return unusable(header.format, importer.GetErrorString());
-    auto meshes = place_meshes(*scene, header.max_triangles);
-    if (!meshes) return too_many_faces(header.max_triangles);
-    if (const auto checked = check(*meshes, header); !checked) return tl::unexpected(checked.error());
-    if (has_polygons(*meshes)) {
+    auto meshes = place_meshes(*scene);
+    if (const auto checked = check(meshes, header); !checked) return tl::unexpected(checked.error());
+    if (has_polygons(meshes)) {
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
         if (scene == nullptr) return unusable(header.format, "its polygons cannot be divided into triangles");
-        meshes = place_meshes(*scene, header.max_triangles);
+        meshes = place_meshes(*scene);
     }
-    return SoupBuilder(header.format, *meshes).take();
+    return SoupBuilder(header.format, meshes).take();
 }
 
 }  // namespace
@@ -248,6 +256,8 @@ Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHea
 Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader& header) {
     try {
         if (header.format == SurfaceFormat::Obj) return read_by_library(without_groups(bytes), header);
+        if (header.format == SurfaceFormat::Off)
+            return ply_of_off(bytes).and_then([&](const std::string& ply) { return read_by_library(ply, header); });
         return read_by_library(bytes, header);
     } catch (const std::exception& error) {
         return unusable(header.format, error.what());

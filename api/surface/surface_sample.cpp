@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,6 +15,8 @@
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
 #include "api/surface/surface_parser.h"
+#include "core/order/progressive_order.h"
+#include "core/order/reorder.h"
 #include "core/surface/surface_density.h"
 
 namespace ccdt::api {
@@ -36,6 +40,46 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
         }
     }
     return SurfaceDensity::uniform();
+}
+
+/// Removes colours and texture coordinates from triangles if some are not usable, and reports it.
+void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
+    const auto all = [](const auto& rows, auto is_valid) {
+        return std::ranges::all_of(rows, [&](const auto& row) { return std::ranges::all_of(row, is_valid); });
+    };
+    if (!all(soup.colours, [](float light) { return light >= 0 && light <= 1; })) {
+        soup.colours.clear();
+        warnings.push_back({"the colours are ignored, because some are not numbers from 0 to 1"});
+    }
+    if (!all(soup.texture, [](float ordinate) { return std::isfinite(ordinate); })) {
+        soup.texture.clear();
+        warnings.push_back({"the texture coordinates are ignored, because some are not finite"});
+    }
+}
+
+/// Whether points have the same density everywhere on the surface, which has neither borders nor creases.
+bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
+    if (!density.is_uniform() || !request.run.fixed.empty()) return false;
+    for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
+        if (edge % 4 < 3 && surface.is_crease(edge)) return false;
+    }
+    return true;
+}
+
+/// Puts points into the requested order. After a stop, the order is arbitrary.
+void order_points(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density,
+                  const Control& control, SurfaceDistribution& dots) {
+    if (request.order != PointOrder::Progressive) return;
+    std::vector<Point3> places, normals;
+    for (const SurfacePoint& point : dots.points) {
+        places.push_back(surface.place(point));
+        normals.push_back(surface.smooth_normal(point));
+    }
+    reorder(dots, progressive_order_on_surface(places, normals, surface.total_area(),
+                                               is_even(request, surface, density), control.stop, *control.executor));
+    dots.ranks.resize(dots.points.size());
+    std::iota(dots.ranks.begin(), dots.ranks.end(), std::uint32_t{0});
+    dots.stopped = dots.stopped || control.stop.stop_requested();
 }
 
 /// Writes notes for an HTTP header.
@@ -67,9 +111,11 @@ Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode&
     if (!read) return tl::unexpected(std::move(read.error()));
     auto made = Surface::create(read->soup, request.crease, control.stop);
     if (!made) return tl::unexpected(std::move(made.error()));
+    drop_invalid(read->soup, made->warnings);
     const auto density = make_density(request, made->surface, read->soup);
     if (!density) return tl::unexpected(density.error());
     auto dots = distribute_on_surface(made->surface, *density, request.run, control);
+    if (dots) order_points(request, made->surface, *density, control, *dots);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(std::move(dots.error()));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());

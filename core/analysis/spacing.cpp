@@ -2,6 +2,7 @@
 #include "core/analysis/spacing.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -11,52 +12,79 @@
 namespace ccdt {
 namespace {
 
-/// A k-d tree in one array. The middle element of each range splits the range along its longer axis.
+constexpr double kFar = std::numeric_limits<double>::infinity();
+
+/// Coordinates of a site on one axis. Axes are numbered from 0.
+double along(Point p, std::size_t axis) {
+    return axis == 0 ? p.x : p.y;
+}
+
+/// A point of a surface.
+struct Oriented {
+    Point3 point;
+    Point3 normal;
+};
+double along(const Oriented& p, std::size_t axis) {
+    return axis == 0 ? p.point.x : axis == 1 ? p.point.y : p.point.z;
+}
+
+/// Squared distance of two points; infinite if they are not neighbours.
+double squared_distance(Point a, Point b) {
+    const Point apart = a - b;
+    return dot(apart, apart);
+}
+double squared_distance(const Oriented& a, const Oriented& b) {
+    const Point3 apart = a.point - b.point;
+    return dot(a.normal, b.normal) < 0 ? kFar : dot(apart, apart);
+}
+
+/// A k-d tree in one array. The middle element of each range splits the range along its longest axis.
+template <class Site, std::size_t kAxes>
 class Tree {
 public:
-    Tree(std::span<const Point> points, Point sides, bool periodic) : sides_(sides), periodic_(periodic) {
-        for (const Point& p : points) nodes_.push_back({p, false});
-        build(0, nodes_.size());
-    }
+    explicit Tree(std::size_t size) { nodes_.reserve(size); }
+
+    void add(const Site& site) { nodes_.push_back({site, 0}); }
+    void build() { build(0, nodes_.size()); }
 
     std::size_t size() const { return nodes_.size(); }
+    const Site& site(std::size_t index) const { return nodes_[index].site; }
 
-    /// Returns the distance from a point to its nearest neighbour.
-    double nearest_distance(std::size_t index) const {
-        Query query{nodes_[index].point, index, std::numeric_limits<double>::infinity()};
+    /// Returns the smaller one of `best` and the squared distance from a site to the nearest site other than `self`.
+    double nearest(const Site& from, std::size_t self, double best) const {
+        Query query{from, self, best};
         search(0, nodes_.size(), query);
-        if (periodic_) search_around(query);
-        return std::sqrt(query.best);
+        return query.best;
     }
 
 private:
     struct Node {
-        Point point;
-        bool by_y;  ///< whether the element splits the range along y
+        Site site;
+        std::size_t axis;  ///< axis along which the element splits the range
     };
 
     struct Query {
-        Point from;
+        const Site& from;
         std::size_t self;
-        double best;  ///< squared distance of the nearest point found so far
+        double best;  ///< squared distance of the nearest site found so far
     };
-
-    static double along(Point p, bool by_y) { return by_y ? p.y : p.x; }
 
     void build(std::size_t begin, std::size_t end) {
         if (end - begin < 2) return;
         const auto first = nodes_.begin() + static_cast<std::ptrdiff_t>(begin);
         const auto last = nodes_.begin() + static_cast<std::ptrdiff_t>(end);
-        const auto extent = [&](bool by_y) {
-            const auto [low, high] = std::minmax_element(
-                first, last, [&](const Node& a, const Node& b) { return along(a.point, by_y) < along(b.point, by_y); });
-            return along(high->point, by_y) - along(low->point, by_y);
-        };
-        const bool by_y = extent(true) > extent(false);
+        std::array<double, kAxes> extents{};
+        for (std::size_t axis = 0; axis < kAxes; ++axis) {
+            const auto [low, high] = std::minmax_element(first, last, [axis](const Node& a, const Node& b) {
+                return along(a.site, axis) < along(b.site, axis);
+            });
+            extents[axis] = along(high->site, axis) - along(low->site, axis);
+        }
+        const auto axis = static_cast<std::size_t>(std::ranges::max_element(extents) - extents.begin());
         const std::size_t middle = begin + (end - begin) / 2;
         std::nth_element(first, nodes_.begin() + static_cast<std::ptrdiff_t>(middle), last,
-                         [&](const Node& a, const Node& b) { return along(a.point, by_y) < along(b.point, by_y); });
-        nodes_[middle].by_y = by_y;
+                         [axis](const Node& a, const Node& b) { return along(a.site, axis) < along(b.site, axis); });
+        nodes_[middle].axis = axis;
         build(begin, middle);
         build(middle + 1, end);
     }
@@ -65,9 +93,8 @@ private:
         if (begin == end) return;
         const std::size_t middle = begin + (end - begin) / 2;
         const Node& node = nodes_[middle];
-        const Point apart = query.from - node.point;
-        if (middle != query.self) query.best = std::min(query.best, dot(apart, apart));
-        const double ahead = along(apart, node.by_y);
+        if (middle != query.self) query.best = std::min(query.best, squared_distance(query.from, node.site));
+        const double ahead = along(query.from, node.axis) - along(node.site, node.axis);
         const std::pair below{begin, middle}, above{middle + 1, end};
         const auto [near_begin, near_end] = ahead < 0 ? below : above;
         search(near_begin, near_end, query);
@@ -76,37 +103,57 @@ private:
         search(far_begin, far_end, query);
     }
 
-    /// Searches from the periodic copies of the point.
-    void search_around(Query& query) const {
-        const Point home = query.from;
-        for (const double right : {-1, 0, 1}) {
-            for (const double up : {-1, 0, 1}) {
-                if (right == 0 && up == 0) continue;
-                query.from = home + Point{right * sides_.x, up * sides_.y};
-                const Point inside{std::clamp(query.from.x, 0.0, sides_.x), std::clamp(query.from.y, 0.0, sides_.y)};
-                const Point apart = query.from - inside;
-                if (dot(apart, apart) < query.best) search(0, nodes_.size(), query);
-            }
-        }
-    }
-
-    Point sides_;
-    bool periodic_;
     std::vector<Node> nodes_;
 };
+
+using PlaneTree = Tree<Point, 2>;
+
+/// Searches from the periodic copies of a site. Returns the squared distance of its nearest neighbour.
+double search_around(const PlaneTree& tree, std::size_t index, Point sides, double best) {
+    for (const double right : {-1, 0, 1}) {
+        for (const double up : {-1, 0, 1}) {
+            if (right == 0 && up == 0) continue;
+            const Point copy = tree.site(index) + Point{right * sides.x, up * sides.y};
+            const Point inside{std::clamp(copy.x, 0.0, sides.x), std::clamp(copy.y, 0.0, sides.y)};
+            if (squared_distance(copy, inside) < best) best = tree.nearest(copy, index, best);
+        }
+    }
+    return best;
+}
+
+/// @param nearest  function from the number of a point to the squared distance of its nearest neighbour
+template <class Nearest>
+Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& nearest) {
+    Spacing spacing{kFar, 0};
+    std::size_t with_neighbour = 0;
+    for (std::size_t i = 0; i < count && !stop.stop_requested(); ++i) {
+        const double distance = std::sqrt(nearest(i));
+        if (distance == kFar) continue;
+        ++with_neighbour;
+        spacing.min = std::min(spacing.min, distance);
+        spacing.mean += distance;
+    }
+    spacing.mean = with_neighbour > 0 ? spacing.mean / static_cast<double>(with_neighbour) : kFar;
+    return spacing;
+}
 
 }  // namespace
 
 Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop) {
-    const Tree tree(points, sides, periodic);
-    Spacing spacing{std::numeric_limits<double>::infinity(), 0};
-    for (std::size_t i = 0; i < tree.size() && !stop.stop_requested(); ++i) {
-        const double distance = tree.nearest_distance(i);
-        spacing.min = std::min(spacing.min, distance);
-        spacing.mean += distance;
-    }
-    spacing.mean /= static_cast<double>(tree.size());
-    return spacing;
+    PlaneTree tree(points.size());
+    for (const Point& p : points) tree.add(p);
+    tree.build();
+    return summarise(tree.size(), stop, [&](std::size_t i) {
+        const double best = tree.nearest(tree.site(i), i, kFar);
+        return periodic ? search_around(tree, i, sides, best) : best;
+    });
+}
+
+Spacing measure_spacing(std::span<const Point3> points, std::span<const Point3> normals, const std::stop_token& stop) {
+    Tree<Oriented, 3> tree(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) tree.add({points[i], normals[i]});
+    tree.build();
+    return summarise(tree.size(), stop, [&](std::size_t i) { return tree.nearest(tree.site(i), i, kFar); });
 }
 
 }  // namespace ccdt

@@ -5,6 +5,7 @@
 #include <stop_token>
 
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 
 namespace ccdt {
 
@@ -22,5 +23,15 @@ struct Spacing {
 ///
 /// A stop ends the measurement early; the result must not be used then. O(n log n).
 Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop);
+
+/// Measures the distances of nearest neighbours on a surface, along straight lines. Points whose normals are opposed
+/// are on different sides of a thin part, so they are not neighbours.
+///
+/// @param points   [n], n >= 2
+/// @param normals  [n] normals of the surface
+///
+/// Points without neighbours are left out; if all points are, both distances are infinite. A stop ends the measurement
+/// early; the result must not be used then. O(n log n), if most of the nearest points are neighbours.
+Spacing measure_spacing(std::span<const Point3> points, std::span<const Point3> normals, const std::stop_token& stop);
 
 }  // namespace ccdt

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -10,10 +11,12 @@
 #include <numeric>
 #include <optional>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/lanes.h"
+#include "core/geometry/point3.h"
 #include "core/geometry/spreading.h"
 #include "core/globe/chart.h"
 #include "core/polish/cell_list.h"
@@ -43,6 +46,11 @@ constexpr float kSurplusWeight = 0.5F;
 /// Distance of the grid nodes on which the surplus is smoothed (see Surplus), relative to the hexagonal distance.
 constexpr double kNodeDistance = 3;
 
+/// Factor of the spline weights in space, relative to the plane. Along the normal of a surface, points spread their
+/// weights over the nodes of a line, and read them there. The sum of the squared weights is 11/20 on average. With this
+/// factor, a flat surface has the same surplus as in the plane.
+constexpr float kSpaceFactor = 1.3484F;  // 1 / sqrt(11/20)
+
 /// Ratio of reference points (see Surplus) to remaining points above which the remaining points become the reference.
 constexpr std::size_t kMaxReferenceRatio = 8;
 
@@ -54,9 +62,62 @@ constexpr std::size_t kMinRegionPoints = 256;
 /// enough for the neighbours to be near.
 constexpr std::size_t kNeighbours = 12;
 
-double squared_length(Point p) {
-    return dot(p, p);
+std::array<double, 2> coordinates(Point p) {
+    return {p.x, p.y};
 }
+std::array<double, 3> coordinates(Point3 p) {
+    return {p.x, p.y, p.z};
+}
+
+/// Number of coordinates of a point.
+template <class P>
+constexpr std::size_t kAxes = std::tuple_size_v<decltype(coordinates(P{}))>;
+template <class P>
+constexpr bool kInSpace = kAxes<P> == 3;
+
+/// The box in which points lie: from the origin to `sides`, each of which is > 0. A surface is in space.
+template <class P>
+struct Frame {
+    P sides;
+    double area = 0;                 ///< of the domain or surface
+    const Domain* domain = nullptr;  ///< nullptr in space
+
+    bool is_torus() const { return domain != nullptr && domain->is_torus(); }
+
+    BasicCellList<P> cells(std::span<const P> places) const {
+        if constexpr (kInSpace<P>)
+            return BasicCellList<P>(places);
+        else
+            return BasicCellList<P>(*domain, places);
+    }
+};
+
+/// Points in the plane, or points on a surface with its normals there.
+template <class P>
+struct Points {
+    std::vector<P> places;
+    std::vector<P> normals;  ///< [places]; empty in the plane
+
+    std::size_t size() const { return places.size(); }
+
+    /// Whether two points are on opposite sides of a thin sheet, so that they are no neighbours.
+    bool are_opposed(std::uint32_t i, std::uint32_t j) const {
+        if constexpr (kInSpace<P>) return dot(normals[i], normals[j]) < 0;
+        return false;
+    }
+
+    /// Returns the points with the given numbers, in the given order.
+    Points selected(std::span<const std::uint32_t> numbers) const {
+        Points result;
+        result.places.reserve(numbers.size());
+        for (const std::uint32_t i : numbers) result.places.push_back(places[i]);
+        if constexpr (kInSpace<P>) {
+            result.normals.reserve(numbers.size());
+            for (const std::uint32_t i : numbers) result.normals.push_back(normals[i]);
+        }
+        return result;
+    }
+};
 
 /// Coefficients of a polynomial p that approximates the crowding by a neighbour. Let s be the neighbour's distance
 /// divided by the reach. Then (1 - s)^5 is about (1 - s^2)^5 p(1 - s^2), with an error below 7 % for s from 1/3 to 0.9.
@@ -69,17 +130,17 @@ constexpr double kMaxReach = 1.3;
 constexpr float kMaxSquare = static_cast<float>(1 / (kMaxReach * kMaxReach));
 
 /// Measures the local spacing of points, 1 / sqrt(density), by the distance of their nearest neighbours.
+template <class P>
 class SpacingMeter {
 public:
     /// @param usual  spacing of the same number of points at uniform density
-    SpacingMeter(const Domain& domain, std::span<const Point> places, const CellList& near, double usual)
-        : places_(places),
-          near_(near),
-          usual_(usual),
-          widest_(2 * (domain.unit_bounds().width() + domain.unit_bounds().height())) {}
+    SpacingMeter(const Frame<P>& frame, const Points<P>& points, const BasicCellList<P>& near, double usual)
+        : points_(points), near_(near), usual_(usual) {
+        for (const double side : coordinates(frame.sides)) widest_ += 2 * side;
+    }
 
     double operator()(std::uint32_t point) {
-        const std::size_t wanted = std::min(kNeighbours, places_.size() - 1);
+        const std::size_t wanted = std::min(kNeighbours, points_.size() - 1);
         double reach = 2.2 * usual_;  // slightly beyond the usual distance of this number of neighbours
         while (!find(point, reach, wanted) && reach < widest_) reach *= 2;
         if (squares_.size() < wanted || wanted == 0) return usual_;
@@ -94,26 +155,47 @@ private:
     /// Whether there are enough neighbours within reach.
     bool find(std::uint32_t point, double reach, std::size_t wanted) {
         squares_.clear();
-        near_.for_near(places_[point], reach, [&](Point place, std::uint32_t number) {
-            const double square = squared_length(place - places_[point]);
-            if (number != point && square < reach * reach) squares_.push_back(square);
+        near_.for_near(points_.places[point], reach, [&](P place, std::uint32_t number) {
+            const P apart = place - points_.places[point];
+            const double square = dot(apart, apart);
+            if (number == point || square >= reach * reach || points_.are_opposed(point, number)) return;
+            squares_.push_back(square);
         });
         return squares_.size() >= wanted;
     }
 
-    std::span<const Point> places_;
-    const CellList& near_;
+    const Points<P>& points_;
+    const BasicCellList<P>& near_;
     double usual_;
-    double widest_;  ///< reach at which all points are found
+    double widest_ = 0;  ///< reach at which all points are found
     std::vector<double> squares_;
 };
+
+/// Returns the axis along which some points extend farthest.
+template <class P>
+std::size_t longest_axis(std::span<const P> places, std::span<const std::uint32_t> numbers) {
+    auto min = coordinates(places[numbers[0]]), max = min;
+    for (const std::uint32_t i : numbers) {
+        const auto each = coordinates(places[i]);
+        for (std::size_t axis = 0; axis < each.size(); ++axis) {
+            min[axis] = std::min(min[axis], each[axis]);
+            max[axis] = std::max(max[axis], each[axis]);
+        }
+    }
+    std::size_t longest = 0;
+    for (std::size_t axis = 1; axis < min.size(); ++axis) {
+        if (max[axis] - min[axis] >= max[longest] - min[longest]) longest = axis;
+    }
+    return longest;
+}
 
 /// Regions with nearly equal numbers of points, made by recursive halving. Regions lose points in turn.
 class Regions {
 public:
     /// Sorts points by region.
     /// @param order  permutation of the points; reordered such that the points of each region are successive
-    Regions(std::span<const Point> places, std::vector<std::uint32_t>& order) {
+    template <class P>
+    Regions(std::span<const P> places, std::vector<std::uint32_t>& order) {
         while ((order.size() >> depth_) >= 2 * kMinRegionPoints) ++depth_;
         sizes_.resize(std::size_t{2} << depth_);
         divide(places, order, 1, 0);
@@ -159,12 +241,12 @@ private:
         return (bits >> 63) != 0;
     }
 
-    void divide(std::span<const Point> places, std::span<std::uint32_t> order, std::size_t region, int depth) {
+    template <class P>
+    void divide(std::span<const P> places, std::span<std::uint32_t> order, std::size_t region, int depth) {
         sizes_[region] = static_cast<std::uint32_t>(order.size());
         if (depth == depth_) return;
-        Box box{places[order[0]], places[order[0]]};
-        for (const std::uint32_t i : order) box.include(places[i]);
-        const auto along = [&](std::uint32_t i) { return box.width() > box.height() ? places[i].x : places[i].y; };
+        const std::size_t axis = longest_axis<P>(places, order);
+        const auto along = [&](std::uint32_t i) { return coordinates(places[i])[axis]; };
         const std::size_t half = order.size() / 2;
         std::ranges::nth_element(
             order, order.begin() + static_cast<std::ptrdiff_t>(half),
@@ -180,26 +262,29 @@ private:
 
 /// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic
 /// B-splines on the nodes of a square grid. The surplus suppresses long waves, which the distances of neighbours do not
-/// reveal.
+/// reveal. In space the grid is cubic, and the two sides of a thin sheet have a common surplus.
+template <class P>
 class Surplus {
 public:
     /// @param reference  points with the wanted density, up to a common factor
     /// @param points     actual points, numbered from 0
     /// @param distance   distance of nodes
-    Surplus(const Domain& domain, std::span<const Point> reference, std::span<const Point> points, double distance)
-        : x_(domain.unit_bounds().width(), distance, domain.is_torus()),
-          y_(domain.unit_bounds().height(), distance, domain.is_torus()),
-          wanted_(x_.nodes * y_.nodes),
-          actual_(wanted_.size()) {
+    Surplus(const Frame<P>& frame, std::span<const P> reference, std::span<const P> points, double distance)
+        : is_torus_(frame.is_torus()), x_(frame.sides.x, distance, is_torus_), y_(frame.sides.y, distance, is_torus_) {
+        if constexpr (kInSpace<P>) z_ = Axis(frame.sides.z, distance, false);
+        wanted_.resize(z_.nodes * y_.nodes * x_.nodes);
+        actual_.resize(wanted_.size());
         const float per_reference = 1 / static_cast<float>(reference.size());
-        for (const Point p : reference) add(around(p), per_reference, wanted_);
+        for (const P p : reference) add(around(p), per_reference, wanted_);
         around_.reserve(points.size());
-        for (const Point p : points) {
+        for (const P p : points) {
             around_.push_back(around(p));
             add(around_.back(), 1, actual_);
         }
-        join(wanted_);
-        join(actual_);
+        if (is_torus_) {
+            join(wanted_);
+            join(actual_);
+        }
     }
 
     /// Returns the smoothed number of points that are wanted around a point, divided by the number of all points.
@@ -210,7 +295,8 @@ public:
 
     void remove(std::uint32_t point) {
         const Around& at = around_[point];
-        const bool repeats = at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period;
+        const bool repeats =
+            is_torus_ && (at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period);
         if (!repeats) return add(at, -1, actual_);
         for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
                  [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
@@ -220,6 +306,7 @@ private:
     /// Nodes along one side, at the centres of the cells and of one further cell beyond each end. On a torus, nodes a
     /// period apart are identical.
     struct Axis {
+        Axis() = default;
         Axis(double length, double distance, bool torus)
             : cells(std::max(1.0, std::floor(length / distance))),
               cells_per_length(cells / length),
@@ -235,36 +322,71 @@ private:
             return static_cast<std::size_t>(cell);
         }
 
-        double cells;
-        double cells_per_length;
-        std::size_t nodes, period;
+        double cells = 1;
+        double cells_per_length = 0;
+        std::size_t nodes = 1, period = 1;
     };
 
-    /// The nine nodes around a position. `column` and `row` are those of the node at the lower left. `x` and `y` are
-    /// the offset of the position in the cell of the middle node, in [0, 1].
+    /// Position along the third axis of the grid, like `column` and `x` of Around.
+    struct Depth {
+        std::uint32_t layer = 0;
+        float z = 0;
+    };
+    struct Nothing {};
+
+    /// The nine or 27 nodes around a position. `column` and `row` are those of the node at the lower left. `x` and `y`
+    /// are the offset of the position in the cell of the middle node, in [0, 1].
     struct Around {
         std::uint32_t column, row;
         float x, y;
+        [[no_unique_address]] std::conditional_t<kInSpace<P>, Depth, Nothing> depth;
     };
 
-    Around around(Point p) const {
-        const std::size_t column = x_.cell(p.x), row = y_.cell(p.y);
-        return {static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), static_cast<float>(p.x),
-                static_cast<float>(p.y)};
+    Around around(P p) const {
+        Around at{};
+        at.column = static_cast<std::uint32_t>(x_.cell(p.x));
+        at.row = static_cast<std::uint32_t>(y_.cell(p.y));
+        at.x = static_cast<float>(p.x);
+        at.y = static_cast<float>(p.y);
+        if constexpr (kInSpace<P>) {
+            at.depth.layer = static_cast<std::uint32_t>(z_.cell(p.z));
+            at.depth.z = static_cast<float>(p.z);
+        }
+        return at;
     }
 
-    std::size_t node(const Around& at) const { return at.row * x_.nodes + at.column; }
+    /// Calls function(node, share) for each layer of nodes around a position. `node` is the first of nine nodes of the
+    /// layer.
+    template <class Function>
+    CCDT_INLINE void for_layers(const Around& at, Function&& function) const {
+        const std::size_t first = at.row * x_.nodes + at.column;
+        if constexpr (kInSpace<P>) {
+            const std::array<float, 3> shares = b_spline<2>(at.depth.z);
+            for (std::size_t k = 0; k < shares.size(); ++k)
+                function(first + (at.depth.layer + k) * y_.nodes * x_.nodes, kSpaceFactor * shares[k]);
+        } else {
+            function(first, 1.0F);
+        }
+    }
 
     float read(const Around& at, const std::vector<float>& nodes) const {
-        const float* const first = nodes.data() + node(at);
-        return sum_taps(b_spline<2>(at.x), b_spline<2>(at.y), [&](std::size_t row) { return first + row * x_.nodes; });
+        const std::array<float, 3> x = b_spline<2>(at.x), y = b_spline<2>(at.y);
+        float sum = 0;
+        for_layers(at, [&](std::size_t node, float share) CCDT_INLINE {
+            const float* const first = nodes.data() + node;
+            sum += share * sum_taps(x, y, [&](std::size_t row) { return first + row * x_.nodes; });
+        });
+        return sum;
     }
 
     /// Adds the spline weights of a position, multiplied by `factor`, to the nodes around it.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
-        float* const first = nodes.data() + node(at);
-        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), factor,
-                 [&](std::size_t j, std::size_t i, float share) { first[j * x_.nodes + i] += share; });
+        const std::array<float, 3> x = b_spline<2>(at.x), y = b_spline<2>(at.y);
+        for_layers(at, [&](std::size_t node, float share) CCDT_INLINE {
+            float* const first = nodes.data() + node;
+            for_taps(x, y, factor * share,
+                     [&](std::size_t j, std::size_t i, float each) { first[j * x_.nodes + i] += each; });
+        });
     }
 
     /// Subtracts from a node and from all nodes identical to it.
@@ -288,7 +410,8 @@ private:
         }
     }
 
-    Axis x_, y_;
+    bool is_torus_;
+    Axis x_, y_, z_;
     std::vector<float> wanted_;   ///< [nodes] smoothed number of wanted points, divided by the number of all points
     std::vector<float> actual_;   ///< [nodes] smoothed number of actual points
     std::vector<Around> around_;  ///< nodes around each point
@@ -301,6 +424,7 @@ constexpr float kNone = -std::numeric_limits<float>::infinity();
 
 /// Crowding of points, computed for eight points at a time. Points are listed by cell, so neighbours are close in
 /// memory.
+template <class P>
 class Crowd {
 public:
     /// Two points that are near each other.
@@ -311,33 +435,38 @@ public:
 
     /// @param reaches  [n] distance within which other points crowd each point
     /// @param widest   limit on the reach of a pair of points, relative to the reach of either point
-    Crowd(const Domain& domain, std::span<const Point> places, std::span<const double> reaches, double widest,
+    Crowd(const Frame<P>& frame, const Points<P>& points, std::span<const double> reaches, double widest,
           Executor& executor, const std::stop_token& stop)
-        : cells_(domain, places),
+        : cells_(frame.cells(points.places)),
           numbers_(cells_.numbers()),
-          places_(places),
+          places_(points.places),
           reaches_(reaches),
           widest_(widest),
-          slots_(places.size()),
-          x_(places.size() + kLanes),
-          y_(places.size() + kLanes),
-          nearness_(places.size() + kLanes),
-          crowding_(places.size() + kLanes) {
+          slots_(points.size()),
+          nearness_(points.size() + kLanes),
+          crowding_(points.size() + kLanes) {
         // Integer coordinates wrap around like a torus, so their difference is the way to the nearest copy.
-        const double range = domain.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
-        const Point sides = domain.unit_bounds().max;
+        const double range = frame.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
+        const auto sides = coordinates(frame.sides);
+        for (auto& each : coordinates_) each.resize(points.size() + kLanes);
+        for (auto& each : normals_) each.resize(points.size() + kLanes);
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
             const std::uint32_t i = numbers_[k];
             slots_[i] = k;
-            x_[k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(places[i].x / sides.x * range));
-            y_[k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(places[i].y / sides.y * range));
+            const auto place = coordinates(places_[i]);
+            for (std::size_t axis = 0; axis < sides.size(); ++axis) {
+                const double of_range = place[axis] / sides[axis] * range;
+                coordinates_[axis][k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(of_range));
+            }
+            for (std::size_t axis = 0; axis < normals_.size(); ++axis)
+                normals_[axis][k] = static_cast<float>(coordinates(points.normals[i])[axis]);
             nearness_[k] = static_cast<float>(usual / reaches[i]);
         }
-        x_unit_ = static_cast<float>(sides.x / range / usual);
-        y_unit_ = static_cast<float>(sides.y / range / usual);
-        std::vector<std::vector<Pair>> pairs((places.size() + kRange - 1) / kRange);
-        for_ranges(executor, places.size(), kRange, [&](std::size_t begin, std::size_t end) {
-            std::vector<CellList::Run> runs;
+        for (std::size_t axis = 0; axis < sides.size(); ++axis)
+            units_[axis] = static_cast<float>(sides[axis] / range / usual);
+        std::vector<std::vector<Pair>> pairs((points.size() + kRange - 1) / kRange);
+        for_ranges(executor, points.size(), kRange, [&](std::size_t begin, std::size_t end) {
+            Runs runs;
             for (auto k = static_cast<std::uint32_t>(begin); k < end && !stop.stop_requested(); ++k) {
                 find_near(k, 1, runs);
                 const float nearest = with_lanes([&](auto) CCDT_INLINE { return add(k, runs); });
@@ -362,29 +491,42 @@ public:
     }
 
 private:
+    using Runs = std::vector<typename BasicCellList<P>::Run>;
+
     static constexpr std::size_t kRange = 4'096;  ///< points per task
     static constexpr float kMinSquare = static_cast<float>((kMinDistance / kReach) * (kMinDistance / kReach));
 
-    void find_near(std::uint32_t k, double share, std::vector<CellList::Run>& runs) const {
+    void find_near(std::uint32_t k, double share, Runs& runs) const {
         const std::uint32_t i = numbers_[k];
         cells_.find_near(places_[i], share * widest_ * reaches_[i], runs);
     }
 
     /// Computes, for the eight points from list position `begin` on, the squared ratio of their distance from point k
-    /// to the reach of the pair. Points from `end` on, and k itself, get 1.
+    /// to the reach of the pair. Points from `end` on, k itself, and points with an opposed normal get 1.
     CCDT_INLINE void get_squares(std::uint32_t k, std::uint32_t begin, std::uint32_t end, Floats& squares) const {
-        EightLanes::Counts columns, rows;
+        Floats distance{};
+        for (std::size_t axis = 0; axis < kAxes<P>; ++axis) {
+            EightLanes::Counts each;
+            EightLanes::load(coordinates_[axis][begin], each);
+            const Floats apart = __builtin_convertvector(Ints(each - coordinates_[axis][k]), Floats) * units_[axis];
+            distance += apart * apart;
+        }
         Floats other;
-        EightLanes::load(x_[begin], columns);
-        EightLanes::load(y_[begin], rows);
         EightLanes::load(nearness_[begin], other);
-        const Floats x = __builtin_convertvector(Ints(columns - x_[k]), Floats) * x_unit_;
-        const Floats y = __builtin_convertvector(Ints(rows - y_[k]), Floats) * y_unit_;
         const Floats own = Floats{} + nearness_[k];
         const Floats nearer = other > own ? other : own, capped = nearer * nearer * kMaxSquare, both = other * own;
-        const Floats square = (x * x + y * y) * (both > capped ? both : capped);
+        const Floats square = distance * (both > capped ? both : capped);
         const Ints left = EightLanes::from(begin);
-        const Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
+        Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
+        if constexpr (kInSpace<P>) {
+            Floats facing{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                Floats each;
+                EightLanes::load(normals_[axis][begin], each);
+                facing += each * normals_[axis][k];
+            }
+            counts &= facing >= 0;
+        }
         squares = counts ? square : Floats{} + 1;
     }
 
@@ -397,7 +539,7 @@ private:
 
     /// Computes the crowding of point k by the points in `runs`.
     /// @returns     the squared ratio of distance to reach for the nearest point
-    CCDT_INLINE float add(std::uint32_t k, const std::vector<CellList::Run>& runs) {
+    CCDT_INLINE float add(std::uint32_t k, const Runs& runs) {
         Floats sum{}, nearest = Floats{} + 1;
         for (const auto [begin, end] : runs) {
             for (std::uint32_t each = begin; each < end; each += kLanes) {
@@ -432,7 +574,7 @@ private:
     }
 
     void find_pairs(std::uint32_t k, std::vector<Pair>& pairs) const {
-        std::vector<CellList::Run> runs;
+        Runs runs;
         find_near(k, kMinDistance / kReach, runs);
         for (const auto [begin, end] : runs) {
             for (std::uint32_t each = begin; each < end; each += kLanes) {
@@ -446,35 +588,37 @@ private:
         }
     }
 
-    CellList cells_;
+    BasicCellList<P> cells_;
     std::vector<std::uint32_t> numbers_;  ///< numbers of the points in list order
-    std::span<const Point> places_;
+    std::span<const P> places_;
     std::span<const double> reaches_;
     double widest_;
     std::vector<std::uint32_t> slots_;  ///< list position of each point
     std::vector<Pair> pairs_;
-    std::vector<CellList::Run> runs_;  ///< neighbours of the point being removed
-    float x_unit_, y_unit_;            ///< length of a unit of x_ and y_, relative to the first point's reach
+    Runs runs_;                            ///< neighbours of the point being removed
+    std::array<float, kAxes<P>> units_{};  ///< length of a unit of each coordinate, relative to the first point's reach
 
     // The following vectors are in list order, with eight additional entries at the end.
-    std::vector<std::uint32_t> x_, y_;
+    std::array<std::vector<std::uint32_t>, kAxes<P>> coordinates_;
+    std::array<std::vector<float>, kInSpace<P> ? 3 : 0> normals_;
     std::vector<float> nearness_;  ///< ratio of the first point's reach to each point's own reach
     std::vector<float> crowding_;
 };
 
 /// Removes points in steps. During a step, all reaches (distances within which points crowd each other) stay the same.
+template <class P>
 class Elimination {
 public:
     /// @param even  whether all spacings are equal
-    Elimination(const Domain& domain, std::vector<Point> places, std::vector<double> spacings, bool even,
-                Regions regions, Executor& executor)
-        : domain_(domain),
-          places_(std::move(places)),
+    Elimination(const Frame<P>& frame, Points<P> points, std::vector<double> spacings, bool even, Regions regions,
+                Executor& executor)
+        : frame_(frame),
+          points_(std::move(points)),
           spacings_(std::move(spacings)),
           widest_(even ? 1 : kMaxReach),
           regions_(std::move(regions)),
-          left_(places_.size()),
-          reference_(places_),
+          left_(points_.size()),
+          reference_(points_.places),
           executor_(executor) {
         std::iota(left_.begin(), left_.end(), 0U);
     }
@@ -503,22 +647,19 @@ public:
 
 private:
     void set_neighbours(const std::stop_token& stop) {
-        const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(places_.size());
+        const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(points_.size());
         const double reach = kReach * hexagonal_spacing(share);
-        near_places_.clear();
+        near_ = points_.selected(left_);
         reaches_.clear();
-        for (const std::uint32_t i : left_) {
-            near_places_.push_back(places_[i]);
-            reaches_.push_back(reach * spacings_[i]);
-        }
-        crowd_.emplace(domain_, near_places_, reaches_, widest_, executor_, stop);
+        for (const std::uint32_t i : left_) reaches_.push_back(reach * spacings_[i]);
+        crowd_.emplace(frame_, near_, reaches_, widest_, executor_, stop);
         next_pair_ = 0;
         is_there_.assign(left_.size(), 1);
         if (reference_.size() > kMaxReferenceRatio * left_.size()) {
-            sparse_ = near_places_;
+            sparse_ = near_.places;
             reference_ = sparse_;
         }
-        surplus_.emplace(domain_, reference_, near_places_, node_distance());
+        surplus_.emplace(frame_, reference_, near_.places, node_distance());
         bounds_.resize(left_.size() + kLanes);
         wanted_.resize(left_.size() + kLanes);
         for_ranges(executor_, left_.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
@@ -531,10 +672,9 @@ private:
 
     /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
     double node_distance() const {
-        const Box box = domain_.unit_bounds();
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
-        return std::max({kNodeDistance * hexagonal_spacing(stay / domain_.unit_area()),
-                         std::sqrt(box.width() * box.height() / left), std::max(box.width(), box.height()) / left});
+        return std::max({kNodeDistance * hexagonal_spacing(stay / frame_.area), cell_side(frame_.sides, left),
+                         std::ranges::max(coordinates(frame_.sides)) / left});
     }
 
     /// Returns the point to remove next, after which `stay` points remain. If two points would be too near to each
@@ -544,7 +684,7 @@ private:
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
         const double least = kMinDistance / kReach * std::sqrt(grown);
         const auto left = static_cast<float>(stay + 1);
-        const std::span<const Crowd::Pair> pairs = crowd_->pairs();
+        const std::span<const typename Crowd<P>::Pair> pairs = crowd_->pairs();
         for (; next_pair_ < pairs.size() && pairs[next_pair_].square < least * least; ++next_pair_) {
             const auto [square, i, j] = pairs[next_pair_];
             if (is_there_[i] != 0 && is_there_[j] != 0) return excess(i, left) > excess(j, left) ? i : j;
@@ -612,25 +752,25 @@ private:
         left_.resize(kept);
     }
 
-    const Domain& domain_;
-    std::vector<Point> places_;     ///< [n] in the unit frame
+    Frame<P> frame_;
+    Points<P> points_;              ///< [n] in the frame
     std::vector<double> spacings_;  ///< [n] local spacings
     double widest_;                 ///< limit on the reach of a pair relative to a point's own reach
     Regions regions_;
     std::vector<std::uint32_t> left_;
-    std::span<const Point> reference_;  ///< points that represent the wanted density
-    std::vector<Point> sparse_;         ///< storage for reference_, except while reference_ refers to places_
+    std::span<const P> reference_;  ///< places of points that represent the wanted density
+    std::vector<P> sparse_;         ///< storage for reference_, except while reference_ refers to points_
     Executor& executor_;
 
     // State of the current step. It covers the points that remained at the beginning of the step.
     std::size_t target_ = 0;             ///< number of points that remain at the end of the step
     int depth_ = 0;                      ///< depth of the regions
     std::vector<std::uint32_t> begins_;  ///< start of each region
-    std::vector<Point> near_places_;
+    Points<P> near_;
     std::vector<double> reaches_;
-    std::optional<Crowd> crowd_;
+    std::optional<Crowd<P>> crowd_;
     std::vector<std::uint8_t> is_there_;
-    std::optional<Surplus> surplus_;
+    std::optional<Surplus<P>> surplus_;
     std::vector<float> wanted_;  ///< wanted part of the weighted surplus, divided by the number of remaining points
     std::vector<float> bounds_;  ///< upper bounds of the excess without its wanted part
     std::size_t next_pair_ = 0;
@@ -638,15 +778,16 @@ private:
 
 /// Returns the spacing around each point.
 /// @param even  whether points have the same density everywhere
-std::vector<double> spacings_of(const Domain& domain, std::span<const Point> places, bool even, Executor& executor,
+template <class P>
+std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, Executor& executor,
                                 const std::stop_token& stop) {
-    const double usual = std::sqrt(domain.unit_area() / static_cast<double>(places.size()));
-    std::vector<double> spacings(places.size(), usual);
+    const double usual = std::sqrt(frame.area / static_cast<double>(points.size()));
+    std::vector<double> spacings(points.size(), usual);
     if (even) return spacings;
-    const CellList near(domain, places);
-    for_ranges(executor, places.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
+    const BasicCellList<P> near = frame.cells(points.places);
+    for_ranges(executor, points.size(), kStopStride, [&](std::size_t begin, std::size_t end) {
         if (stop.stop_requested()) return;
-        SpacingMeter meter(domain, places, near, usual);
+        SpacingMeter<P> meter(frame, points, near, usual);
         for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) spacings[i] = meter(i);
     });
     return spacings;
@@ -661,22 +802,21 @@ double clamped(double coordinate) {
 /// Length of a vector added to the sum of the points' directions, so that points all over the globe do not cancel out.
 constexpr double kTilt = 1e-6;
 
-constexpr double kMinSide = 1e-9;  ///< least side of a chart's square, needed if all points coincide
+constexpr double kMinSide = 1e-9;  ///< least side of the box around points, needed if they coincide or are in a plane
 
-/// Orders points of the unit frame progressively.
-std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Point> unsorted, bool even,
+/// Orders points of a frame progressively.
+template <class P>
+std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& unsorted, bool even,
                                         const std::stop_token& stop, Executor& executor) {
     std::vector<std::uint32_t> order;
-    if (unsorted.empty()) return order;
+    if (unsorted.size() == 0) return order;
     std::vector<std::uint32_t> numbers(unsorted.size());
     std::iota(numbers.begin(), numbers.end(), 0U);
-    Regions regions(unsorted, numbers);
-    std::vector<Point> places;
-    places.reserve(unsorted.size());
-    for (const std::uint32_t i : numbers) places.push_back(unsorted[i]);
-    std::vector<double> spacings = spacings_of(domain, places, even, executor, stop);
+    Regions regions(std::span<const P>(unsorted.places), numbers);
+    Points<P> points = unsorted.selected(numbers);
+    std::vector<double> spacings = spacings_of(frame, points, even, executor, stop);
 
-    Elimination elimination(domain, std::move(places), std::move(spacings), even, std::move(regions), executor);
+    Elimination<P> elimination(frame, std::move(points), std::move(spacings), even, std::move(regions), executor);
     while (elimination.left().size() > 1 && !stop.stop_requested()) {
         const std::vector<std::uint32_t> gone = elimination.step(stop);
         order.insert(order.end(), gone.begin(), gone.end());
@@ -687,6 +827,12 @@ std::vector<std::uint32_t> order_places(const Domain& domain, std::span<const Po
     return order;
 }
 
+std::vector<std::uint32_t> order_places(const Domain& domain, std::vector<Point> places, bool even,
+                                        const std::stop_token& stop, Executor& executor) {
+    const Frame<Point> frame{domain.unit_bounds().max, domain.unit_area(), &domain};
+    return order_points<Point>(frame, {std::move(places), {}}, even, stop, executor);
+}
+
 }  // namespace
 
 std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<const Point> points, bool even,
@@ -694,7 +840,7 @@ std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<con
     std::vector<Point> places;
     places.reserve(points.size());
     for (const Point p : points) places.push_back(domain.to_unit(p));
-    return order_places(domain, places, even, stop, executor);
+    return order_places(domain, std::move(places), even, stop, executor);
 }
 
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop,
@@ -719,7 +865,22 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
     const double side = std::max({box.width(), box.height(), kMinSide});
     const Domain square = Domain::rectangle(side, side).value();
     for (Point& p : places) p = square.to_unit(p - box.min);
-    return order_places(square, places, false, stop, executor);
+    return order_places(square, std::move(places), false, stop, executor);
+}
+
+std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> points, std::span<const Point3> normals,
+                                                        double area, bool even, const std::stop_token& stop,
+                                                        Executor& executor) {
+    assert(normals.size() == points.size());
+    if (points.empty()) return {};
+    const Box3 box = bounds_of(points);
+    const Point3 sides = box.max - box.min;
+    const Frame<Point3> frame{{std::max(sides.x, kMinSide), std::max(sides.y, kMinSide), std::max(sides.z, kMinSide)},
+                              area};
+    Points<Point3> moved{{}, {normals.begin(), normals.end()}};
+    moved.places.reserve(points.size());
+    for (const Point3 p : points) moved.places.push_back(p - box.min);
+    return order_points(frame, moved, even, stop, executor);
 }
 
 }  // namespace ccdt

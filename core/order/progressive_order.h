@@ -8,6 +8,7 @@
 
 #include "core/geometry/domain.h"
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 #include "core/parallel/executor.h"
 
 namespace ccdt {
@@ -46,5 +47,15 @@ std::vector<std::uint32_t> progressive_order(const Domain& domain, std::span<con
 /// chart around the centre of the points.
 std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> points, const std::stop_token& stop = {},
                                                       Executor& executor = inline_executor());
+
+/// Orders points on a surface progressively, like points in the plane. Distances are those in space. Points whose
+/// normals are more than 90 degrees apart do not count as neighbours: they are on opposite sides of a thin sheet.
+/// @param points   [n] may coincide
+/// @param normals  [n] normals of the surface at the points, of unit length
+/// @param area     area of the surface
+/// @param even     whether the points have the same density everywhere and the surface has no border
+std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> points, std::span<const Point3> normals,
+                                                        double area, bool even, const std::stop_token& stop = {},
+                                                        Executor& executor = inline_executor());
 
 }  // namespace ccdt

@@ -5,16 +5,28 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/geometry/point.h"
-
 namespace ccdt {
 
 namespace {
 
 /// @param points  the first order.size() points are reordered; further points do not move
-void permute(std::vector<Point>& points, std::span<const std::uint32_t> order) {
-    const std::vector<Point> given(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(order.size()));
+template <class AnyPoint>
+void permute(std::vector<AnyPoint>& points, std::span<const std::uint32_t> order) {
+    const std::vector<AnyPoint> given(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(order.size()));
     std::ranges::transform(order, points.begin(), [&](std::uint32_t i) { return given[i]; });
+}
+
+/// Replaces the indices of points by their new positions.
+/// @param polygons  lists of indices of vertices, the first order.size() of which are points
+template <class Polygons>
+void renumber(Polygons& polygons, std::span<const std::uint32_t> order) {
+    std::vector<std::uint32_t> places(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
+    for (auto& polygon : polygons) {
+        for (std::uint32_t& vertex : polygon) {
+            if (vertex < places.size()) vertex = places[vertex];
+        }
+    }
 }
 
 }  // namespace
@@ -23,13 +35,15 @@ void reorder(Distribution& distribution, std::span<const std::uint32_t> order) {
     permute(distribution.points, order);
     if (!distribution.mesh) return;
     permute(distribution.mesh->vertices, order);
-    std::vector<std::uint32_t> places(order.size());
-    for (std::uint32_t i = 0; i < order.size(); ++i) places[order[i]] = i;
-    const auto renumber = [&](std::uint32_t& vertex) {
-        if (vertex < places.size()) vertex = places[vertex];
-    };
-    for (auto& triangle : distribution.mesh->triangles) std::ranges::for_each(triangle, renumber);
-    for (auto& loop : distribution.mesh->boundary) std::ranges::for_each(loop, renumber);
+    renumber(distribution.mesh->triangles, order);
+    renumber(distribution.mesh->boundary, order);
+}
+
+void reorder(SurfaceDistribution& distribution, std::span<const std::uint32_t> order) {
+    permute(distribution.points, order);
+    if (!distribution.mesh) return;
+    permute(distribution.mesh->vertices, order);
+    renumber(distribution.mesh->triangles, order);
 }
 
 }  // namespace ccdt

@@ -5,11 +5,13 @@
 #include <span>
 
 #include "core/ccdt/ccdt.h"
+#include "core/surface/distribute.h"
 
 namespace ccdt {
 
 /// Reorders the points of a distribution, together with its mesh, if any.
 /// @param order  [points] for each position, the index of the point that moves there: a permutation
 void reorder(Distribution& distribution, std::span<const std::uint32_t> order);
+void reorder(SurfaceDistribution& distribution, std::span<const std::uint32_t> order);
 
 }  // namespace ccdt

@@ -1,25 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/polish/polish.h"
-#include "core/mesh/flips.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "core/mesh/flips.h"
+#include "core/polish/schedule.h"
+
 namespace ccdt {
 
 namespace {
-
-/// Runs rounds of a polish until stopped.
-/// @param round  called with the number of the round, from 0
-/// @param after  called after each round that was not stopped; may be empty
-template <class Round>
-void repeat(int rounds, const std::stop_token& stop, const std::function<void()>& after, Round&& round) {
-    for (int i = 0; i < rounds && !stop.stop_requested(); ++i) {
-        round(i);
-        if (after && !stop.stop_requested()) after();
-    }
-}
 
 /// Returns the density of the sites of all inks together.
 Density sum_of_densities(std::span<const Polish::Layer> layers) {
@@ -54,32 +45,30 @@ Polish::Polish(const Domain& domain, std::vector<Layer> layers, const std::stop_
 
 void Polish::refine(const PolishSettings& settings, const std::stop_token& stop, const std::function<void()>& after,
                     const Retouch& retouch) {
-    constexpr double kNearPush = 0.5;  // each of the two sites moves half of the missing distance
-    const auto push_near = [&] { push_apart(settings.nearest, kNearPush, settings.ink_nearest, settings.push, stop); };
-    begin();
-    repeat(settings.rounds, stop, after, [&](int round) {
-        if (settings.mesh_every > 0 && round > 0 && round % settings.mesh_every == 0) restore_meshes(stop);
-        push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
-        if ((round + 1) % settings.even_every == 0) even_out_each(stop);
-    });
-    repeat(settings.relax_rounds, stop, after, [&](int round) {
-        push_apart(settings.reach, settings.push, settings.ink_reach, settings.push, stop);
-        if ((round + 1) % settings.even_every == 0) {
-            for (int even = 0; even < settings.relax_evens; ++even) even_out_each(stop);
+    struct Steps {
+        Polish& polish;
+        const std::stop_token& stop;
+        const Retouch& moves;
+
+        void push(const Push& p) { polish.push_apart(p.reach, p.push, p.ink_reach, p.ink_push, stop); }
+        void equalise(int passes) { polish.equalise(passes, stop); }
+        void even_out() { polish.even_out_each(stop); }
+        void even_out_together() { polish.even_out_together(stop); }
+        void restore() { polish.restore_meshes(stop); }
+        bool is_any_nearer(double least) { return polish.is_any_nearer(least); }
+        void separate(double least) {
+            for (const Layer& layer : polish.layers_) {
+                if (layer.separate) layer.separate(layer.steps->near_pairs(*layer.mesh, least));
+            }
         }
-        equalise(settings.relax_passes, stop);
-    });
-    repeat(settings.even_rounds, stop, after, [&](int) {
-        even_out_together(stop);
-        even_out_each(stop);
-        for (int push = 0; push < settings.near_pushes_per_even_round; ++push) push_near();
-    });
-    repeat(settings.near_rounds, stop, after, [&](int) { push_near(); });
-    push_again(settings, push_near, stop);
-    repeat(settings.last_rounds, stop, after, [&](int) { even_out_each(stop); });
-    repeat(settings.retouch_rounds, stop, after, [&](int) { this->retouch(retouch, stop); });
-    repeat(settings.stealth_rounds, stop, after,
-           [&](int) { layers_.front().steps->remove_low_frequencies(*layers_.front().mesh, stop); });
+        void retouch() { polish.retouch(moves, stop); }
+        void remove_low_frequencies() {
+            const Layer& layer = polish.layers_.front();
+            layer.steps->remove_low_frequencies(*layer.mesh, stop);
+        }
+    };
+    begin();
+    run_schedule(settings, Steps{*this, stop, retouch}, stop, after);
 }
 
 /// Calls function(layer, moves) for each ink until stopped. `moves` is this ink's part of moves_, empty if there is one
@@ -121,21 +110,6 @@ void Polish::begin() {
 bool Polish::is_any_nearer(double least) {
     return least > 0 && std::ranges::any_of(
                             layers_, [&](const Layer& layer) { return layer.steps->find_nearer(*layer.mesh, least); });
-}
-
-/// Repeats a push on new triangulations while any two sites are too near. Pushes cannot separate two sites that are
-/// enclosed by other sites or by the border in a narrow neck. One of two such sites is relocated.
-void Polish::push_again(const PolishSettings& settings, const std::function<void()>& push,
-                        const std::stop_token& stop) {
-    for (int round = 0; round < settings.max_retries && !stop.stop_requested() && is_any_nearer(settings.least);
-         ++round) {
-        for (const Layer& layer : layers_) {
-            if (round < settings.relocate_after || !layer.separate) continue;
-            layer.separate(layer.steps->near_pairs(*layer.mesh, settings.least));
-        }
-        restore_meshes(stop);
-        push();
-    }
 }
 
 void Polish::restore_meshes(const std::stop_token& stop) {

@@ -62,7 +62,6 @@ private:
     void gather();
     void begin();
     bool is_any_nearer(double least);
-    void push_again(const PolishSettings& settings, const std::function<void()>& push, const std::stop_token& stop);
     void restore_meshes(const std::stop_token& stop);
     void push_apart(double reach, double push, double ink_reach, double ink_push, const std::stop_token& stop);
     void equalise(int passes, const std::stop_token& stop);

@@ -114,6 +114,14 @@ PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, b
     return settings;
 }
 
+PolishSettings surface_settings(Quality quality) {
+    assert(quality != Quality::Draft);
+    PolishSettings settings = quality == Quality::Best ? kPolygon.best : kPolygon.standard;
+    // Sites that face each other in a fold are not joined by an edge; only these pushes move them apart.
+    settings.least = 0.8;
+    return settings;
+}
+
 PolishSettings map_settings(Quality quality) {
     assert(quality != Quality::Draft);
     return quality == Quality::Best ? kMap.best : kMap.standard;

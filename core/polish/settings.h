@@ -57,6 +57,9 @@ struct PolishSettings {
 /// @param in_box   whether the domain is a box or a torus; used only for one ink with a smooth density
 PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, bool in_box = true);
 
+/// Returns the schedule for a surface.
+PolishSettings surface_settings(Quality quality);
+
 /// Returns the schedule for a dot map of one class with a smooth density.
 PolishSettings map_settings(Quality quality);
 

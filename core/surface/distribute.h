@@ -15,12 +15,12 @@
 namespace ccdt {
 
 struct SurfaceOptions {
-    std::size_t sites = 0;    ///< >= 1
-    std::uint64_t seed = 0;   ///< [0, 2^53)
-    int iterations = 5;       ///< 0 to 1000; with 0, the initial sites are the result
-    int passes = 5;           ///< passes per iteration, 1 to 100
+    std::size_t sites = 0;                ///< >= 1
+    std::uint64_t seed = 0;               ///< [0, 2^53)
+    int iterations = 5;                   ///< 0 to 1000; with 0, the initial sites are the result
+    int passes = 5;                       ///< passes per iteration, 1 to 100
     Quality quality = Quality::Standard;  ///< not Stealthy
-    bool keep_mesh = false;   ///< whether to fill SurfaceDistribution::mesh
+    bool keep_mesh = false;               ///< whether to fill SurfaceDistribution::mesh
     /// Existing points, in the coordinates of the soup. Each is projected to the nearest point of the surface. They do
     /// not move and are not among the sites; sites keep the same distance from them as from each other.
     std::vector<Point3> fixed = {};

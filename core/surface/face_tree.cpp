@@ -25,7 +25,7 @@ std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& tri
     if (area > kLeastArea * length * length) {
         const Point3 from = p - triangle[0], foot = from - dot(from, n) / area * n;
         const double b = dot(n, cross(foot, v)) / area, c = dot(n, cross(u, foot)) / area;
-        if (b >= 0 && c >= 0 && b + c <= 1) return {1 - b - c, b, c};
+        if (b >= 0 && c >= 0 && b + c <= 1) return {std::max(0.0, 1 - b - c), b, c};
     }
     std::array<double, 3> weights{};
     double least = kInfinity;

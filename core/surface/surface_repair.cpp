@@ -54,6 +54,14 @@ private:
         }
     };
 
+    /// A half-edge, with the direction of its face around the edge.
+    struct Angle {
+        double angle;
+        std::uint32_t edge;
+
+        friend auto operator<=>(const Angle&, const Angle&) = default;
+    };
+
     bool stopping() const { return stop_.stop_requested(); }
     Face& face_of(std::uint32_t edge) { return result_.faces[edge / 4]; }
     std::uint32_t tail(std::uint32_t edge) const { return result_.faces[edge / 4].corners[edge % 4]; }
@@ -69,6 +77,8 @@ private:
     void remove_repeated(std::span<const Side> sides);
     void remove_flat(std::span<const Side> sides);
     void pair(std::uint32_t low, std::span<const Side> sides);
+    bool pair_by_angle(std::uint32_t low, std::uint32_t high);
+    void join(std::uint32_t edge, std::uint32_t other);
     void cut(std::uint32_t edge, Count& count);
 
     void orient();
@@ -92,8 +102,9 @@ private:
     std::vector<std::uint8_t> on_cut_;       ///< [positions] whether the vertex is an end of a cut edge
     std::vector<std::uint32_t> first_side_;  ///< [positions + 1] start of each vertex' sides
     std::vector<Side> sides_;
+    std::vector<Angle> group_;              ///< sides of the current edge
     std::vector<std::uint32_t> component_;  ///< faces of the current component
-    Count without_area_, flat_, repeated_, turned_, shared_edges_, one_sided_edges_, shared_vertices_;
+    Count without_area_, flat_, repeated_, turned_, touching_edges_, shared_edges_, one_sided_edges_, shared_vertices_;
 };
 
 void Connector::remove(std::uint32_t face, Count& count) {
@@ -213,19 +224,44 @@ void Connector::remove_flat(std::span<const Side> sides) {
 }
 
 void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
-    std::uint32_t found = kNone;
-    std::size_t number = 0;
+    group_.clear();
     for (const Side& side : sides) {
-        if (is_removed(side.edge / 4)) continue;
-        if (++number == 2) {
-            twin(side.edge) = found;
-            twin(found) = side.edge;
-        }
-        if (number == 1) found = side.edge;
+        if (!is_removed(side.edge / 4)) group_.push_back({0, side.edge});
     }
-    if (number <= 2) return;
-    cut(found, shared_edges_);
-    on_cut_[low] = on_cut_[sides.front().high] = 1;
+    if (group_.size() == 2) join(group_[0].edge, group_[1].edge);
+    if (group_.size() <= 2) return;
+    const std::uint32_t high = sides.front().high;
+    on_cut_[low] = on_cut_[high] = 1;
+    Count& count = pair_by_angle(low, high) ? touching_edges_ : shared_edges_;
+    count.add(face_of(group_.front().edge).triangle);
+}
+
+/// Pairs the sides in group_ such that each pair bounds a wedge of the inside. Returns false if the orientations of the
+/// faces contradict each other.
+bool Connector::pair_by_angle(std::uint32_t low, std::uint32_t high) {
+    const Point3 axis = positions_[high] - positions_[low];
+    const auto opposite = [this](std::uint32_t edge) { return positions_[face_of(edge).corners[previous(edge % 4)]]; };
+    const Point3 across = cross(axis, opposite(group_.front().edge) - positions_[low]);
+    const Point3 outwards = cross(across, 1 / length(axis) * axis);
+    for (Angle& side : group_) {
+        const Point3 p = opposite(side.edge) - positions_[low];
+        side.angle = std::atan2(dot(p, across), dot(p, outwards));
+    }
+    std::sort(group_.begin(), group_.end());
+    // The inside is at larger angles if the edge runs downwards, and at smaller angles if it runs upwards.
+    const auto runs_up = [&](const Angle& side) { return tail(side.edge) == low; };
+    std::rotate(group_.begin(), std::find_if_not(group_.begin(), group_.end(), runs_up), group_.end());
+    for (std::size_t i = 0; i < group_.size(); ++i) {
+        if (runs_up(group_[i]) != (i % 2 == 1)) return false;
+    }
+    if (group_.size() % 2 == 1) return false;
+    for (std::size_t i = 0; i < group_.size(); i += 2) join(group_[i].edge, group_[i + 1].edge);
+    return true;
+}
+
+void Connector::join(std::uint32_t edge, std::uint32_t other) {
+    twin(edge) = other;
+    twin(other) = edge;
 }
 
 /// Separates the two faces at an edge.
@@ -378,6 +414,8 @@ void Connector::note() {
     add(flat_, "1 triangle without area was removed", " triangles without area were removed");
     add(repeated_, "1 repeated triangle was removed", " repeated triangles were removed");
     add(turned_, "1 triangle was turned over", " triangles were turned over");
+    add(touching_edges_, "the surface was cut along 1 edge where it only touches itself",
+        " edges where the surface only touches itself were cut");
     add(shared_edges_, "the surface was cut along 1 edge that more than two triangles share",
         " edges that more than two triangles share were cut");
     add(one_sided_edges_, "the surface was cut along 1 edge, because it has only one side",

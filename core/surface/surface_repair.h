@@ -40,10 +40,11 @@ struct ConnectedTriangles {
 /// Makes a surface of triangles. Vertices at the same position become one vertex. Triangles with fewer than three
 /// positions disappear, so that their neighbours become adjacent. Flat triangles with three positions remain as faces,
 /// because cracks would replace them, except where more than two triangles share one of their edges and where all
-/// connected triangles are flat. Of repeated triangles, the first remains. The surface is cut along edges that more
-/// than two triangles share, and along edges that prevent a consistent orientation. Then the connected triangles are
-/// turned such that a closed surface encloses a positive volume; on a surface with borders, the fewer triangles are
-/// turned. A vertex with several fans becomes several vertices.
+/// connected triangles are flat. Of repeated triangles, the first remains. If more than two triangles share an edge,
+/// the pairs that bound the inside remain connected, or none if the orientations contradict each other. The surface is
+/// also cut along edges that prevent a consistent orientation. Then the connected triangles are turned such that a
+/// closed surface encloses a positive volume; on a surface with borders, the fewer triangles are turned. A vertex with
+/// several fans becomes several vertices.
 ///
 /// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
 /// does not report all cuts.

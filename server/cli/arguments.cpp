@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint64_t kMaxThreads = 1024;
 constexpr std::uint64_t kMaxSites = 100'000'000;
 constexpr std::uint64_t kMaxPixels = 1'000'000'000;
+constexpr std::uint64_t kMaxFaces = 100'000'000;
 
 /// Returns the number of characters to insert, delete or replace so that one text becomes the other.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -94,6 +95,7 @@ Result<void> set_option(const Written& written, const std::string& value, Argume
     if (name == "memory") return store(arguments.memory, parse_bytes(value));
     if (name == "max-sites") return store(arguments.limits.max_sites, parse_whole(value, 1, kMaxSites));
     if (name == "max-pixels") return store(arguments.limits.max_pixels, parse_whole(value, 1, kMaxPixels));
+    if (name == "max-faces") return store(arguments.limits.max_faces, parse_whole(value, 1, kMaxFaces));
     if (name == "output") {
         if (value.empty())
             return failure(ErrorCode::Malformed, written.text + " needs the name of a file", written.text);
@@ -116,7 +118,7 @@ Result<Arguments> parse_arguments(std::span<const Option> options, std::span<con
     Arguments result;
     result.threads = std::max<std::size_t>(1, std::thread::hardware_concurrency());
     result.memory = available_memory() / 4 * 3;
-    result.limits = {.max_sites = kMaxSites, .max_pixels = kMaxPixels};
+    result.limits = {.max_sites = kMaxSites, .max_pixels = kMaxPixels, .max_faces = kMaxFaces};
     std::vector<const Option*> before;
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         const std::string_view argument = arguments[i];

@@ -130,6 +130,13 @@ const std::array kProgramOptions = {
            .allowed = "from 1 to 1000000000",
            .default_value = "1000000000",
            .takes_number = true},
+    Option{.name = "max-faces",
+           .member = {},
+           .value = "N",
+           .description = "Maximum number of faces of a mesh, in triangles.",
+           .allowed = "from 1 to 100000000",
+           .default_value = "100000000",
+           .takes_number = true},
 };
 
 struct GroupRow {
@@ -148,7 +155,7 @@ constexpr auto kGroups = std::to_array<GroupRow>({
     {"Devices", " device rotate spot bit-order invert-bits "},
     {"Pixels of a raster", " include calibration "},
     {"Files and messages", " output quiet json help "},
-    {"Limits", " threads memory max-sites max-pixels "},
+    {"Limits", " threads memory max-sites max-pixels max-faces "},
 });
 
 constexpr auto kExitStatuses = std::to_array<ExitStatus>({

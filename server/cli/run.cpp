@@ -250,7 +250,7 @@ private:
         return answer;
     }
 
-    /// Prints all warnings, and one line about repairs, of which there may be many.
+    /// Prints all warnings, and one line about repairs, of which there may be many. Those of a mesh have no pointer.
     /// @param warnings, repairs  lists of objects with the member `detail`, as JSON; empty if there are none
     void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
         if (const auto list = api::JsonDocument::parse(warnings)) {
@@ -262,11 +262,13 @@ private:
         const auto list = api::JsonDocument::parse(repairs);
         if (!list) return;
         const std::size_t others = list->root().size() - 1;
-        const std::string first = (*list->root().begin()).find("detail").value().text();
+        const api::JsonValue note = *list->root().begin();
+        const bool is_mesh = note.find("pointer").value().text().empty();
+        const std::string first = note.find("detail").value().text();
         const std::string more = others == 1 ? " other fault" : " other faults";
-        messages_.warn(input, "the area was repaired: " + first +
+        messages_.warn(input, std::string(is_mesh ? "the mesh" : "the area") + " was repaired: " + first +
                                   (others == 0 ? "" : "; and " + std::to_string(others) + more) +
-                                  "; --invalid=reject refuses it");
+                                  (is_mesh ? "" : "; --invalid=reject refuses it"));
     }
 
     const Command& command_;

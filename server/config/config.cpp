@@ -209,6 +209,10 @@ constexpr auto kSettings = std::to_array<Setting>({
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_pixels, text, 1, 1'000'000'000);
      }},
+    {"--max-faces", "CCDT_MAX_FACES", "N", "maximum faces of a mesh, in triangles (4000000)",
+     [](Draft& draft, std::string_view text) {
+         return set_whole(draft.config.limits.max_faces, text, 1, 100'000'000);
+     }},
     {"--max-sites", "CCDT_MAX_SITES", "N", "maximum sites of a request (2000000)",
      [](Draft& draft, std::string_view text) {
          return set_whole(draft.config.limits.max_sites, text, 1, 100'000'000);

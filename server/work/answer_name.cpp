@@ -11,8 +11,8 @@ std::string name_of_answer(const ComputeRequest& request, const std::vector<Form
                            const api::Limits& limits) {
     const std::string type = media_type(request.content_type);
     // Defaults of options depend on the limits.
-    const std::string server =
-        CCDT_VERSION " " + std::to_string(limits.max_sites) + ' ' + std::to_string(limits.max_pixels);
+    const std::string server = CCDT_VERSION " " + std::to_string(limits.max_sites) + ' ' +
+                               std::to_string(limits.max_pixels) + ' ' + std::to_string(limits.max_faces);
     Digest digest;
     for (const std::string& text : {server, request.path, request.query, type, request.accept}) digest.add(text);
     for (const FormPart& field : fields) {

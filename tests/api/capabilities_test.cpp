@@ -83,6 +83,8 @@ TEST_P(Documented, HaveTheFormatsThatAreDocumented) {
     auto made = all(formats, "media_type");
     if (endpoint.contains("devices"))
         std::ranges::copy(all(endpoint.at("devices").at("formats"), "media_type"), std::back_inserter(made));
+    if (endpoint.contains("surfaces"))
+        std::ranges::copy(all(endpoint.at("surfaces").at("formats"), "media_type"), std::back_inserter(made));
     EXPECT_EQ(types, std::set<std::string>(made.begin(), made.end()));
 }
 
@@ -130,8 +132,8 @@ TEST(Capabilities, MatchDocumentedEnumerations) {
 }
 
 TEST(Capabilities, ReportLimits) {
-    const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99});
-    EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99})"));
+    const Json json = capabilities({.max_sites = 40'000, .max_pixels = 99, .max_faces = 77});
+    EXPECT_EQ(json.at("limits"), Json::parse(R"({"max_sites":40000,"max_pixels":99,"max_faces":77})"));
     const Json methods = json.at("sample").at("methods");
     const auto method = [&](const std::string& name) { return row_of(methods, name); };
     EXPECT_EQ(method("ccdt").at("max_sites"), 40'000);
@@ -182,6 +184,19 @@ TEST(Capabilities, ListPixelSetsWithDocumentedFormatsAndOptions) {
     std::set<std::string> names;
     for (const auto& [name, schema] : documented.items()) names.insert(name);
     EXPECT_EQ(pixels.at("options").get<std::set<std::string>>(), names);
+}
+
+TEST(Capabilities, ListSurfacesWithDocumentedFormatsAndOptions) {
+    const Json surfaces = capabilities().at("sample").at("surfaces");
+    const Json documented = properties_of("SurfaceOptions");
+    EXPECT_EQ(all(surfaces.at("formats"), "name"), documented.at("format").at("enum").get<std::vector<std::string>>());
+    std::set<std::string> names;
+    for (const auto& [name, schema] : documented.items()) names.insert(name);
+    EXPECT_EQ(surfaces.at("options").get<std::set<std::string>>(), names);
+    EXPECT_EQ(all(surfaces.at("inputs"), "name"),
+              (std::vector<std::string>{"stl", "obj", "ply", "off", "gltf", "glb"}));
+    EXPECT_EQ(row_of(surfaces.at("formats"), "obj").at("needs"), Json::parse(R"(["mesh"])"));
+    EXPECT_EQ(row_of(surfaces.at("formats"), "glb").at("needs"), Json::array());
 }
 
 TEST(Capabilities, ReportDrawnFormatsAndTheirLargestSize) {

@@ -91,6 +91,18 @@ class SampleOptions(PlotOptions, total=False):
     dot: float
 
 
+class SurfaceOptions(TypedDict, total=False):
+    """Options of :func:`ccdt.sample` for a mesh."""
+
+    fixed: Any
+    crease: float
+    iterations: int
+    passes: int
+    quality: str
+    mesh: bool
+    order: str
+
+
 class PixelOptions(TypedDict, total=False):
     """Options of :func:`ccdt.sample` for a raster of pixels."""
 
@@ -136,3 +148,14 @@ def text_of(name: str, value: object) -> str:
 def texts_of(options: Mapping[str, object]) -> Dict[str, str]:
     """Writes options as in the query of a URL. Options that are None are left out."""
     return {name: text_of(name, value) for name, value in options.items() if value is not None}
+
+
+def mesh_texts(options: Mapping[str, object], write_list: Callable[[Any, str], str]) -> Dict[str, str]:
+    """Writes the options of a request with a mesh as in the query of a URL.
+
+    Args:
+        write_list: function that writes the value of an option, given its name, as a list in JSON.
+    """
+    lists = {name: write_list(options[name], name) for name in ("density", "fixed")
+             if options.get(name) is not None and not isinstance(options[name], str)}
+    return {**texts_of({name: value for name, value in options.items() if name not in lists}), **lists}

@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from . import _core
 from ._files import read_file
-from ._options import Progress
-from .domains import jsonable, region_members
+from ._options import Progress, mesh_texts
+from .domains import Mesh, jsonable, region_members
 from .errors import Error
 
 # A picture for the extension module: the bytes of a file, or an array [height, width, channels].
@@ -145,6 +145,32 @@ def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
             texts[name] = json_of(value, name)
     has_pictures = any('"image"' in texts.get(name, "")[:16] for name in ("density", "exclude"))
     return "{" + ",".join(f"{json.dumps(name)}:{text}" for name, text in texts.items()) + "}", has_pictures
+
+
+def surface_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[str, str]]:
+    """Converts a request for points on a mesh for the extension module: the mesh, and the options as text."""
+    options = mesh_texts(members, array_json)
+    if not isinstance(domain, Mesh):
+        return read_file(domain, "domain"), options
+    arrays = [_mesh_array(domain.vertices, "vertices", np.float64, 3),
+              _mesh_array(domain.triangles, "triangles", np.int64, 3)]
+    colors = None if domain.colors is None else np.asarray(domain.colors)
+    if colors is not None and colors.dtype.kind != "f":
+        colors = colors / 255
+    for values, name, columns in ((colors, "colors", 3), (domain.texture, "texture", 2)):
+        arrays.append(_mesh_array(np.zeros((0, columns)) if values is None else values, name, np.float64, columns))
+        if values is not None and len(arrays[-1]) != len(arrays[0]):
+            raise Error(f"{name} must have a row for each of the {len(arrays[0])} vertices, not {len(arrays[-1])}",
+                        field=name)
+    return tuple(arrays), options
+
+
+def _mesh_array(value: Any, name: str, dtype: Any, columns: int) -> npt.NDArray[Any]:
+    array = np.asarray(value)
+    if array.ndim != 2 or array.shape[1] != columns or array.dtype.kind not in ("fiu" if dtype == np.float64 else "iu"):
+        raise Error(f"{name} must be {'numbers' if dtype == np.float64 else 'integers'} of the shape [n, {columns}], not "
+                    f"{array.dtype} {list(array.shape)}", field=name)
+    return np.ascontiguousarray(array, dtype=dtype)
 
 
 def npy_array(answer: _core.Answer) -> npt.NDArray[Any]:

@@ -11,9 +11,9 @@ import numpy.typing as npt
 
 from . import _core
 from ._drawing import Drawing, Kept
-from ._options import PixelOptions, Progress, SampleOptions, check_names
-from ._request import npy_array, running, sample_body
-from .domains import Pixels, Torus
+from ._options import PixelOptions, Progress, SampleOptions, SurfaceOptions, check_names
+from ._request import npy_array, running, sample_body, surface_request
+from .domains import Mesh, Pixels, Torus, is_mesh_file
 from .errors import Error
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Floats = npt.NDArray[np.float64]
 
 # Members of the service's JSON answer that list every point.
-LISTS = ("points", "rank", "ranks", "feature", "class")
+LISTS = ("points", "rank", "ranks", "feature", "class", "faces", "barycentric", "normals", "colors", "texture")
 
 
 class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
@@ -32,7 +32,7 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
     """
 
     _kept: Optional[Kept]
-    _columns: Dict[str, npt.NDArray[np.uint32]]
+    _columns: Dict[str, npt.NDArray[Any]]
     _domain: Any
     _info: Optional[Dict[str, Any]]
 
@@ -118,7 +118,67 @@ class Points(np.ndarray, Drawing):  # type: ignore[type-arg]
         return np.array(self.info["triangles"], dtype=np.uint32) if "triangles" in self.info else None
 
 
+class SurfacePoints(Points):
+    """Points on a surface as an array, float64 [n, 3], with the other members of the answer."""
+
+    @classmethod
+    def _on(cls, kept: Kept, table: Floats, domain: Any, colored: bool, textured: bool, ranked: bool) -> SurfacePoints:
+        points = table[:, :3].view(cls)
+        points._kept = kept
+        points._domain = domain
+        points._columns = {"faces": table[:, 3].astype(np.uint32), "barycentric": table[:, 4:7],
+                           "normals": table[:, 7:10]}
+        if colored:
+            points._columns["colors"] = table[:, 10:13].astype(np.uint8)
+        if textured:
+            points._columns["texture"] = table[:, 13:15] if colored else table[:, 10:12]
+        if ranked:
+            points._columns["rank"] = table[:, -1].astype(np.uint32)
+        return points
+
+    @property
+    def faces(self) -> npt.NDArray[np.uint32]:
+        """Triangle of each point, uint32 [n], counted from 0 in the order of the mesh."""
+        return self._columns["faces"]
+
+    @property
+    def barycentric(self) -> Floats:
+        """Barycentric coordinates of each point in its triangle, float64 [n, 3]."""
+        return self._columns["barycentric"]
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normal of the surface at each point, float64 [n, 3]."""
+        return self._columns["normals"]
+
+    @property
+    def colors(self) -> Optional[npt.NDArray[np.uint8]]:
+        """Colour at each point, uint8 [n, 3] in sRGB; None if the mesh has no colours."""
+        return self._columns.get("colors")
+
+    @property
+    def texture(self) -> Optional[Floats]:
+        """Texture coordinates at each point, float64 [n, 2]; None if the mesh has none."""
+        return self._columns.get("texture")
+
+    @property
+    def vertices(self) -> Optional[Floats]:
+        """Vertices of the triangulation, float64 [m, 3], the points first, with ``mesh=True``; else None."""
+        return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
+
+    @property
+    def triangles(self) -> Optional[npt.NDArray[np.uint32]]:
+        """Indices of each triangle's vertices, uint32 [t, 3], with ``mesh=True``; else None."""
+        return np.array(self.info["mesh"]["triangles"], dtype=np.uint32) if "mesh" in self.info else None
+
+    def _repr_png_(self) -> Optional[bytes]:
+        return None
+
+
 @overload  # type: ignore[misc]  # Any includes Pixels
+def sample(domain: Mesh, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
+           progress: Progress = None, **options: Unpack[SurfaceOptions]) -> SurfacePoints: ...
+@overload
 def sample(domain: Pixels, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[PixelOptions]) -> npt.NDArray[np.bool_]: ...
 @overload
@@ -126,32 +186,38 @@ def sample(domain: Any, sites: Union[int, str, Dict[str, Any], None] = None, *, 
            threads: Optional[int] = None, progress: Progress = None, **options: Unpack[SampleOptions]) -> Points: ...
 def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Any) -> Any:
-    """Spreads points evenly over an area, or chooses an exact number of pixels of a raster.
+    """Spreads points evenly over an area or a surface, or chooses an exact number of pixels of a raster.
 
     Options, ranges, defaults and positions are those of ``POST /sample`` of ccdt-server.
 
     Args:
         domain: positions [n, 2] of the corners of a polygon; GeoJSON or TopoJSON, as a dict or as the path of a file;
             an object with ``__geo_interface__``, such as a geometry of Shapely; :class:`Torus`; :class:`Rectangle`;
-            or :class:`Pixels`.
+            :class:`Pixels`; or a surface: :class:`Mesh`, or the file of a mesh (STL, OBJ, PLY, OFF, GLB, or glTF with
+            embedded buffers) as a path, bytes or an open file.
         sites: exact number of points; in a dot map, the name of the property that has the counts.
         density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
             first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as
-            a path, bytes, or an open file. Uniform by default.
+            a path, bytes, or an open file. For a surface, ``"color"``, ``"curvature"``, or an array [n] of values at
+            the vertices. Uniform by default.
         seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.
         **options: see api/README.md: ``holes``, ``fixed``, ``avoid``, ``buffer``, ``coordinates``, ``quality``,
-            ``order``, ``mesh``, ``method`` and others. Options that are None are left out.
+            ``order``, ``mesh``, ``method`` and others; for a surface also ``crease``. Options that are None are left
+            out.
 
     Returns:
         Points: float64 [n, 2], strictly inside the area. For pixels, an array [height, width] of bool, True for the
-        chosen ones.
+        chosen ones. For a surface, SurfacePoints: float64 [n, 3].
 
     Raises:
         Error: an option or the area is not usable. The message names the option and its limit.
         TypeError: there is no such option.
     """
+    if isinstance(domain, Mesh) or is_mesh_file(domain):
+        check_names("sample", options, SurfaceOptions)
+        return _sample_surface(domain, {"sites": sites, "density": density, "seed": seed, **options}, threads, progress)
     raster = isinstance(domain, Pixels)
     check_names("sample", options, PixelOptions if raster else SampleOptions)
     members = {"sites": sites, "density": density, "seed": seed, **options}
@@ -163,6 +229,15 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
     names = ((("rank",) if options.get("order") == "progressive" else ())
              + (("feature", "class") if table.shape[1] - 2 > (options.get("order") == "progressive") else ()))
     return Points._of(kept, table, domain, names[:table.shape[1] - 2])
+
+
+def _sample_surface(domain: Any, members: Dict[str, Any], threads: Optional[int], progress: Progress) -> SurfacePoints:
+    mesh, texts = surface_request(domain, members)
+    kept = Kept(_core.SurfaceSample, mesh, [*texts.items(), ("format", "npy")])
+    result = kept.run(threads, progress)
+    table = npy_array(result.write("npy", running(threads)))
+    return SurfacePoints._on(kept, table, domain, result.has_colors, result.has_texture,
+                             texts.get("order") == "progressive")
 
 
 def mask(width: int, height: Optional[int] = None, *, seed: int = 0, bits: int = 8, threads: Optional[int] = None,

@@ -35,6 +35,33 @@ class Pixels:
     height: int
 
 
+@dataclass(frozen=True)
+class Mesh:
+    """A surface made of triangles, for points in space.
+
+    Attributes:
+        vertices: positions [n, 3].
+        triangles: indices of the vertices of each triangle [m, 3]. Triangles need not be oriented alike.
+        colors: sRGB colours of the vertices [n, 3], as uint8, or as floats from 0 to 1; None without colours.
+        texture: texture coordinates of the vertices [n, 2]; None if there are none.
+    """
+
+    vertices: Any
+    triangles: Any
+    colors: Any = None
+    texture: Any = None
+
+
+MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off", ".gltf", ".glb")
+
+
+def is_mesh_file(domain: Any) -> bool:
+    """Returns whether a domain is the file of a mesh: a path with a suffix of meshes, bytes, or an open file."""
+    if isinstance(domain, (str, os.PathLike)):
+        return os.path.splitext(os.fspath(domain))[1].lower() in MESH_SUFFIXES
+    return isinstance(domain, (bytes, bytearray, memoryview)) or hasattr(domain, "read")
+
+
 def domain_member(domain: Union[Torus, Rectangle, Pixels]) -> Dict[str, Any]:
     """Returns the member `domain` of a request."""
     return {"type": type(domain).__name__.lower(), "width": domain.width, "height": domain.height}
@@ -52,8 +79,9 @@ def region_members(domain: Any) -> Dict[str, Any]:
         return {"domain" if domain.get("type") in ("torus", "rectangle", "pixels") else "geometry": domain}
     if hasattr(domain, "__len__"):
         return {"polygon": domain}
-    raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON, an object with "
-                f"__geo_interface__, or a torus, a rectangle or pixels, not {type(domain).__name__}", field="domain")
+    raise Error("domain must be the corners of a polygon, GeoJSON, the path of a file with GeoJSON or a mesh, an object "
+                f"with __geo_interface__, a mesh, a torus, a rectangle or pixels, not {type(domain).__name__}",
+                field="domain")
 
 
 def jsonable(value: Any) -> Any:

@@ -7,13 +7,16 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <numbers>
 #include <numeric>
 
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/globe/chart.h"
 #include "core/order/reorder.h"
 #include "core/parallel/thread_executor.h"
+#include "core/polish/cell_list.h"
 #include "core/random.h"
 #include "tests/support/evenness.h"
 
@@ -118,6 +121,192 @@ TEST(ProgressiveOrder, KeepsTheFirstPointsApartAtThePole) {
         sum += std::acos(most) / hexagonal;
     }
     EXPECT_GT(sum / 250, 0.65);  // the first 250 points in their original order have 0.47
+}
+
+struct SurfacePoints {
+    std::vector<Point3> places;
+    std::vector<Point3> normals;
+    double area = 0;
+
+    std::vector<std::uint32_t> order(bool even, Executor& executor = inline_executor()) const {
+        return progressive_order_on_surface(places, normals, area, even, {}, executor);
+    }
+
+    SurfacePoints first_of(const std::vector<std::uint32_t>& order, std::size_t k) const {
+        SurfacePoints first{{}, {}, area};
+        for (std::size_t i = 0; i < k; ++i) {
+            first.places.push_back(places[order[i]]);
+            first.normals.push_back(normals[order[i]]);
+        }
+        return first;
+    }
+
+    /// Returns the distance of each point from its nearest neighbour on the same side, relative to a hexagonal grid of
+    /// as many points, in ascending order.
+    std::vector<double> distances() const {
+        const double hexagonal = hexagonal_spacing(static_cast<double>(places.size()) / area), reach = 2 * hexagonal;
+        const CellList3 cells(places);
+        std::vector<double> distances(places.size(), reach / hexagonal);
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            cells.for_near(places[i], reach, [&](Point3 place, std::uint32_t number) {
+                if (number != i && dot(normals[i], normals[number]) > 0)
+                    distances[i] = std::min(distances[i], length(place - places[i]) / hexagonal);
+            });
+        }
+        std::ranges::sort(distances);
+        return distances;
+    }
+};
+
+double mean(const std::vector<double>& values) {
+    return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
+}
+
+/// Returns the first points in a progressive order of eight times as many random points on a unit sphere.
+SurfacePoints sphere(std::size_t points) {
+    constexpr double kPi = std::numbers::pi;
+    Random random(11, 0);
+    SurfacePoints sphere{{}, {}, 4 * kPi};
+    while (sphere.places.size() < 8 * points) {
+        const double z = 1 - 2 * random.uniform(), angle = 2 * kPi * random.uniform(), radius = std::sqrt(1 - z * z);
+        sphere.places.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+    }
+    sphere.normals = sphere.places;
+    return sphere.first_of(sphere.order(true), points);
+}
+
+/// Returns the first points in a progressive order of eight times as many random points on a torus in space, far from
+/// the origin.
+SurfacePoints ring(std::size_t points) {
+    constexpr double kPi = std::numbers::pi, kLarge = 3, kSmall = 1;
+    Random random(12, 0);
+    SurfacePoints ring{{}, {}, 4 * kPi * kPi * kLarge * kSmall};
+    while (ring.places.size() < 8 * points) {
+        const double u = 2 * kPi * random.uniform(), v = 2 * kPi * random.uniform();
+        if (random.uniform() * (kLarge + kSmall) > kLarge + kSmall * std::cos(v)) continue;
+        const Point3 outwards{std::cos(u), std::sin(u), 0};
+        ring.normals.push_back(std::cos(v) * outwards + Point3{0, 0, std::sin(v)});
+        ring.places.push_back(Point3{50, -20, 7} + kLarge * outwards + kSmall * ring.normals.back());
+    }
+    return ring.first_of(ring.order(true), points);
+}
+
+/// Returns points on the two sides of a thin plate, which is inclined.
+SurfacePoints plate(const Density& density, std::size_t sites) {
+    const Point3 along{0.6, 0, 0.8}, across{0, 1, 0}, up = cross(along, across);
+    SurfacePoints plate{{}, {}, 2};
+    for (const std::uint64_t seed : {1, 2}) {
+        const Point3 normal = seed == 1 ? up : -1 * up;
+        for (const Point p : distributed(*Domain::rectangle(1, 1), density, sites, seed)) {
+            plate.places.push_back(p.x * along + p.y * across + 1e-5 * normal);
+            plate.normals.push_back(normal);
+        }
+    }
+    return plate;
+}
+
+TEST(ProgressiveOrderOnSurface, SpreadsAnyNumberOfFirstPoints) {
+    for (const SurfacePoints& points : {sphere(4'096), ring(4'096)}) {
+        const auto order = points.order(true);
+        ASSERT_TRUE(is_permutation(order, points.places.size()));
+        for (std::size_t k = 4'096; k >= 64; k /= 2) {
+            const std::vector<double> distances = points.first_of(order, k).distances();
+            EXPECT_GT(distances.front(), 0.57) << k;
+            EXPECT_GT(mean(distances), 0.71) << k;
+        }
+    }
+}
+
+/// Returns the mean power of points on a unit sphere in all spherical harmonics of degrees 1 to `degrees`, relative to
+/// random points.
+double low_power(const std::vector<Point3>& points, int degrees) {
+    double sum = 0;
+    for (const Point3 p : points) {
+        for (const Point3 q : points) {
+            // By the addition theorem, the harmonics of each degree sum to a Legendre polynomial of the cosine.
+            const double cosine = dot(p, q);
+            double before = 1, last = cosine;
+            sum += 3 * cosine;
+            for (int degree = 2; degree <= degrees; ++degree) {
+                const double next = ((2 * degree - 1) * cosine * last - (degree - 1) * before) / degree;
+                sum += (2 * degree + 1) * next;
+                before = last;
+                last = next;
+            }
+        }
+    }
+    return sum / static_cast<double>(points.size()) / (degrees * (degrees + 2));
+}
+
+/// Without the surplus, the mean power is 0.06.
+TEST(ProgressiveOrderOnSurface, SuppressesLongWaves) {
+    const SurfacePoints points = sphere(4'096);
+    const auto order = points.order(true);
+    double power = 0;
+    for (const std::size_t k : {2'048, 1'024, 512}) {
+        const int degrees = static_cast<int>(std::sqrt(static_cast<double>(k)) / 4);
+        power += low_power(points.first_of(order, k).places, degrees) / 3;
+    }
+    EXPECT_LT(power, 0.038);
+}
+
+TEST(ProgressiveOrderOnSurface, SeparatesTheSidesOfThinSheets) {
+    const SurfacePoints points = plate(Density::uniform(), 2'048);
+    const auto order = points.order(false);
+    for (std::size_t k = 4'096; k >= 64; k /= 2) {
+        const SurfacePoints first = points.first_of(order, k);
+        const std::vector<double> distances = first.distances();
+        EXPECT_GT(distances.front(), 0.55) << k;
+        EXPECT_GT(mean(distances), 0.71) << k;
+        const auto up = static_cast<std::size_t>(std::ranges::count(first.normals, points.normals[0]));
+        EXPECT_NEAR(static_cast<double>(up), static_cast<double>(k) / 2, 3 + 0.02 * static_cast<double>(k)) << k;
+    }
+}
+
+TEST(ProgressiveOrderOnSurface, FollowsTheDensity) {
+    constexpr std::array<double, 4> kValues = {1, 6, 2, 3};
+    const SurfacePoints points = plate(*Density::grid(2, 2, std::span<const double>(kValues)), 4'096);
+    const auto order = points.order(false);
+    for (std::size_t k = 64; k <= points.places.size(); k *= 2) {
+        std::array<SurfacePoints, 4> parts;
+        const SurfacePoints first = points.first_of(order, k);
+        for (std::size_t i = 0; i < k; ++i) {
+            SurfacePoints& part = parts[(first.places[i].y < 0.5 ? 0 : 2) + (first.places[i].x < 0.3 ? 0 : 1)];
+            part.places.push_back(first.places[i]);
+            part.normals.push_back(first.normals[i]);
+        }
+        for (std::size_t i = 0; i < 4; ++i) {
+            const double wanted = kValues[i] / 12 * static_cast<double>(k);
+            const std::size_t count = parts[i].places.size();
+            EXPECT_NEAR(static_cast<double>(count), wanted, 3 + 0.08 * wanted) << k << ' ' << i;
+            parts[i].area = 0.5;
+            EXPECT_GT(parts[i].distances().front(), 0.43) << k << ' ' << i;
+            EXPECT_GT(mean(parts[i].distances()), 0.68) << k << ' ' << i;
+        }
+    }
+}
+
+TEST(ProgressiveOrderOnSurface, IsIdenticalOnAnyNumberOfThreads) {
+    const SurfacePoints points = ring(8'192);
+    for (const bool even : {true, false}) {
+        const auto order = points.order(even);
+        for (const std::size_t size : {2, 16}) {
+            ThreadExecutor executor(size);
+            EXPECT_EQ(points.order(even, executor), order);
+        }
+    }
+}
+
+TEST(ProgressiveOrderOnSurface, AcceptsDegeneratePoints) {
+    EXPECT_TRUE(progressive_order_on_surface({}, {}, 1, false).empty());
+    SurfacePoints points{{{3, 2, 1}}, {{0, 0, 1}}, 1};
+    EXPECT_EQ(points.order(false), std::vector<std::uint32_t>{0});
+    points.places.resize(100, points.places[0]);
+    points.normals.resize(100, points.normals[0]);
+    EXPECT_TRUE(is_permutation(points.order(false), 100));
+    EXPECT_TRUE(is_permutation(points.order(true), 100));
+    for (std::size_t i = 0; i < points.places.size(); ++i) points.places[i].x += static_cast<double>(i);
+    EXPECT_TRUE(is_permutation(points.order(false), 100));
 }
 
 TEST(ProgressiveOrder, AcceptsDegeneratePoints) {

@@ -185,6 +185,225 @@ TEST(Surface, CutsAMoebiusStrip) {
     EXPECT_EQ(euler_characteristic(strip.surface), 1);  // a disk
 }
 
+TEST(Surface, RemovesRepeatedTriangles) {
+    TriangleSoup soup = cube_surface();
+    soup.triangles.push_back(soup.triangles[3]);
+    soup.triangles.push_back({soup.triangles[4][1], soup.triangles[4][0], soup.triangles[4][2]});
+    const auto cube = made(soup);
+    expect_valid(cube.surface);
+    ASSERT_EQ(cube.repairs.size(), 1U);
+    EXPECT_EQ(cube.repairs[0].detail, "2 repeated triangles were removed");
+    EXPECT_EQ(cube.repairs[0].count, 2U);
+    EXPECT_EQ(cube.repairs[0].triangle, 12U);
+    EXPECT_EQ(border_edges(cube.surface), 0U);
+}
+
+TEST(Surface, TurnsTrianglesOver) {
+    TriangleSoup soup = cube_surface();
+    for (const std::size_t t : {2U, 7U, 8U, 11U}) std::swap(soup.triangles[t][0], soup.triangles[t][2]);
+    const auto cube = made(soup);
+    expect_valid(cube.surface);
+    EXPECT_DOUBLE_EQ(volume(cube.surface), 1);
+    ASSERT_EQ(cube.repairs.size(), 1U);
+    EXPECT_EQ(cube.repairs[0].detail, "4 triangles were turned over");
+    EXPECT_EQ(cube.repairs[0].triangle, 2U);
+    for (std::uint32_t f = 0; f < 12; ++f) {
+        const SurfacePoint point{f, {0.5, 0.3, 0.2}};
+        const auto weights = cube.surface.original_weights(point);
+        Point3 p;
+        for (std::size_t k = 0; k < 3; ++k) {
+            p = p + weights[k] * soup.vertices[soup.triangles[cube.surface.triangle_of(f)][k]];
+        }
+        expect_near(p, cube.surface.place(point), 1e-12);
+    }
+    for (auto& [a, b, c] : soup.triangles) std::swap(a, b);
+    EXPECT_DOUBLE_EQ(volume(made(soup).surface), 1);
+}
+
+TEST(Surface, TurnsTheFewerTrianglesOfAnOpenSurface) {
+    TriangleSoup soup = square_surface(3);
+    std::swap(soup.triangles[0][0], soup.triangles[0][1]);
+    const auto square = made(soup);
+    expect_valid(square.surface);
+    EXPECT_EQ(repairs(square, "turned"), 1U);
+    expect_near(square.surface.normal(0), {0, 0, 1}, 1e-12);
+    for (auto& [a, b, c] : soup.triangles) std::swap(a, b);
+    EXPECT_EQ(repairs(made(soup), "turned"), 1U);
+}
+
+TEST(Surface, SeparatesCubesThatShareAnEdgeOrAVertex) {
+    const auto edge = made(joined(cube_surface(), cube_surface({1, 1, 0})));
+    expect_valid(edge.surface);
+    EXPECT_EQ(edge.surface.component_count(), 2U);
+    EXPECT_EQ(border_edges(edge.surface), 0U);
+    EXPECT_EQ(euler_characteristic(edge.surface), 4);
+    ASSERT_EQ(edge.repairs.size(), 1U);
+    EXPECT_EQ(edge.repairs[0].detail, "the surface was cut along 1 edge where it only touches itself");
+
+    const auto vertex = made(joined(cube_surface(), cube_surface({1, 1, 1})));
+    expect_valid(vertex.surface);
+    EXPECT_EQ(vertex.surface.vertex_count(), 16U);
+    ASSERT_EQ(vertex.repairs.size(), 1U);
+    EXPECT_EQ(vertex.repairs[0].detail, "the surface was cut at 1 vertex where it only touches itself");
+}
+
+TEST(Surface, CutsEdgesOfThreeTriangles) {
+    TriangleSoup soup{.vertices = {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {-1, 1, 0}, {-1, -1, 0}},
+                      .triangles = {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}};
+    const auto fan = made(soup);
+    expect_valid(fan.surface);
+    EXPECT_EQ(fan.surface.component_count(), 3U);
+    EXPECT_EQ(fan.surface.vertex_count(), 9U);
+    ASSERT_EQ(fan.repairs.size(), 1U);
+    EXPECT_EQ(fan.repairs[0].detail, "the surface was cut along 1 edge that more than two triangles share");
+}
+
+/// A square of two triangles that are connected by a triangle without area.
+TriangleSoup square_with_a_cap() {
+    return {.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}},
+            .triangles = {{0, 1, 4}, {1, 2, 4}, {0, 4, 2}, {0, 2, 3}}};
+}
+
+TEST(Surface, HasNoCracksAtTrianglesWithoutArea) {
+    const auto square = made(square_with_a_cap());
+    expect_valid(square.surface);
+    EXPECT_TRUE(square.repairs.empty());
+    EXPECT_EQ(border_edges(square.surface), 4U);
+    EXPECT_DOUBLE_EQ(square.surface.total_area(), 1);
+    expect_near(square.surface.normal(2), {0, 0, 1}, 1e-12);
+    EXPECT_EQ(made(square_with_a_cap(), 0.1).surface.component_count(), 1U);
+    for (const double share : {0.1, 0.3, 0.5, 0.6}) {
+        const SurfacePoint start{0, {0.8 - share, share, 0.2}};
+        const Point3 p = square.surface.place(start), move{-0.1, 0.3 + share, 0};
+        const SurfacePoint end = square.surface.trace(start, move);
+        expect_near(square.surface.place(end), p + move, 1e-9);
+    }
+}
+
+TEST(Surface, RemovesTrianglesWithCoincidentCorners) {
+    TriangleSoup soup = square_surface(2);
+    // Two triangles have a side of length 0, which is between two vertices at the same position.
+    soup.vertices[4] = soup.vertices[5];
+    const auto square = made(soup);
+    expect_valid(square.surface);
+    EXPECT_EQ(square.surface.face_count(), 6U);
+    ASSERT_FALSE(square.repairs.empty());
+    EXPECT_EQ(square.repairs[0].detail, "2 triangles with coincident corners were removed");
+    EXPECT_EQ(square.repairs[0].triangle, 3U);
+}
+
+TEST(Surface, RemovesComponentsWithoutArea) {
+    TriangleSoup needle{.vertices = {{2, 2, 2}, {3, 3, 3}, {4, 4, 4}}, .triangles = {{0, 1, 2}}};
+    const auto square = made(joined(needle, square_surface(1)));
+    EXPECT_EQ(square.surface.face_count(), 2U);
+    ASSERT_EQ(square.repairs.size(), 1U);
+    EXPECT_EQ(square.repairs[0].detail, "1 triangle without area was removed");
+    EXPECT_EQ(square.repairs[0].triangle, 0U);
+    EXPECT_EQ(square.surface.triangle_of(0), 1U);
+}
+
+TEST(Surface, RejectsUnusableTriangles) {
+    const double huge = std::numeric_limits<double>::max(), nan = std::numeric_limits<double>::quiet_NaN();
+    const auto error = [](std::vector<Point3> vertices) {
+        TriangleSoup soup{.vertices = std::move(vertices), .triangles = {}};
+        if (!soup.vertices.empty()) soup.triangles = {{0, 1, 2}};
+        const auto surface = Surface::create(soup, {});
+        return surface ? Error{} : surface.error();
+    };
+    EXPECT_EQ(error({}).message, "there are no triangles");
+    EXPECT_EQ(error({{}, {}, {}}).message, "no triangle has an area");
+    EXPECT_EQ(error({{0, 0, 0}, {1, 1, 0}, {3, 3, 0}}).message, "no triangle has an area");
+    EXPECT_EQ(error({{0, 0, 0}, {1, 1, nan}, {3, 4, 0}}).field, "vertices/1");
+    EXPECT_EQ(error({{0, 0, 0}, {1, 1, 0}, {3, -2 * huge, 0}}).field, "vertices/2");
+    EXPECT_EQ(error({{-huge, 0, 0}, {huge, 1, 0}, {3, 4, 0}}).code, ErrorCode::Unusable);
+    EXPECT_EQ(error({{0, 0, 0}, {1e-308, 0, 0}, {0, 1e-308, 0}}).code, ErrorCode::Unusable);
+    EXPECT_EQ(error({{1e12, 0, 0}, {1e12 + 1, 0, 0}, {1e12, 1, 0}}).code, ErrorCode::Unusable);
+    // Vertices that no triangle uses do not count.
+    EXPECT_EQ(error({{0, 0, 0}, {1, 1, 0}, {3, 4, 0}, {nan, huge, -huge}}).message, "");
+}
+
+TEST(Surface, TakesExtentsNearTheLimits) {
+    for (const double scale : {1e-130, 1e130}) {
+        const Surface surface = made(cube_surface({-scale, scale, 0}, scale)).surface;
+        expect_valid(surface);
+        EXPECT_DOUBLE_EQ(surface.total_area(), 6);
+        expect_near(1 / scale * surface.to_input({1, 0.5, 0}), {0, 1.5, 0}, 1e-12);
+    }
+}
+
+TEST(Surface, Stops) {
+    std::stop_source source;
+    source.request_stop();
+    const auto surface = Surface::create(cube_surface(), {}, source.get_token());
+    ASSERT_FALSE(surface);
+    EXPECT_EQ(surface.error().code, ErrorCode::Stopped);
+}
+
+TEST(Surface, EndsTracesAtBordersAndCreases) {
+    const Surface square = made(square_surface(5)).surface;
+    const SurfacePoint start{20, {0.2, 0.3, 0.5}};
+    const Point3 p = square.place(start);
+    for (const Point3 move : {Point3{2, 0.3, 0}, {-3, 1, 0}, {0, 7, 9}, {0.1, -1e300, 0}}) {
+        const SurfacePoint end = square.trace(start, move);
+        expect_inside(end, square);
+        const Point3 q = square.place(end);
+        EXPECT_LT(std::min({q.x, q.y, 1 - q.x, 1 - q.y}), 1e-8);
+        EXPECT_GT(std::min({q.x, q.y, 1 - q.x, 1 - q.y}), 0);
+        EXPECT_NEAR((q.x - p.x) * move.y, (q.y - p.y) * move.x, 1e-8 * std::abs(move.y));
+    }
+    const Surface cube = made(cube_surface(), 1).surface;
+    for (std::uint32_t f = 0; f < cube.face_count(); ++f) {
+        const SurfacePoint end = cube.trace({f, {0.2, 0.3, 0.5}}, {3, 4, 5});
+        EXPECT_EQ(cube.component(end.face), cube.component(f));
+    }
+}
+
+TEST(Surface, IgnoresMovesThatAreNoneOrNotFinite) {
+    const Surface cube = made(cube_surface()).surface;
+    const SurfacePoint start{2, {0.2, 0.3, 0.5}};
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (const Point3 move : {Point3{}, Point3{infinity, 0, 0}, Point3{0, std::nan(""), 0}, cube.normal(2)}) {
+        const SurfacePoint end = cube.trace(start, move);
+        EXPECT_EQ(end.face, start.face);
+        EXPECT_EQ(end.weights, start.weights);
+    }
+    expect_inside(cube.trace(start, {1e308, -1e308, 1e300}), cube);
+}
+
+/// On a plane, a straight line is a sum, whichever vertices and edges it passes.
+TEST(Surface, TracesThroughVerticesAndAlongEdges) {
+    const Surface square = made(square_surface(8)).surface;
+    for (std::uint32_t f = 0; f < square.face_count(); ++f) {
+        for (const std::array<double, 3> weights :
+             {std::array<double, 3>{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0.5, 0}, {0, 0.5, 0.5}, {0.25, 0.5, 0.25}}) {
+            const Point3 p = square.place({f, weights});
+            for (int x = 0; x <= 8; ++x) {
+                for (int y = 0; y <= 8; ++y) {
+                    const Point3 move{x / 8. - p.x, y / 8. - p.y, 0};
+                    const SurfacePoint end = square.trace({f, weights}, move);
+                    expect_inside(end, square);
+                    expect_near(square.place(end), p + move, 1e-8);
+                }
+            }
+        }
+    }
+}
+
+TEST(Surface, TracesGreatCircles) {
+    const Surface sphere = made(test::sphere_surface(5)).surface;
+    Random random(3, 4);
+    for (int i = 0; i < 200; ++i) {
+        const auto face = static_cast<std::uint32_t>(random.uniform() * static_cast<double>(sphere.face_count()));
+        const SurfacePoint start{face, {0.2, 0.5, 0.3}};
+        const Point3 p = sphere.to_input(sphere.place(start));
+        const Point3 sideways = cross(p, {random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
+        const double angle = 3 * random.uniform();
+        const Point3 direction = 1 / length(sideways) * sideways;
+        const SurfacePoint end = sphere.trace(start, angle / sphere.scale() * direction);
+        expect_near(sphere.to_input(sphere.place(end)), std::cos(angle) * p + std::sin(angle) * direction, 0.02);
+    }
+}
+
 /// Follows a line from the middle of the bottom of the unit cube.
 TEST(Surface, TracesLinesAroundACube) {
     const Surface surface = made(cube_surface()).surface;
@@ -224,6 +443,53 @@ TEST(Surface, FindsNearestPoints) {
         EXPECT_NEAR(length(found - p), std::abs(length(p) - 1), 0.002);
         EXPECT_NEAR(length(found), 1, 0.002);
     }
+}
+
+/// Returns triangles between vertices on a small grid, so that many coincide, overlap, or have no area.
+TriangleSoup random_soup(Random& random) {
+    const auto below = [&random](double n) { return static_cast<std::uint32_t>(random.uniform() * n); };
+    TriangleSoup soup;
+    const double side = 2 + below(3), depth = 1 + below(3);
+    const std::uint32_t vertices = 3 + below(20), triangles = 1 + below(40);
+    for (std::uint32_t v = 0; v < vertices; ++v) {
+        soup.vertices.push_back({0. + below(side), 0. + below(side), 0. + below(depth)});
+        if (below(8) == 0) soup.vertices.back().x += 1e-12 * random.uniform();
+    }
+    for (std::uint32_t t = 0; t < triangles; ++t) {
+        soup.triangles.push_back({below(vertices), below(vertices), below(vertices)});
+    }
+    return soup;
+}
+
+TEST(Surface, MakesSurfacesOfAnyTriangles) {
+    Random random(5, 6);
+    int usable = 0;
+    for (int i = 0; i < 2000 && !HasFailure(); ++i) {
+        SCOPED_TRACE("soup " + std::to_string(i));
+        const TriangleSoup soup = random_soup(random);
+        const auto result = Surface::create(soup, i % 3 == 0 ? std::optional(0.5) : std::nullopt);
+        if (!result) {
+            EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+            continue;
+        }
+        ++usable;
+        const Surface& surface = result->surface;
+        expect_valid(surface);
+        for (int j = 0; j < 20; ++j) {
+            const double a = random.uniform(), b = (1 - a) * random.uniform();
+            const SurfacePoint start{
+                static_cast<std::uint32_t>(j % static_cast<int>(surface.face_count())),
+                j % 4 == 0 ? std::array<double, 3>{0, 1, 0} : std::array{a, b, std::max(0.0, 1 - a - b)}};
+            const Point3 move{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+            const SurfacePoint end = surface.trace(start, (j % 5 == 0 ? 1e6 : 1) * move);
+            expect_inside(end, surface);
+            EXPECT_EQ(surface.component(end.face), surface.component(start.face));
+            const SurfacePoint nearest = surface.nearest(surface.place(end));
+            expect_inside(nearest, surface);
+            expect_near(surface.place(nearest), surface.place(end), 1e-9);
+        }
+    }
+    EXPECT_GT(usable, 1000);
 }
 
 }  // namespace

@@ -53,12 +53,13 @@ TEST(Arguments, MixesInputsAndOptions) {
 }
 
 TEST(Arguments, ReadsLimits) {
-    const auto parsed = parse({"--threads=3", "--memory=2GiB", "--max-sites=7", "--max-pixels", "8"});
+    const auto parsed = parse({"--threads=3", "--memory=2GiB", "--max-sites=7", "--max-pixels", "8", "--max-faces=9"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     EXPECT_EQ(parsed->threads, 3U);
     EXPECT_EQ(parsed->memory, std::size_t{2} << 30);
     EXPECT_EQ(parsed->limits.max_sites, 7U);
     EXPECT_EQ(parsed->limits.max_pixels, 8U);
+    EXPECT_EQ(parsed->limits.max_faces, 9U);
     const auto defaults = parse({});
     EXPECT_GE(defaults->threads, 1U);
     EXPECT_GT(defaults->memory, std::size_t{100} << 20);
@@ -86,6 +87,7 @@ TEST(Arguments, NamesTheWrongOption) {
         {{"--memory", "x"}, "--memory", "--memory must be a number of bytes, such as 67108864 or 64MiB, not 'x'"},
         {{"--max-sites=100000001"}, "--max-sites", "from 1 to 100000000, not '100000001'"},
         {{"--max-pixels=1000000001"}, "--max-pixels", "from 1 to 1000000000, not '1000000001'"},
+        {{"--max-faces=0"}, "--max-faces", "from 1 to 100000000, not '0'"},
     };
     for (const auto& [arguments, field, message] : cases) {
         const auto parsed = parse(arguments);

@@ -32,6 +32,7 @@ TEST(Config, HasTheDocumentedDefaults) {
     EXPECT_EQ(config.max_body, std::size_t{64} << 20);
     EXPECT_EQ(config.limits.max_pixels, 64'000'000u);
     EXPECT_EQ(config.limits.max_sites, 2'000'000u);
+    EXPECT_EQ(config.limits.max_faces, 4'000'000u);
     EXPECT_EQ(config.timeout, std::chrono::seconds(60));
     EXPECT_EQ(config.patience.header, std::chrono::seconds(10));
     EXPECT_EQ(config.patience.body, std::chrono::seconds(30));
@@ -57,7 +58,7 @@ TEST(Config, HasTheDocumentedDefaults) {
 TEST(Config, ReadsFlagsInBothSpellings) {
     const auto parsed =
         parse({"--port=81", "--bind", "0.0.0.0", "--workers=3", "--queue", "0", "--max-body=2MiB", "--max-pixels=1000",
-               "--max-sites", "77", "--timeout=1.5", "--cors-origin", "*", "--log-format=json"});
+               "--max-sites", "77", "--max-faces=88", "--timeout=1.5", "--cors-origin", "*", "--log-format=json"});
     ASSERT_TRUE(parsed) << parsed.error().message;
     const Config& config = parsed->config;
     EXPECT_EQ(config.port, 81);
@@ -67,6 +68,7 @@ TEST(Config, ReadsFlagsInBothSpellings) {
     EXPECT_EQ(config.max_body, std::size_t{2} << 20);
     EXPECT_EQ(config.limits.max_pixels, 1000u);
     EXPECT_EQ(config.limits.max_sites, 77u);
+    EXPECT_EQ(config.limits.max_faces, 88u);
     EXPECT_EQ(config.timeout, std::chrono::milliseconds(1500));
     EXPECT_EQ(config.cors_origins, std::vector<std::string>{"*"});
     EXPECT_EQ(config.log_format, LogFormat::Json);
@@ -298,6 +300,8 @@ TEST(Config, ListsEveryFlagAndVariableInTheHelp) {
                              "CCDT_MAX_BODY",
                              "--max-pixels",
                              "CCDT_MAX_PIXELS",
+                             "--max-faces",
+                             "CCDT_MAX_FACES",
                              "--max-sites",
                              "CCDT_MAX_SITES",
                              "--timeout",

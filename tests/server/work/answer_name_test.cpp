@@ -60,6 +60,7 @@ TEST(AnswerName, DependsOnTheServersLimits) {
     const ComputeRequest request{"/sample", "", "", "", "{}"};
     EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_sites = 7}));
     EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_pixels = 7}));
+    EXPECT_NE(name_of_answer(request, {}, {}), name_of_answer(request, {}, {.max_faces = 7}));
 }
 
 }  // namespace

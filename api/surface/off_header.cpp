@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/surface/off_header.h"
+
+#include <algorithm>
+
+#include "api/text/text.h"
+
+namespace ccdt::api {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+
+/// Removes the next line that is not empty, without its comment and surrounding blanks.
+std::string_view take_line(std::string_view& text) {
+    std::string_view line;
+    while (line.empty() && !text.empty()) {
+        line = take_until(text, "\n");
+        line = trim(take_until(line, "#"), kBlanks);
+    }
+    return line;
+}
+
+bool take_prefix(std::string_view& text, std::string_view prefix) {
+    if (!text.starts_with(prefix)) return false;
+    text.remove_prefix(prefix.size());
+    return true;
+}
+
+/// Reads the keyword: prefixes for the contents of vertices, and OFF.
+std::optional<OffHeader> read_keyword(std::string_view word) {
+    OffHeader header;
+    header.has_texture = take_prefix(word, "ST");
+    header.has_colours = take_prefix(word, "C");
+    header.has_normals = take_prefix(word, "N");
+    if (word != "OFF") return std::nullopt;
+    return header;
+}
+
+/// Returns the type of the colours of vertices: whole numbers up to 255, or shares.
+std::string_view type_of_colours(const OffHeader& header) {
+    std::string_view data = header.data;
+    return take_line(data).find('.') == std::string_view::npos || !header.has_colours ? "uchar" : "float";
+}
+
+}  // namespace
+
+bool is_off(std::string_view text) {
+    const std::string_view line = take_line(text);
+    return read_keyword(line.substr(0, line.find_first_of(kBlanks))).has_value();
+}
+
+Result<OffHeader> read_off_header(std::string_view text) {
+    std::string_view line = take_line(text);
+    auto header = read_keyword(line.substr(0, line.find_first_of(kBlanks)));
+    line.remove_prefix(std::min(line.find_first_of(kBlanks), line.size()));
+    if (trim(line, kBlanks).empty()) line = take_line(text);
+    const auto next_count = [&line]() {
+        line = trim(line, kBlanks);
+        return parse_number<std::uint32_t>(take_until(line, " "));
+    };
+    const auto vertices = next_count();
+    const auto faces = next_count();
+    if (!header || !vertices || !faces)
+        return failure(ErrorCode::Unusable,
+                       "OFF file cannot be read: it does not begin with OFF and the numbers of vertices and faces");
+    header->vertices = *vertices;
+    header->faces = *faces;
+    header->data = text;
+    return *header;
+}
+
+Result<std::string> ply_of_off(std::string_view text) {
+    const auto header = read_off_header(text);
+    if (!header) return tl::unexpected(header.error());
+    std::string ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(header->vertices) + '\n';
+    ply.reserve(header->data.size() + 500);
+    const auto add = [&ply](std::string_view type, std::string_view names) {
+        while (!names.empty()) ply.append("property ").append(type).append(" ").append(take_until(names, " ")) += '\n';
+    };
+    add("float", "x y z");
+    if (header->has_normals) add("float", "nx ny nz");
+    if (header->has_colours) add(type_of_colours(*header), "red green blue");
+    // After colours, the position of texture coordinates is not known: alpha is optional.
+    if (header->has_texture && !header->has_colours) add("float", "s t");
+    ply += "element face " + std::to_string(header->faces) + "\nproperty list int int vertex_indices\nend_header\n";
+    for (std::string_view data = header->data; !data.empty();) ply.append(take_line(data)) += '\n';
+    return ply;
+}
+
+}  // namespace ccdt::api

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/mesh/triangle_links.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace ccdt {
+
+bool TriangleLinks::are_joined(std::uint32_t a, std::uint32_t b) const {
+    bool found = false;
+    for_edges(a, [&](std::uint32_t h) { found = found || target(h) == b || apex(h) == b; });
+    return found;
+}
+
+std::uint32_t TriangleLinks::add(const std::array<std::uint32_t, 3>& corners) {
+    triangles_.push_back({corners});
+    return static_cast<std::uint32_t>(triangles_.size() - 1);
+}
+
+void TriangleLinks::join(std::uint32_t edge, std::uint32_t twin) {
+    triangles_[edge / 4].twins[edge % 4] = twin;
+    if (twin != kNone) triangles_[twin / 4].twins[twin % 4] = edge;
+}
+
+void TriangleLinks::set_constrained(std::uint32_t edge, bool on) {
+    auto& bits = triangles_[edge / 4].constrained;
+    bits = static_cast<std::uint8_t>((bits & ~(1U << edge % 4)) | (on ? 1U << edge % 4 : 0U));
+}
+
+void TriangleLinks::keep_edge(std::uint32_t edge) {
+    std::uint32_t& kept = edge_of_[origin(edge)];
+    const bool is_free = kept == kNone || origin(kept) != origin(edge) || twin(kept) != kNone;
+    if (is_free || twin(edge) == kNone) kept = edge;
+}
+
+void TriangleLinks::divide(std::uint32_t vertex, std::uint32_t triangle) {
+    const Triangle whole = triangles_[triangle];
+    const auto& c = whole.corners;
+    const std::uint32_t t = triangle, u = add({c[1], c[2], vertex}), v = add({c[2], c[0], vertex});
+    triangles_[t].corners[2] = vertex;
+    set_constrained(edge(u, 0), (whole.constrained & 2) != 0);
+    set_constrained(edge(v, 0), (whole.constrained & 4) != 0);
+    set_constrained(edge(t, 1), false);
+    set_constrained(edge(t, 2), false);
+    join(edge(u, 0), whole.twins[1]);
+    join(edge(v, 0), whole.twins[2]);
+    join(edge(t, 1), edge(u, 2));
+    join(edge(u, 1), edge(v, 2));
+    join(edge(v, 1), edge(t, 2));
+    for (const std::uint32_t each : {t, u, v}) {
+        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(each, i));
+    }
+}
+
+void TriangleLinks::split(std::uint32_t vertex, std::uint32_t h) {
+    // (a, b, c) becomes (a, v, c) and (v, b, c); beyond the edge, (b, a, d) becomes (b, v, d) and (v, a, d).
+    const auto halve = [&](std::uint32_t e) {
+        const std::uint32_t b = target(e), c = apex(e), after = next(e), t = triangle_of(e);
+        const std::uint32_t u = add({vertex, b, c});
+        triangles_[t].corners[after % 4] = vertex;
+        set_constrained(edge(u, 0), is_constrained(e));
+        set_constrained(edge(u, 1), is_constrained(after));
+        set_constrained(after, false);
+        join(edge(u, 1), twin(after));
+        join(edge(u, 2), after);
+        return edge(u, 0);
+    };
+    const std::uint32_t other = twin(h);
+    const std::uint32_t second = halve(h);
+    const std::uint32_t beyond = other == kNone ? kNone : halve(other);
+    if (other != kNone) {
+        join(h, beyond);
+        join(second, other);
+    }
+    for (const std::uint32_t e : {h, second, other, beyond}) {
+        if (e == kNone) continue;
+        for (const std::uint32_t each : {e, next(e), previous(e)}) keep_edge(each);
+    }
+}
+
+void TriangleLinks::flip(std::uint32_t h) {
+    const std::uint32_t other = twin(h), after = next(h), other_after = next(other);
+    const std::uint32_t c = apex(h), d = apex(other);
+    set_constrained(h, is_constrained(other_after));
+    set_constrained(other, is_constrained(after));
+    set_constrained(after, false);
+    set_constrained(other_after, false);
+    join(h, twin(other_after));
+    join(other, twin(after));
+    join(after, other_after);
+    triangles_[triangle_of(h)].corners[after % 4] = d;
+    triangles_[triangle_of(other)].corners[other_after % 4] = c;
+    for (const std::uint32_t triangle : {triangle_of(h), triangle_of(other)}) {
+        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(triangle, i));
+    }
+}
+
+void TriangleLinks::collapse(std::uint32_t h) {
+    const std::uint32_t a = origin(h), b = target(h), other = twin(h);
+    std::vector<std::uint32_t> leaving;
+    for_edges(a, [&](std::uint32_t e) { leaving.push_back(e); });
+    edge_of_[a] = kNone;
+    for (const std::uint32_t e : leaving) triangles_[triangle_of(e)].corners[e % 4] = b;
+    const auto remove = [&](std::uint32_t e) {
+        // Of the two sides that become one, a constrained one stays constrained.
+        const std::uint32_t first = twin(next(e)), second = twin(previous(e));
+        const bool constrained = is_constrained(next(e)) || is_constrained(previous(e));
+        for (const auto& [from, to] : {std::pair{first, second}, std::pair{second, first}}) {
+            if (from == kNone) continue;
+            join(from, to);
+            set_constrained(from, constrained);
+        }
+        triangles_[triangle_of(e)] = {};
+        return std::array{first, second};
+    };
+    const std::array near = remove(h), far = other == kNone ? std::array{kNone, kNone} : remove(other);
+    for (const std::uint32_t e : {near[0], near[1], far[0], far[1]}) {
+        if (e == kNone) continue;
+        for (const std::uint32_t each : {e, next(e), previous(e)}) keep_edge(each);
+    }
+    for (const std::uint32_t e : leaving) {
+        if (!is_removed(triangle_of(e))) keep_edge(e);
+    }
+}
+
+void TriangleLinks::renumber(const std::vector<std::uint32_t>& number_of, std::size_t count) {
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        if (!is_removed(t)) order.push_back(t);
+    }
+    for (Triangle& triangle : triangles_) {
+        for (std::uint32_t& corner : triangle.corners) corner = corner == kNone ? kNone : number_of[corner];
+    }
+    const auto least = [&](std::uint32_t t) { return *std::ranges::min_element(triangles_[t].corners); };
+    std::ranges::stable_sort(order, {}, least);
+    std::vector<std::uint32_t> place(triangles_.size(), kNone);
+    for (std::uint32_t i = 0; i < order.size(); ++i) place[order[i]] = i;
+    std::vector<Triangle> sorted(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+        sorted[i] = triangles_[order[i]];
+        for (std::uint32_t& twin : sorted[i].twins) {
+            if (twin != kNone) twin = edge(place[twin / 4], twin % 4);
+        }
+    }
+    triangles_ = std::move(sorted);
+    edge_of_.assign(count, kNone);
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(t, i));
+    }
+}
+
+}  // namespace ccdt

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "core/surface/surface.h"
+
+namespace ccdt {
+
+/// Vertices that a triangulation of sites needs along the borders and creases of a surface.
+struct CreaseVertices {
+    /// A position on an edge of the surface.
+    struct OnEdge {
+        std::uint32_t edge;  ///< the half-edge; of two half-edges, the one with the smaller number
+        double share;        ///< position between origin and target, in (0, 1)
+    };
+
+    std::vector<OnEdge> added;         ///< sorted by edge, then by share
+    std::vector<std::uint8_t> corner;  ///< [vertices] whether a vertex of the surface is needed
+};
+
+/// Chooses vertices along borders and creases. Chains of edges between corners are simplified: vertices are needed
+/// where the chain is farther than a tenth of the local spacing from the simplified one. Between these vertices,
+/// further ones follow at about the local spacing.
+/// @param spacing  returns the wanted distance of neighbouring sites around a vertex of the surface
+/// O(vertices log vertices).
+CreaseVertices choose_crease_vertices(const Surface& surface, const std::function<double(std::uint32_t)>& spacing);
+
+}  // namespace ccdt

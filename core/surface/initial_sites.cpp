@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/surface/initial_sites.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/random.h"
+
+namespace ccdt {
+
+namespace {
+
+/// Spreads the lowest 21 bits of a number, with two zero bits between successive bits.
+std::uint64_t spread(std::uint64_t bits) {
+    bits &= 0x1fffff;
+    bits = (bits | bits << 32) & 0x1f00000000ffff;
+    bits = (bits | bits << 16) & 0x1f0000ff0000ff;
+    bits = (bits | bits << 8) & 0x100f00f00f00f00f;
+    bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
+    return (bits | bits << 2) & 0x1249249249249249;
+}
+
+/// Returns the faces by component, and within a component along the curve.
+std::vector<std::uint32_t> faces_along_curve(const Surface& surface) {
+    std::vector<std::uint64_t> keys(surface.face_count());
+    for (std::uint32_t f = 0; f < keys.size(); ++f) {
+        const auto [a, b, c] = surface.places(f);
+        keys[f] = curve_position(1.0 / 3 * (a + b + c));
+    }
+    std::vector<std::uint32_t> order(keys.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::sort(order, {}, [&](std::uint32_t f) { return std::tuple(surface.component(f), keys[f], f); });
+    return order;
+}
+
+/// Draws points in faces by a low-discrepancy sequence, with rejection where the density varies within the face.
+class FaceSampler {
+public:
+    FaceSampler(const Surface& surface, const SurfaceDensity& density, std::uint64_t seed)
+        : surface_(surface), density_(density), seed_(seed) {}
+
+    /// Appends `count` points in a face.
+    void draw(std::uint32_t face, std::size_t count, std::vector<SurfacePoint>& points) const {
+        // The additive recurrence of the plastic number: Roberts 2018, "The unreasonable effectiveness of
+        // quasirandom sequences".
+        constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
+        constexpr int kAttempts = 64;  // per point, on average; then the density is ignored
+        Random random(seed_, std::uint64_t{1} << 32 | face);
+        double u = random.uniform(), v = random.uniform();
+        const double highest =
+            std::max({density_.at_corner(face, 0), density_.at_corner(face, 1), density_.at_corner(face, 2)});
+        std::size_t attempts = kAttempts * count;
+        for (std::size_t drawn = 0; drawn < count;) {
+            u = wrap(u + kFirst);
+            v = wrap(v + kSecond);
+            SurfacePoint point{face, {1 - u - v, u, v}};
+            if (u + v > 1) point.weights = {u + v - 1, 1 - u, 1 - v};
+            if (attempts > 0 && !density_.is_uniform()) {
+                --attempts;
+                if (random.uniform() * highest > density_.at(point)) continue;
+            }
+            points.push_back(point);
+            ++drawn;
+        }
+    }
+
+private:
+    static double wrap(double value) { return value >= 1 ? value - 1 : value; }
+
+    const Surface& surface_;
+    const SurfaceDensity& density_;
+    std::uint64_t seed_;
+};
+
+/// Returns the number of sites of each component, by the method of largest remainders.
+std::vector<std::size_t> shares(const Surface& surface, const SurfaceDensity& density, std::size_t sites) {
+    std::vector<double> masses(surface.component_count(), 0);
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) masses[surface.component(f)] += density.mass(surface, f);
+    const double total = std::accumulate(masses.begin(), masses.end(), 0.0);
+    std::vector<std::size_t> counts(masses.size(), 0);
+    if (!(total > 0)) return counts;
+    std::vector<std::pair<double, std::uint32_t>> rests;
+    std::size_t given = 0;
+    for (std::uint32_t i = 0; i < masses.size(); ++i) {
+        const double share = masses[i] / total * static_cast<double>(sites);
+        counts[i] = std::min(static_cast<std::size_t>(share), sites - given);
+        given += counts[i];
+        if (masses[i] > 0) rests.emplace_back(static_cast<double>(counts[i]) - share, i);
+    }
+    std::ranges::sort(rests);
+    for (std::size_t i = 0; given < sites; ++given, ++i) ++counts[rests[i % rests.size()].second];
+    return counts;
+}
+
+}  // namespace
+
+std::uint64_t curve_position(Point3 p) {
+    constexpr double kCells = 0x1p21;
+    const auto cell = [](double v) { return static_cast<std::uint64_t>(std::clamp(v * kCells, 0.0, kCells - 1)); };
+    return spread(cell(p.x)) | spread(cell(p.y)) << 1 | spread(cell(p.z)) << 2;
+}
+
+std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDensity& density, std::size_t sites,
+                                        std::uint64_t seed) {
+    const auto faces = faces_along_curve(surface);
+    const auto counts = shares(surface, density, sites);
+    const FaceSampler sampler(surface, density, seed);
+    Random random(seed, 0);
+    std::vector<SurfacePoint> drawn;
+    drawn.reserve(sites);
+    for (std::size_t first = 0, end = 0; first < faces.size(); first = end) {
+        const std::uint32_t component = surface.component(faces[first]);
+        double total = 0;
+        for (end = first; end < faces.size() && surface.component(faces[end]) == component; ++end)
+            total += density.mass(surface, faces[end]);
+        const std::size_t wanted = counts[component];
+        const double offset = random.uniform();
+        double sum = 0;
+        std::size_t given = 0;
+        std::uint32_t heaviest = faces[first];
+        for (std::size_t i = first; i < end && total > 0; ++i) {
+            const double mass = density.mass(surface, faces[i]);
+            if (mass > density.mass(surface, heaviest)) heaviest = faces[i];
+            sum += mass;
+            const auto until = static_cast<std::size_t>(sum / total * static_cast<double>(wanted) + offset);
+            const std::size_t here = std::min(std::max(until, given), wanted) - given;
+            sampler.draw(faces[i], here, drawn);
+            given += here;
+        }
+        sampler.draw(heaviest, wanted - given, drawn);
+    }
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> keys(drawn.size());
+    for (std::uint32_t i = 0; i < drawn.size(); ++i) keys[i] = {curve_position(surface.place(drawn[i])), i};
+    std::ranges::sort(keys);
+    std::vector<SurfacePoint> sorted;
+    sorted.reserve(drawn.size());
+    for (const auto& [key, i] : keys) sorted.push_back(drawn[i]);
+    return sorted;
+}
+
+}  // namespace ccdt

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/surface/surface.h"
+#include "core/surface/surface_density.h"
+#include "core/surface/surface_triangulation.h"
+
+namespace ccdt {
+
+/// Assigns the mass of a surface, the integral of the density, to the vertices of a triangulation. The surface is
+/// divided into small pieces. The mass of each piece is divided among the corners of the triangle above it, by
+/// barycentric coordinates. So for a function that is linear in the triangles, the sum over the vertices, weighted by
+/// their masses, equals the integral over the surface. Areas of the triangles themselves would not do: they cut off
+/// bends.
+class SiteMasses {
+public:
+    /// @param capacity  mass that belongs to each site; pieces have at most a third of it
+    /// O(faces + sites).
+    SiteMasses(const Surface& surface, const SurfaceDensity& density, double capacity);
+
+    /// Returns the mass of each vertex [vertices], in units of `capacity`. Remembers the triangle above each piece,
+    /// where the next search begins: successive meshes must have the same triangles, apart from flips and small moves.
+    /// O(faces + sites).
+    std::vector<double> measure(const SurfaceTriangulation& mesh);
+
+private:
+    struct Piece {
+        Point3 place;
+        double mass = 0;
+        std::uint32_t face = 0;
+        std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< none in a component without sites
+    };
+
+    void find_first(const SurfaceTriangulation& mesh);
+    static std::array<double, 3> locate(const SurfaceTriangulation& mesh, Piece& piece);
+
+    std::vector<Piece> pieces_;
+    bool is_located_ = false;
+};
+
+}  // namespace ccdt

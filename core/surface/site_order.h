@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/surface/surface_triangulation.h"
+
+namespace ccdt {
+
+/// An order in which the free sites of a mesh can be moved one after another, with many moves in parallel. The result
+/// does not depend on the number of threads. Sites are moved by blocks of successive numbers; first the sites of small
+/// blocks all of whose neighbours are in the same block, then the others, by larger blocks.
+class SiteOrder {
+public:
+    /// Must be made again after edges change. O(sites).
+    explicit SiteOrder(const SurfaceTriangulation& mesh) : executor_(mesh.executor()) {
+        const SiteBlocks& blocks = mesh.blocks();
+        for (int level = 0; level < blocks.levels(); ++level) levels_.emplace_back(blocks.count(level));
+        for (std::uint32_t site = 0; site < mesh.free_count(); ++site) {
+            const std::uint32_t number = blocks.of(site);
+            std::uint32_t apart = 0;
+            mesh.for_edges(site, [&](std::uint32_t h) {
+                for (const std::uint32_t other : {mesh.target(h), mesh.origin(SurfaceTriangulation::previous(h))}) {
+                    if (mesh.is_free(other)) apart |= blocks.of(other) ^ number;
+                }
+            });
+            const SiteBlocks::Block block = blocks.block(number, apart);
+            levels_[static_cast<std::size_t>(block.level)][block.number].push_back(site);
+        }
+    }
+
+    /// Calls function(site) for each free site. The function may move the site; it may read the site's neighbours.
+    template <class Function>
+    void for_sites(Function&& function) const {
+        for (const auto& blocks : levels_) {
+            executor_.run(blocks.size(), [&](std::size_t block) {
+                for (const std::uint32_t site : blocks[block]) function(site);
+            });
+        }
+    }
+
+private:
+    Executor& executor_;
+    std::vector<std::vector<std::vector<std::uint32_t>>> levels_;  ///< [levels][blocks] sites
+};
+
+}  // namespace ccdt

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <stop_token>
+#include <vector>
+
+#include "core/polish/first_row.h"
+#include "core/polish/schedule.h"
+#include "core/surface/site_masses.h"
+#include "core/surface/site_relaxation.h"
+#include "core/surface/surface_density.h"
+#include "core/surface/surface_triangulation.h"
+
+namespace ccdt {
+
+/// Performs the steps of a polish on a surface (see run_schedule): pushes near sites apart, makes the capacities of the
+/// triangles more equal, and removes long waves of density error by ExcessFlow, like MeshTransport in the plane. Fixed
+/// sites do not move. Deterministic for any number of threads. O(sites + faces) per step.
+class SitePolish {
+public:
+    /// All arguments must outlive this object.
+    /// @param capacity  integral of the density that belongs to each site
+    /// @param stop      polled in each step
+    SitePolish(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity, SiteRelaxation& relaxation,
+               const std::stop_token& stop);
+
+    void push(const Push& push);
+    void equalise(int passes) { relaxation_.iterate(passes, stop_); }
+    void even_out();
+    void even_out_together() {}  // there is only one ink
+    void restore() { mesh_.restore_delaunay(stop_); }
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. Finds sites
+    /// that no edge joins, too, unless they are on different sides of a thin plate. The next pushes move these apart.
+    bool is_any_nearer(double least);
+    void separate(double /*least*/) {}
+    void retouch() {}
+    void remove_low_frequencies() {}
+
+private:
+    bool is_near(std::uint32_t a, std::uint32_t b, double reach) const;
+    void measure_spacings();
+    void apply();
+
+    SurfaceTriangulation& mesh_;
+    const SurfaceDensity& density_;
+    double capacity_;
+    SiteRelaxation& relaxation_;
+    const std::stop_token& stop_;
+    SiteMasses masses_;
+    std::vector<double> spacings_;                      ///< [sites] 1 / sqrt(wanted density of sites)
+    std::vector<Point3> moves_;                         ///< [sites]
+    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
+};
+
+}  // namespace ccdt

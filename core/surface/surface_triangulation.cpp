@@ -1,0 +1,360 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/surface/surface_triangulation.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/geometry/point.h"
+#include "core/geometry/predicates.h"
+#include "core/mesh/insertion_steps.h"
+
+namespace ccdt {
+
+namespace {
+
+using Links = TriangleLinks;
+constexpr std::uint32_t kNone = Links::kNone;
+
+/// Inserts sites into the triangulations of single faces, in coordinates of the face's plane.
+class FaceInsertion {
+public:
+    /// @param face_of  [triangles] face of the surface
+    /// @param flat     [vertices] coordinates in the plane of the current face
+    FaceInsertion(TriangleLinks& links, std::vector<std::uint32_t> face_of, std::vector<Point>& flat)
+        : links_(links), flat_(flat), face_of_(std::move(face_of)) {}
+
+    /// Begins with a face. Calls function(vertex) for the vertices of its triangles, to get their coordinates.
+    template <class Flatten>
+    void begin(std::uint32_t face, Flatten&& flatten) {
+        // The face has a triangle of the same number, and its other triangles are next to each other.
+        stack_.assign(1, face);
+        seen_.resize(face_of_.size(), 0);
+        for (std::size_t i = 0; i < stack_.size(); ++i) {
+            seen_[stack_[i]] = 1;
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t h = Links::edge(stack_[i], k), twin = links_.twin(h);
+                flat_[links_.origin(h)] = flatten(links_.origin(h));
+                if (twin == kNone || face_of_[twin / 4] != face || seen_[twin / 4] != 0) continue;
+                seen_[twin / 4] = 1;
+                stack_.push_back(twin / 4);
+            }
+        }
+    }
+
+    /// Inserts a site near the triangle `start` of its face. Returns a triangle at the site.
+    std::uint32_t insert(std::uint32_t site, std::uint32_t start) {
+        const std::uint32_t triangle = find(flat_[site], start), face = face_of_[triangle];
+        links_.divide(site, triangle);
+        face_of_.resize(links_.triangle_count(), face);
+        stack_.clear();
+        links_.for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });
+        while (!stack_.empty()) {
+            const std::uint32_t h = stack_.back(), twin = links_.twin(h);
+            stack_.pop_back();
+            if (twin == kNone || face_of_[twin / 4] != face || !wants_flip(h)) continue;
+            links_.flip(h);
+            stack_.insert(stack_.end(), {h, Links::previous(h), twin, Links::previous(twin)});
+        }
+        return Links::triangle_of(links_.edge_of(site));
+    }
+
+private:
+    Point at(std::uint32_t edge) const { return flat_[links_.origin(edge)]; }
+
+    bool wants_flip(std::uint32_t h) const {
+        const Point a = at(h), b = at(Links::next(h)), c = at(Links::previous(h));
+        return in_circle(a, b, c, at(Links::previous(links_.twin(h))));
+    }
+
+    /// Walks to the triangle of the same face that contains a point. If rounding places the point outside the face,
+    /// returns the last triangle of the walk.
+    std::uint32_t find(Point p, std::uint32_t triangle) const {
+        const std::uint32_t face = face_of_[triangle];
+        std::uint32_t from = kNone;
+        for (bool moved = true; moved;) {
+            moved = false;
+            for (std::uint32_t i = 0; i < 3 && !moved; ++i) {
+                const std::uint32_t h = Links::edge(triangle, i), twin = links_.twin(h);
+                if (twin == kNone || twin / 4 == from || face_of_[twin / 4] != face) continue;
+                if (orientation(at(h), at(Links::next(h)), p) >= 0) continue;
+                from = triangle;
+                triangle = twin / 4;
+                moved = true;
+            }
+        }
+        return triangle;
+    }
+
+    TriangleLinks& links_;
+    std::vector<Point>& flat_;
+    std::vector<std::uint32_t> face_of_;  ///< [triangles] face of the surface
+    std::vector<std::uint32_t> stack_;
+    std::vector<std::uint8_t> seen_;  ///< [triangles] whether begin() has visited the triangle
+};
+
+/// Coordinates in the plane of a triangle, with the first corner as the origin.
+class FacePlane {
+public:
+    explicit FacePlane(const std::array<Point3, 3>& corners) : origin_(corners[0]) {
+        const Point3 along = corners[1] - corners[0], normal = cross(along, corners[2] - corners[0]);
+        const Point3 across = cross(normal, along);
+        if (dot(along, along) > 0) x_ = 1 / length(along) * along;
+        if (dot(across, across) > 0) y_ = 1 / length(across) * across;
+    }
+    Point operator()(Point3 p) const { return {dot(p - origin_, x_), dot(p - origin_, y_)}; }
+
+private:
+    Point3 origin_, x_, y_;
+};
+
+}  // namespace
+
+SurfaceTriangulation::SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
+                                           const CreaseVertices& creases, Executor& executor,
+                                           const std::stop_token& stop)
+    : surface_(&surface),
+      executor_(&executor),
+      sites_(sites.size()),
+      blocks_(sites.size() - fixed),
+      points_(std::move(sites)) {
+    copy_faces();
+    insert_sites(split_creases(creases), stop);
+    if (stop.stop_requested()) return;
+    restore_delaunay(stop);
+    remove_corners(creases, stop);
+    if (stop.stop_requested()) return;
+    renumber();
+}
+
+/// Makes every face a triangle. The vertices of the surface follow after the sites.
+void SurfaceTriangulation::copy_faces() {
+    const Surface& surface = *surface_;
+    const auto first = static_cast<std::uint32_t>(sites_);
+    const std::size_t vertices = sites_ + surface.vertex_count();
+    points_.resize(vertices);
+    places_.resize(vertices);
+    links_.add_vertices(vertices);
+    for (std::uint32_t v = 0; v < sites_; ++v) places_[v] = surface.place(points_[v]);
+    for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) places_[first + v] = surface.vertex(v);
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        const auto [a, b, c] = surface.corners(f);
+        links_.add({first + a, first + b, first + c});
+    }
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        for (std::uint32_t i = 0; i < 3; ++i) {
+            const std::uint32_t h = Links::edge(f, i);
+            links_.join(h, surface.twin(h));
+            links_.set_constrained(h, surface.is_crease(h));
+            SurfacePoint& point = points_[links_.origin(h)];
+            point = {f, {0, 0, 0}};
+            point.weights[i] = 1;
+        }
+    }
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        for (std::uint32_t i = 0; i < 3; ++i) links_.keep_edge(Links::edge(f, i));
+    }
+}
+
+/// Splits the edges of borders and creases at the added vertices.
+/// @returns  [triangles] face of each triangle
+std::vector<std::uint32_t> SurfaceTriangulation::split_creases(const CreaseVertices& creases) {
+    std::vector<std::uint32_t> face_of(links_.triangle_count());
+    std::iota(face_of.begin(), face_of.end(), 0U);
+    // The last vertex on an edge comes first, so that the edge itself remains the part before the vertex.
+    for (auto each = creases.added.rbegin(); each != creases.added.rend(); ++each) {
+        const auto vertex = static_cast<std::uint32_t>(points_.size());
+        const std::uint32_t twin = links_.twin(each->edge);
+        SurfacePoint point{each->edge / 4, {0, 0, 0}};
+        point.weights[each->edge % 4] = 1 - each->share;
+        point.weights[(each->edge % 4 + 1) % 3] = each->share;
+        points_.push_back(point);
+        places_.push_back(surface_->place(point));
+        links_.add_vertices(1);
+        links_.split(vertex, each->edge);
+        face_of.push_back(face_of[each->edge / 4]);
+        if (twin != kNone) face_of.push_back(face_of[twin / 4]);
+    }
+    return face_of;
+}
+
+void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop) {
+    std::vector<std::uint32_t> order(sites_);
+    std::iota(order.begin(), order.end(), 0U);
+    std::ranges::stable_sort(order, {}, [&](std::uint32_t site) { return points_[site].face; });
+    std::vector<Point> flat(points_.size());
+    FaceInsertion insertion(links_, std::move(face_of), flat);
+    for (std::size_t begin = 0, end = 0; begin < order.size() && !stop.stop_requested(); begin = end) {
+        const std::uint32_t face = points_[order[begin]].face;
+        const FacePlane plane(surface_->places(face));
+        insertion.begin(face, [&](std::uint32_t vertex) { return plane(places_[vertex]); });
+        for (end = begin; end < order.size() && points_[order[end]].face == face; ++end)
+            flat[order[end]] = plane(places_[order[end]]);
+        std::uint32_t last = face;
+        for_insertion_steps(end - begin, [&](std::span<const std::uint32_t> step) {
+            for (const std::uint32_t i : step) last = insertion.insert(order[begin + i], last);
+            return !stop.stop_requested();
+        });
+    }
+}
+
+std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) {
+    constexpr std::size_t kMostPerEdge = 20;
+    std::vector<std::uint32_t> stack;
+    for (std::uint32_t t = 0; t < links_.triangle_count(); ++t) {
+        for (std::uint32_t i = 0; i < 3 && !links_.is_removed(t); ++i) {
+            const std::uint32_t h = Links::edge(t, i), twin = links_.twin(h);
+            if (twin != kNone && twin > h && wants_flip(h)) stack.push_back(h);
+        }
+    }
+    if (stop.stop_requested()) return 0;
+    return legalise(stack, kMostPerEdge * 3 * links_.triangle_count());
+}
+
+/// Flips the edges on the stack, and edges around them, until all are Delaunay or the limit on flips is reached.
+std::size_t SurfaceTriangulation::legalise(std::vector<std::uint32_t>& stack, std::size_t most) {
+    std::size_t flips = 0;
+    while (!stack.empty() && flips < most) {
+        const std::uint32_t h = stack.back(), twin = links_.twin(h);
+        stack.pop_back();
+        if (links_.is_removed(h / 4) || twin == kNone || links_.is_constrained(h)) continue;
+        if (!wants_flip(h) || !allows_flip(h)) continue;
+        links_.flip(h);
+        ++flips;
+        stack.insert(stack.end(), {h, Links::previous(h), twin, Links::previous(twin)});
+    }
+    stack.clear();
+    return flips;
+}
+
+/// Whether the angles opposite to an edge add up to more than 180 degrees.
+bool SurfaceTriangulation::wants_flip(std::uint32_t edge) const {
+    constexpr double kTolerance = 1e-9;  // of the sine of the sum; prevents endless flips of four points on a circle
+    const Point3 a = places_[links_.origin(edge)], b = places_[links_.target(edge)];
+    const Point3 c = places_[links_.apex(edge)], d = places_[links_.apex(links_.twin(edge))];
+    const double cos_c = dot(a - c, b - c), cos_d = dot(a - d, b - d);
+    if (cos_c >= 0 && cos_d >= 0) return false;
+    const double sin_c = length(cross(a - c, b - c)), sin_d = length(cross(a - d, b - d));
+    const double scale = std::sqrt((sin_c * sin_c + cos_c * cos_c) * (sin_d * sin_d + cos_d * cos_d));
+    return cos_c * sin_d + cos_d * sin_c < -kTolerance * scale;
+}
+
+/// Whether the flip of an edge keeps the orientation of both triangles, and creates no second edge between two
+/// vertices.
+bool SurfaceTriangulation::allows_flip(std::uint32_t edge) const {
+    const std::uint32_t twin = links_.twin(edge);
+    const std::uint32_t third = links_.apex(edge), fourth = links_.apex(twin);
+    if (third == fourth) return false;
+    const Point3 a = places_[links_.origin(edge)], b = places_[links_.target(edge)];
+    const Point3 c = places_[third], d = places_[fourth];
+    const Point3 normal = cross(b - a, c - a) + cross(a - b, d - b);
+    if (!(dot(cross(d - a, c - a), normal) > 0) || !(dot(cross(c - b, d - b), normal) > 0)) return false;
+    return !links_.are_joined(third, fourth);
+}
+
+/// Removes the vertices of the surface by collapsing edges, with flips in between.
+void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const std::stop_token& stop) {
+    constexpr int kRounds = 4;
+    std::vector<std::uint32_t> left, stack;
+    for (std::uint32_t v = 0; v < surface_->vertex_count(); ++v) {
+        if (creases.corner[v] == 0) left.push_back(static_cast<std::uint32_t>(sites_) + v);
+    }
+    for (int round = 0; round < kRounds && !left.empty(); ++round)
+        std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v, stack); });
+}
+
+/// Removes a vertex of the surface. A vertex on a border or crease is merged with the next one along it.
+/// @param stack  memory for edges to be flipped
+bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack) {
+    constexpr std::size_t kMostFlips = 200;
+    if (links_.edge_of(vertex) == kNone) return true;
+    std::vector<std::pair<double, std::uint32_t>> edges;
+    Point3 normal;
+    bool on_crease = false;
+    links_.for_edges(vertex, [&](std::uint32_t h) {
+        edges.emplace_back(dot(along(h), along(h)), h);
+        normal = normal + doubled_normal(h / 4);
+        on_crease = on_crease || links_.is_constrained(h);
+    });
+    if (on_crease) std::erase_if(edges, [&](const auto& each) { return !links_.is_constrained(each.second); });
+    std::ranges::sort(edges);
+    for (const auto& [squared, h] : edges) {
+        if (!can_collapse(h, normal)) continue;
+        const std::uint32_t to = links_.target(h);
+        links_.collapse(h);
+        links_.for_edges(to, [&](std::uint32_t e) { stack.insert(stack.end(), {e, Links::next(e)}); });
+        legalise(stack, kMostFlips);
+        return true;
+    }
+    return false;
+}
+
+/// Whether merging the origin of an edge with its target keeps the topology, and the orientation of all triangles.
+/// @param normal  sum of the normals around the origin
+bool SurfaceTriangulation::can_collapse(std::uint32_t edge, Point3 normal) const {
+    const std::uint32_t a = links_.origin(edge), b = links_.target(edge), twin = links_.twin(edge);
+    std::size_t common = 0;
+    bool sound = true;
+    links_.for_edges(a, [&](std::uint32_t h) {
+        const std::uint32_t x = links_.target(h), y = links_.apex(h);
+        if (x != b && links_.are_joined(b, x)) ++common;
+        // On a border, the last neighbour has no half-edge from a.
+        if (y != b && links_.twin(Links::previous(h)) == kNone && links_.are_joined(b, y)) ++common;
+        if (x == b || y == b) return;
+        sound = sound && dot(cross(places_[x] - places_[b], places_[y] - places_[b]), normal) > 0;
+    });
+    if (!sound || common != (twin == kNone ? 1 : 2)) return false;
+    const auto is_free = [&](std::uint32_t h) {
+        // Otherwise the triangle is the only one between its border or crease and the opposite corner.
+        if (links_.is_constrained(Links::next(h)) || links_.is_constrained(Links::previous(h))) return false;
+        constexpr std::size_t kFewest = 4;  // neighbours of the opposite corner
+        std::size_t degree = 0;
+        bool on_border = false;
+        links_.for_edges(links_.apex(h), [&](std::uint32_t e) {
+            ++degree;
+            on_border = on_border || links_.twin(e) == kNone;
+        });
+        return on_border || degree >= kFewest;
+    };
+    return is_free(edge) && (twin == kNone || is_free(twin));
+}
+
+/// Numbers the remaining vertices and triangles successively.
+void SurfaceTriangulation::renumber() {
+    std::vector<std::uint32_t> number_of(points_.size(), kNone);
+    std::uint32_t count = 0;
+    for (std::uint32_t v = 0; v < points_.size(); ++v) {
+        if (!is_site(v) && links_.edge_of(v) == kNone) continue;
+        points_[count] = points_[v];
+        places_[count] = places_[v];
+        number_of[v] = count++;
+    }
+    points_.resize(count);
+    places_.resize(count);
+    links_.renumber(number_of, count);
+}
+
+void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
+    constexpr int kAttempts = 4;
+    constexpr double kLeastArea = 0.05;  // share of a triangle's area that a move must leave
+    const Point3 before = places_[vertex];
+    if (links_.edge_of(vertex) == kNone) return;
+    Point3 normal;
+    links_.for_edges(vertex, [&](std::uint32_t h) { normal = normal + doubled_normal(h / 4); });
+    for (int attempt = 0; attempt < kAttempts; ++attempt, by = 0.5 * by) {
+        const SurfacePoint to = surface_->trace(points_[vertex], by);
+        const Point3 place = surface_->place(to);
+        bool sound = true;
+        links_.for_edges(vertex, [&](std::uint32_t h) {
+            const Point3 x = places_[links_.target(h)], y = places_[links_.apex(h)];
+            const double area = dot(cross(x - before, y - before), normal);
+            sound = sound && dot(cross(x - place, y - place), normal) > std::max(0.0, kLeastArea * area);
+        });
+        if (!sound) continue;
+        points_[vertex] = to;
+        places_[vertex] = place;
+        return;
+    }
+}
+
+}  // namespace ccdt

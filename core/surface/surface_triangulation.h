@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/mesh/site_blocks.h"
+#include "core/mesh/triangle_links.h"
+#include "core/parallel/executor.h"
+#include "core/surface/crease_vertices.h"
+#include "core/surface/surface.h"
+
+namespace ccdt {
+
+/// A triangulation of sites on a surface. Its vertices lie on the surface, and its edges are straight in space.
+/// Vertices [0, sites) are sites, of which the last ones may be fixed. Further vertices lie on borders and creases, or
+/// are vertices of the surface without which the triangulation would not have the surface's topology.
+class SurfaceTriangulation {
+public:
+    static constexpr std::uint32_t kNone = TriangleLinks::kNone;
+
+    /// Triangulates the sites: inserts them into the faces, makes the triangulation Delaunay, and removes the vertices
+    /// of the surface, as far as the topology allows.
+    /// @param surface  must outlive this object
+    /// @param sites    numbered along a space-filling curve; followed by fixed sites
+    /// @param fixed    number of fixed sites
+    /// @param creases  vertices along borders and creases
+    /// @param stop     polled regularly; after a stop the object must not be used
+    /// O((sites + faces) log).
+    SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
+                         const CreaseVertices& creases, Executor& executor, const std::stop_token& stop = {});
+
+    const Surface& surface() const { return *surface_; }
+    Executor& executor() const { return *executor_; }
+    const SiteBlocks& blocks() const { return blocks_; }
+
+    std::size_t site_count() const { return sites_; }
+    std::size_t free_count() const { return blocks_.sites(); }
+    std::size_t vertex_count() const { return places_.size(); }
+    std::size_t triangle_count() const { return links_.triangle_count(); }
+    bool is_site(std::uint32_t vertex) const { return vertex < sites_; }
+    bool is_free(std::uint32_t vertex) const { return vertex < blocks_.sites(); }
+
+    static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
+    static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
+    static std::uint32_t next(std::uint32_t edge) { return TriangleLinks::next(edge); }
+    static std::uint32_t previous(std::uint32_t edge) { return TriangleLinks::previous(edge); }
+    const std::array<std::uint32_t, 3>& corners(std::uint32_t triangle) const { return links_.corners(triangle); }
+    std::uint32_t origin(std::uint32_t edge) const { return links_.origin(edge); }
+    std::uint32_t target(std::uint32_t edge) const { return links_.target(edge); }
+    /// Half-edge on the other side of the edge; kNone on borders and creases.
+    std::uint32_t twin(std::uint32_t edge) const { return links_.is_constrained(edge) ? kNone : links_.twin(edge); }
+    std::uint32_t edge_of(std::uint32_t vertex) const { return links_.edge_of(vertex); }
+    template <class Function>
+    void for_edges(std::uint32_t vertex, Function&& function) const {
+        links_.for_edges(vertex, function);
+    }
+
+    Point3 point(std::uint32_t vertex) const { return places_[vertex]; }
+    const SurfacePoint& on_surface(std::uint32_t vertex) const { return points_[vertex]; }
+
+    std::array<Point3, 3> places(std::uint32_t triangle) const {
+        const auto& [a, b, c] = corners(triangle);
+        return {places_[a], places_[b], places_[c]};
+    }
+    Point3 along(std::uint32_t edge) const { return places_[target(edge)] - places_[origin(edge)]; }
+    /// Vector perpendicular to the edge, of the same length, in the plane of the edge's triangle and into it.
+    Point3 inward(std::uint32_t edge) const {
+        const Point3 normal = doubled_normal(edge / 4);
+        const double area = length(normal);
+        return area > 0 ? 1 / area * cross(normal, along(edge)) : Point3{};
+    }
+    /// Normal of a triangle, with the length of its doubled area.
+    Point3 doubled_normal(std::uint32_t triangle) const {
+        const auto [a, b, c] = places(triangle);
+        return cross(b - a, c - a);
+    }
+    double doubled_area(std::uint32_t triangle) const { return length(doubled_normal(triangle)); }
+
+    /// Flips edges until all are Delaunay: the angles opposite to each edge, measured in space, add up to at most 180
+    /// degrees. Leaves creases, and edges whose flip would fold the triangulation. Bounded by 20 flips per edge.
+    /// @returns  the number of flips
+    std::size_t restore_delaunay(const std::stop_token& stop = {});
+
+    /// Moves a vertex along the surface. Halves the move until all triangles around the vertex keep their orientation
+    /// and a part of their area; leaves the vertex where it is if that does not suffice. Calls for vertices without
+    /// common neighbours may run in parallel.
+    void move(std::uint32_t vertex, Point3 by);
+
+private:
+    void copy_faces();
+    std::vector<std::uint32_t> split_creases(const CreaseVertices& creases);
+    void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);
+    void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
+    bool remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack);
+    bool can_collapse(std::uint32_t edge, Point3 normal) const;
+    std::size_t legalise(std::vector<std::uint32_t>& stack, std::size_t most);
+    bool wants_flip(std::uint32_t edge) const;
+    bool allows_flip(std::uint32_t edge) const;
+    void renumber();
+
+    const Surface* surface_;
+    Executor* executor_;
+    std::size_t sites_;
+    SiteBlocks blocks_;  ///< blocks of the free sites
+    TriangleLinks links_;
+    std::vector<SurfacePoint> points_;  ///< [vertices]
+    std::vector<Point3> places_;        ///< [vertices]
+};
+
+}  // namespace ccdt

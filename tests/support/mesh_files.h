@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ccdt {
+
+/// Appends a number as little-endian bytes.
+template <class Number>
+void append_bytes(std::string& out, Number value) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
+
+/// Returns a binary STL with the given coordinates [facets][9].
+inline std::string binary_stl(const std::vector<float>& coordinates) {
+    std::string file(80, ' ');
+    append_bytes(file, static_cast<std::uint32_t>(coordinates.size() / 9));
+    for (std::size_t facet = 0; facet < coordinates.size() / 9; ++facet) {
+        file.append(12, '\0');  // the normal
+        for (std::size_t i = 0; i < 9; ++i) append_bytes(file, coordinates[9 * facet + i]);
+        file.append(2, '\0');
+    }
+    return file;
+}
+
+/// Returns a GLB with a JSON part and a binary part.
+inline std::string glb(std::string json, std::string binary) {
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    binary.resize((binary.size() + 3) / 4 * 4, '\0');
+    std::string file = "glTF";
+    append_bytes(file, std::uint32_t{2});
+    append_bytes(file, static_cast<std::uint32_t>(28 + json.size() + binary.size()));
+    append_bytes(file, static_cast<std::uint32_t>(json.size()));
+    file += "JSON" + json;
+    append_bytes(file, static_cast<std::uint32_t>(binary.size()));
+    file += std::string("BIN\0", 4) + binary;
+    return file;
+}
+
+/// Positions of the corners of a unit square in the plane z = 0, and the indices of its two triangles.
+inline std::string square_buffer() {
+    std::string buffer;
+    for (const float value : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.F}) append_bytes(buffer, value);
+    for (const int index : {0, 1, 2, 0, 2, 3}) append_bytes(buffer, static_cast<std::uint16_t>(index));
+    return buffer;
+}
+
+/// Returns the JSON part of a glTF with square_buffer().
+/// @param nodes   the array of nodes; mesh 0 is the square, and node 0 is in the scene
+/// @param buffer  further members of the buffer
+inline std::string square_gltf(std::string_view nodes = R"([{"mesh":0}])", std::string_view buffer = "") {
+    return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":)" + std::string(nodes) +
+           R"(,"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],"accessors":[)"
+           R"({"bufferView":0,"componentType":5126,"count":4,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)"
+           R"({"bufferView":1,"componentType":5123,"count":6,"type":"SCALAR"}],"bufferViews":[)"
+           R"({"buffer":0,"byteOffset":0,"byteLength":48},{"buffer":0,"byteOffset":48,"byteLength":12}],)"
+           R"("buffers":[{"byteLength":60)" +
+           std::string(buffer) + "}]}";
+}
+
+}  // namespace ccdt
