@@ -131,7 +131,7 @@ def draw_surface(file, _, first=None):
     """
     answer = json.loads(file.read_text())
     drawing = file.with_suffix(".webp")
-    surface.draw(answer, None if "mesh" in answer else surface.read_obj(MESH), first=first).save(drawing, quality=80)
+    surface.draw(answer, surface.read_obj(MESH), first).save(drawing, quality=80)
     return drawing
 
 

@@ -1,10 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws points on a surface: as discs on the shaded mesh, or with the edges of their triangulation.
-
-surface.py ANSWER.json [--mesh FILE.obj] [--turn DEGREES] -o PICTURE
-ANSWER.json is an answer of /sample to a mesh. Without --mesh, the surface is the triangulation in the answer, which is
-drawn with its edges.
+"""Draws answers of /sample to a mesh side by side: points as discs on the shaded mesh or, if an answer contains a
+triangulation, on that with its edges: surface.py FILE.obj ANSWER.json... -o PICTURE
 """
 
 import argparse
@@ -14,8 +11,9 @@ import pathlib
 import numpy
 from PIL import Image
 
-SIDE = 640  # pixels of the picture
+SIDE = 480  # pixels of the picture of an answer
 FINER = 2  # the picture is drawn this many times as large
+TURN = 145  # degrees
 MARGIN = 0.04  # share of the picture on each side
 DISC = 0.3  # radius of a disc, in mean distances of points; with edges, it is half as large
 EDGE = 1.1  # pixels; half the width of an edge
@@ -94,14 +92,18 @@ class Canvas:
         self.paint(part, dx ** 2 + dy ** 2 + dz ** 2 < radius ** 2, centre[2] + dz + 0.5 * radius * normal[2], colour)
 
 
-def draw(answer, mesh=None, turn=145, first=None):
+def draw(answer, mesh, first=None):
     """Returns a picture of an answer of `/sample`.
 
-    `mesh` is (vertices, triangles); without it, the triangulation of the answer is drawn. If `first` is given, only the
-    points whose rank is less are black, and the others white.
+    `mesh` is (vertices, triangles). If `first` is given, only the points whose rank is less are black, and the others
+    white.
     """
-    vertices, triangles = mesh or (numpy.array(answer["mesh"][name]) for name in ("vertices", "triangles"))
-    places = rotation(turn) @ vertices.T
+    has_edges = "mesh" in answer
+    if has_edges:
+        mesh = (numpy.array(answer["mesh"][name]) for name in ("vertices", "triangles"))
+    vertices, triangles = mesh
+    turn = rotation(TURN)
+    places = turn @ vertices.T
     low, high = places.min(axis=1), places.max(axis=1)
     side = FINER * SIDE
     scale = side * (1 - 2 * MARGIN) / max(high - low)
@@ -109,7 +111,7 @@ def draw(answer, mesh=None, turn=145, first=None):
     middle = numpy.array([side / 2, side / 2, 0])
 
     def on_screen(positions):
-        return (numpy.array(positions) @ rotation(turn).T - (low + high) / 2) * scale * mirror + middle
+        return (numpy.array(positions) @ turn.T - (low + high) / 2) * scale * mirror + middle
 
     corners = on_screen(vertices)[triangles]
     crosses = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * -mirror
@@ -119,10 +121,10 @@ def draw(answer, mesh=None, turn=145, first=None):
     sums /= numpy.linalg.norm(sums, axis=1, keepdims=True) + 1e-12
     canvas = Canvas(side)
     for triangle, places in zip(triangles, corners):
-        canvas.triangle(places, sums[triangle], mesh is None)
-    radius = DISC * (1 if mesh else 0.5) * numpy.sqrt(numpy.linalg.norm(crosses, axis=1).sum() / 2 / len(answer["points"]))
+        canvas.triangle(places, sums[triangle], has_edges)
+    radius = DISC * (0.5 if has_edges else 1) * numpy.sqrt(numpy.linalg.norm(crosses, axis=1).sum() / 2 / len(answer["points"]))
     ranks = answer.get("rank") or range(len(answer["points"]))
-    normals = numpy.array(answer["normals"]) @ rotation(turn).T * mirror
+    normals = numpy.array(answer["normals"]) @ turn.T * mirror
     for rank, place, normal in zip(ranks, on_screen(answer["points"]), normals):
         is_first = first is None or rank < first
         canvas.disc(place, normal, radius, INK if is_first else LATER)
@@ -132,12 +134,13 @@ def draw(answer, mesh=None, turn=145, first=None):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("answer", type=pathlib.Path)
-    parser.add_argument("--mesh", type=pathlib.Path)
-    parser.add_argument("--turn", type=float, default=145)
+    parser.add_argument("mesh", type=pathlib.Path)
+    parser.add_argument("answers", type=pathlib.Path, nargs="+")
     parser.add_argument("-o", dest="out", type=pathlib.Path, required=True)
     given = parser.parse_args()
-    draw(json.loads(given.answer.read_text()), given.mesh and read_obj(given.mesh), given.turn).save(given.out)
+    mesh = read_obj(given.mesh)
+    parts = [numpy.asarray(draw(json.loads(path.read_text()), mesh)) for path in given.answers]
+    Image.fromarray(numpy.concatenate(parts, axis=1)).save(given.out, quality=80)
 
 
 if __name__ == "__main__":
