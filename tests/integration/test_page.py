@@ -53,7 +53,7 @@ class Page(ServerCase):
         self.assertLess(packed.pop("/assets/element.js") + packed["/assets/connection.js"], 9_000)
         # The page loads the modules that draw surfaces only when it shows one.
         surfaces = [packed.pop(path) for path in sorted(packed) if path.startswith("/assets/surface_")]
-        self.assertLess(sum(surfaces), 8_000)
+        self.assertLess(sum(surfaces), 8_500)
         self.assertLess(sum(packed.values()), 80_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)

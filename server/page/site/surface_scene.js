@@ -23,10 +23,15 @@ function ballAround(vertices) {
   return { centre, radius: radius || 1 };
 }
 
-/** Returns the normal at each corner of each triangle: the mean over those faces of the corner without a visible edge. */
-function cornerNormals(triangles, normals, number) {
+/** Returns the triangles around each vertex. */
+function facesAround(triangles, number) {
   const around = Array.from({ length: number }, () => []);
   triangles.forEach((triangle, face) => triangle.forEach((vertex) => around[vertex].push(face)));
+  return around;
+}
+
+/** Returns the normal at each corner of each triangle: the mean over those faces of the corner without a visible edge. */
+function cornerNormals(triangles, normals, around) {
   return triangles.flatMap((triangle, face) => {
     const own = unit(normals[face]);
     return triangle.map((vertex) => {
@@ -42,16 +47,44 @@ function cornerNormals(triangles, normals, number) {
 }
 
 /**
+ * Returns a function that finds the triangle nearest to a position, approximately: of the triangles around the nearest
+ * vertex, the one with the nearest centre. Returns undefined if there is no vertex within a distance.
+ */
+function nearestFace(places, triangles, around, distance) {
+  const cells = new Map();
+  const cellOf = (position) => position.map((value) => Math.floor((value + 1) / distance));
+  const key = (x, y, z) => (x * 65536 + y) * 65536 + z;
+  places.forEach((place, vertex) => {
+    const at = key(...cellOf(place));
+    if (!cells.has(at)) cells.set(at, []);
+    cells.get(at).push(vertex);
+  });
+  const nearest = (indices, placeOf, position) => indices.reduce((best, index) => {
+    const to = Math.hypot(...minus(placeOf(index), position));
+    return to < best.to ? { index, to } : best;
+  }, { to: distance }).index;
+  const centre = (face) => scaled(triangles[face].map((vertex) => places[vertex]).reduce(([a, b, c], [x, y, z]) => [a + x, b + y, c + z]), 1 / 3);
+  return (position) => {
+    const [x, y, z] = cellOf(position);
+    const steps = [-1, 0, 1];
+    const near = steps.flatMap((dx) => steps.flatMap((dy) => steps.flatMap((dz) => cells.get(key(x + dx, y + dy, z + dz)) ?? [])));
+    const vertex = nearest(near, (index) => places[index], position);
+    return vertex === undefined ? undefined : nearest(around[vertex], centre, position);
+  };
+}
+
+/**
  * Prepares a surface and points on it. Lengths are in units of the diameter of a ball around the surface, whose centre
  * is the origin.
  *
  * @param mesh     {vertices, triangles}
- * @param answer   {points, normals, rank}: points in the coordinates of the mesh, with the normal of the surface at each
- *                 point; `rank` is optional
+ * @param answer   {points, normals, rank, mesh}: points in the coordinates of the mesh, with the normal of the surface
+ *                 at each point; `rank` is optional. Without `mesh`, each disc lies in the nearest triangle, because the
+ *                 normals of the answer are smooth across sharp edges
  * @returns        {corners, normals, points, pointNormals, pitch}: flat arrays of coordinates, three corners for each
  *                 triangle, points in the sequence of their ranks; and the mean distance between points
  */
-export function sceneOf({ vertices, triangles }, { points, normals, rank }) {
+export function sceneOf({ vertices, triangles }, { points, normals, rank, mesh }) {
   const { centre, radius } = ballAround(vertices);
   const placed = (position) => scaled(minus(position, centre), 0.5 / radius);
   const places = vertices.map(placed);
@@ -59,12 +92,18 @@ export function sceneOf({ vertices, triangles }, { points, normals, rank }) {
   const area = faceNormals.reduce((sum, normal) => sum + Math.hypot(...normal) / 2, 0);
   const sequence = points.map((_, index) => index);
   if (rank) sequence.sort((a, b) => rank[a] - rank[b]);
+  const around = facesAround(triangles, vertices.length);
+  const find = mesh ? () => undefined : nearestFace(places, triangles, around, 3 * Math.sqrt(area / Math.max(vertices.length, 1)));
+  const normalAt = (place, index) => {
+    const face = find(place);
+    return face === undefined ? normals[index] : unit(faceNormals[face]);
+  };
   const flat = (list) => Float32Array.from(list.flat());
   return {
     corners: flat(triangles.flatMap((triangle) => triangle.map((vertex) => places[vertex]))),
-    normals: flat(cornerNormals(triangles, faceNormals, vertices.length)),
+    normals: flat(cornerNormals(triangles, faceNormals, around)),
     points: flat(sequence.map((index) => placed(points[index]))),
-    pointNormals: flat(sequence.map((index) => normals[index])),
+    pointNormals: flat(sequence.map((index) => normalAt(placed(points[index]), index))),
     pitch: Math.sqrt(area / Math.max(points.length, 1)),
   };
 }
