@@ -126,8 +126,8 @@ def draw_globe(file, _):
 
 
 def draw_surface(file, _, first=None):
-    """Draws points on the surface of the mesh or, if the answer contains a triangulation, on that. `first` is the number of
-    points that are black; the others are white.
+    """Draws points on the surface of the mesh or, if the answer contains a triangulation, on that. `first` is the number
+    of points that are black; the others are white.
     """
     answer = json.loads(file.read_text())
     drawing = file.with_suffix(".webp")
@@ -241,11 +241,11 @@ SECTIONS = (
                     before=("camera.jpg", "The photograph of the man with the camera")),
             Exhibit("A spiral in each dot. Here the pen is thinner than the spirals need, to show the strokes.",
                     "The man with the camera drawn by spirals",
-                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 3000 --width-mm 180 -o spiral.svg",
+                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 1800 --width-mm 180 -o spiral.svg",
                     draw=draw_thinner),
             Exhibit("Concentric circles, one pen for each ink, also thinner than needed.",
                     "The astronaut drawn by concentric circles in four colours",
-                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 4000 --width-mm 180 "
+                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 2500 --width-mm 180 "
                     "-o circles.svg", draw=draw_thinner),
             Exhibit("G-code: touches of the pen, and in blue its way between them.",
                     "The path of a plotter that draws the man with the camera: dots, and blue lines between them",
@@ -272,8 +272,8 @@ SECTIONS = (
                     "--density '{\"width\":4,\"height\":1,\"values\":[1,4,16,64]}' --sites 2500 --dot 0.004 "
                     "-o density.svg"),
         )),
-    Section("Surfaces", """Points are spread evenly on the surface of a mesh, in exactly the requested number. Each has its
-        triangle, barycentric coordinates and normal. The lists of points are drawn as discs on the surface.""", (
+    Section("Surfaces", """Points are spread evenly on the surface of a mesh, in exactly the requested number. Each has
+        its triangle, barycentric coordinates and normal. The lists of points are drawn as discs on the surface.""", (
             Exhibit("Three thousand points on a cow.", "A toy cow, evenly covered with dots",
                     "ccdt sample spot.obj --sites 3000 -o cow.json", draw=draw_surface),
             Exhibit("Denser where the surface is bent.", "The cow, with more dots on its horns, ears and feet",
@@ -325,7 +325,8 @@ it alone.</p>"""
 CREDITS = """<p>The astronaut is Eileen Collins, photographed by NASA (public domain). The cat and the man with the
 camera are sample data of scikit-image (CC0). Switzerland is by Natural Earth (public domain). The counties of Texas
 are by the npm package us-atlas (ISC licence), derived from data of the Census Bureau (public domain), and the numbers
-by the Bureau of Labor Statistics (public domain). The cow, Spot, is by Keenan Crane (public domain). More about them is in
+by the Bureau of Labor Statistics (public domain). The cow, Spot, is by Keenan Crane (public domain). More about them
+is in
 <a href="md_tests_data_README.html">Real inputs</a>.</p>"""
 
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a README with anchors and links for Doxygen, whose version in Debian 12 does not resolve GitHub's.
 
-Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub, which numbers repeated headings. Links to READMEs
-and their headings become links to their pages. A link to a file that is not part of the documentation becomes the text
-of the link, because the pages do not contain that file. A picture is shown from the folder `pictures`, where make.py
-puts it.
+Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub, which numbers
+repeated headings. Links to READMEs and their headings become links to their pages. A link to a file that is not part of
+the documentation becomes the text of the link, because the pages do not contain that file. A picture is shown from the
+folder `pictures`, where make.py puts it.
 """
 
 import collections

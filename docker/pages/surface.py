@@ -122,7 +122,8 @@ def draw(answer, mesh, first=None):
     canvas = Canvas(side)
     for triangle, places in zip(triangles, corners):
         canvas.triangle(places, sums[triangle], has_edges)
-    radius = DISC * (0.5 if has_edges else 1) * numpy.sqrt(numpy.linalg.norm(crosses, axis=1).sum() / 2 / len(answer["points"]))
+    pitch = numpy.sqrt(numpy.linalg.norm(crosses, axis=1).sum() / 2 / len(answer["points"]))
+    radius = DISC * (0.5 if has_edges else 1) * pitch
     ranks = answer.get("rank") or range(len(answer["points"]))
     normals = numpy.array(answer["normals"]) @ turn.T * mirror
     for rank, place, normal in zip(ranks, on_screen(answer["points"]), normals):
