@@ -37,7 +37,7 @@ class Page(ServerCase):
                 for name in re.findall(rb'(?:src|href)="([^"]+)"', content):
                     if name != b"/docs/":  # only if the server has a folder of documentation
                         self.assertIn(name.decode(), FILES, path)
-                for name in re.findall(rb'(?:from |import\()"\./([^"]+)"', content):
+                for name in re.findall(rb'(?:from |await import\()"\./([^"]+)"', content):
                     self.assertIn("/assets/" + name.decode(), FILES, path)
 
     def test_refers_to_no_other_host(self):
