@@ -19,8 +19,8 @@
 #include "api/output/formats.h"
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample_parser.h"
-#include "api/surface/surface_formats.h"
-#include "api/surface/surface_parser.h"
+#include "api/sample/surface_formats.h"
+#include "api/sample/surface_parser.h"
 
 namespace ccdt::api {
 namespace {

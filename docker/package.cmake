@@ -71,10 +71,10 @@ starts the server on http://127.0.0.1:8080."
     DEPENDS "ccdt-decoder ${ccdt_same_version}" adduser ca-certificates fonts-dejavu-core)
 
 ccdt_add_package(decoder ccdt-decoder SECTION graphics
-    SUMMARY "decoder of pictures and maps for ccdt"
+    SUMMARY "decoder of pictures, maps and meshes for ccdt"
     DESCRIPTION
-"This package contains the program that decodes pictures and shapefiles in a
-sandbox, for the packages ccdt and ccdt-server.")
+"This package contains the program that decodes pictures, shapefiles and meshes
+in a sandbox, for the packages ccdt and ccdt-server.")
 
 ccdt_add_package(library libccdt1 SECTION libs
     SUMMARY "library for halftones and evenly spread points"

@@ -2,6 +2,7 @@
 #include "api/analyze/point_file_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -18,6 +19,10 @@
 
 namespace ccdt::api {
 namespace {
+
+/// Number of coordinates of a Point or a Point3.
+template <class P>
+constexpr std::size_t kAxes = sizeof(P) / sizeof(double);
 
 tl::unexpected<Error> wrong(std::string message) {
     return failure(ErrorCode::Malformed, std::move(message));
@@ -87,42 +92,60 @@ private:
     std::size_t next_line_ = 1;
 };
 
-Result<std::size_t> find_column(const CsvReader& header, std::string_view name) {
-    const auto& names = header.fields();
-    const auto found = std::ranges::find(names, name);
-    if (found == names.end()) return wrong("line 1 must name the columns, with x and y among them");
-    return static_cast<std::size_t>(found - names.begin());
+/// A column of coordinates in CSV.
+struct Column {
+    std::string_view name;
+    std::size_t index = 0;
+};
+
+/// Finds the columns of the coordinates.
+template <std::size_t kCount>
+Result<std::array<Column, kCount>> find_columns(const CsvReader& header) {
+    std::array<Column, kCount> columns;
+    for (std::size_t axis = 0; axis < kCount; ++axis) {
+        const auto& names = header.fields();
+        const std::string_view name = std::string_view("xyz").substr(axis, 1);
+        const auto found = std::ranges::find(names, name);
+        if (found == names.end())
+            return wrong("line 1 must name the columns, with " + std::string(kCount == 2 ? "x and y" : "x, y and z") +
+                         " among them");
+        columns[axis] = {name, static_cast<std::size_t>(found - names.begin())};
+    }
+    return columns;
 }
 
-Result<double> read_ordinate(const CsvReader& reader, std::size_t column, std::string_view name) {
-    const std::string& text = reader.fields()[column];
+Result<double> read_ordinate(const CsvReader& reader, Column column) {
+    const std::string& text = reader.fields()[column.index];
     const auto number = parse_number<double>(text);
     if (!number || !std::isfinite(*number))
-        return wrong(reader.place() + ": " + std::string(name) + " must be a finite number, not '" + excerpt(text) +
-                     "'");
+        return wrong(reader.place() + ": " + std::string(column.name) + " must be a finite number, not '" +
+                     excerpt(text) + "'");
     return *number;
 }
 
-Result<std::vector<Point>> read_csv(std::string_view text, const Limits& limits) {
+template <class P>
+Result<std::vector<P>> read_csv(std::string_view text, const Limits& limits) {
     CsvReader reader(text);
     if (auto header = reader.next(); !header) return tl::unexpected(std::move(header.error()));
-    const auto x_column = find_column(reader, "x"), y_column = find_column(reader, "y");
-    if (!x_column) return tl::unexpected(x_column.error());
-    if (!y_column) return tl::unexpected(y_column.error());
-    const std::size_t columns = reader.fields().size();
-    std::vector<Point> points;
+    const auto columns = find_columns<kAxes<P>>(reader);
+    if (!columns) return tl::unexpected(columns.error());
+    const std::size_t count = reader.fields().size();
+    std::vector<P> points;
     while (true) {
         const auto more = reader.next();
         if (!more) return tl::unexpected(more.error());
         if (!*more) return points;
-        if (reader.fields().size() != columns)
+        if (reader.fields().size() != count)
             return wrong(reader.place() + " has " + std::to_string(reader.fields().size()) +
-                         " columns; the first line has " + std::to_string(columns));
-        const auto x = read_ordinate(reader, *x_column, "x"), y = read_ordinate(reader, *y_column, "y");
-        if (!x) return tl::unexpected(x.error());
-        if (!y) return tl::unexpected(y.error());
+                         " columns; the first line has " + std::to_string(count));
+        std::array<double, kAxes<P>> ordinates{};
+        for (std::size_t axis = 0; axis < ordinates.size(); ++axis) {
+            const auto ordinate = read_ordinate(reader, (*columns)[axis]);
+            if (!ordinate) return tl::unexpected(ordinate.error());
+            ordinates[axis] = *ordinate;
+        }
         if (points.size() == limits.max_sites) return too_many(limits);
-        points.push_back({*x, *y});
+        points.push_back(std::bit_cast<P>(ordinates));
     }
 }
 
@@ -144,7 +167,8 @@ std::optional<Shape> read_shape(std::string_view header) {
     return Shape{*rows, *columns};
 }
 
-Result<std::vector<Point>> read_npy(std::string_view file, const Limits& limits) {
+template <class P>
+Result<std::vector<P>> read_npy(std::string_view file, const Limits& limits) {
     static_assert(std::endian::native == std::endian::little);
     constexpr std::size_t kSizeBytes = 2;
     file.remove_prefix(kNpyMagic.size());
@@ -155,45 +179,64 @@ Result<std::vector<Point>> read_npy(std::string_view file, const Limits& limits)
     file.remove_prefix(kSizeBytes + size);
     const auto shape = read_shape(header);
     const auto has = [header](std::string_view text) { return header.find(text) != std::string_view::npos; };
-    if (!has("'descr': '<f8'") || !has("'fortran_order': False") || !shape || shape->columns < 2)
-        return wrong(
-            "the NPY file must be an array of float64 in C order, with a row for each point and at least two columns");
+    if (!has("'descr': '<f8'") || !has("'fortran_order': False") || !shape || shape->columns < kAxes<P>)
+        return wrong("the NPY file must be an array of float64 in C order, with a row for each point and at least " +
+                     std::string(kAxes<P> == 2 ? "two" : "three") + " columns");
     if (shape->rows > limits.max_sites) return too_many(limits);
     const std::size_t values = file.size() / sizeof(double);
     if (file.size() % sizeof(double) != 0 || values % shape->columns != 0 || values / shape->columns != shape->rows)
         return wrong("the NPY file has " + std::to_string(file.size()) +
                      " bytes of data, which do not match its shape");
-    std::vector<Point> points(shape->rows);
+    std::vector<P> points(shape->rows);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        std::memcpy(&points[i], file.data() + i * shape->columns * sizeof(double), sizeof(Point));
-        if (!std::isfinite(points[i].x) || !std::isfinite(points[i].y))
+        std::array<double, kAxes<P>> ordinates;
+        std::memcpy(&ordinates, file.data() + i * shape->columns * sizeof(double), sizeof(ordinates));
+        if (!std::ranges::all_of(ordinates, [](double value) { return std::isfinite(value); }))
             return wrong("row " + std::to_string(i) + " of the NPY file is not finite");
+        points[i] = std::bit_cast<P>(ordinates);
     }
     return points;
 }
 
-Result<std::vector<Point>> read_json(std::string_view text, const Limits& limits) {
+Result<std::vector<Point>> read_list(const Input& input, const Limits& limits, Point) {
+    return read_points(input, limits);
+}
+Result<std::vector<Point3>> read_list(const Input& input, const Limits& limits, Point3) {
+    return read_space_points(input, limits);
+}
+
+template <class P>
+Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
     const auto document = JsonDocument::parse(text);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
     const auto member = root.is_object() ? root.find("points") : std::nullopt;
-    auto points =
-        member ? read_points({"/points", "/points", *member}, limits) : read_points({"the file", "", root}, limits);
+    auto points = member ? read_list({"/points", "/points", *member}, limits, P())
+                         : read_list({"the file", "", root}, limits, P());
     if (!points) points.error().field.clear();
     return points;
+}
+
+template <class P>
+Result<std::vector<P>> read_file(std::string_view file, const Limits& limits) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it at the start of texts
+    if (file.starts_with(kByteOrderMark)) file.remove_prefix(kByteOrderMark.size());
+    if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
+        if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
+        return read_npy<P>(file, limits);
+    }
+    const auto start = trim(file, " \t\r\n");
+    return start.starts_with('{') || start.starts_with('[') ? read_json<P>(file, limits) : read_csv<P>(file, limits);
 }
 
 }  // namespace
 
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it at the start of texts
-    if (file.starts_with(kByteOrderMark)) file.remove_prefix(kByteOrderMark.size());
-    if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
-        if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
-        return read_npy(file, limits);
-    }
-    const auto start = trim(file, " \t\r\n");
-    return start.starts_with('{') || start.starts_with('[') ? read_json(file, limits) : read_csv(file, limits);
+    return read_file<Point>(file, limits);
+}
+
+Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits) {
+    return read_file<Point3>(file, limits);
 }
 
 }  // namespace ccdt::api

@@ -6,6 +6,7 @@
 
 #include "api/run/options.h"
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -22,5 +23,10 @@ namespace ccdt::api {
 /// UTF-8 at the start is ignored. Errors: Malformed for any other content; the message names the line of CSV, the row
 /// of NPY, or the JSON Pointer; LimitExceeded for more than limits.max_sites points. Error::field is empty.
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits);
+
+/// Reads the points of a file, which have a third coordinate: the third column of an array, the column `z`, or the
+/// third number of a position. JSON must be a list of positions, or the member `points` of an object. Otherwise as
+/// read_point_file().
+Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits);
 
 }  // namespace ccdt::api

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/input/point_reader.h"
 
+#include <array>
 #include <string>
 #include <utility>
 
@@ -13,6 +14,12 @@ JsonValue json_of(const Input& input) {
 
 Input input_at(const std::string& pointer, JsonValue value) {
     return {pointer, pointer, value};
+}
+
+tl::unexpected<Error> too_many(const Input& position, const Limits& limits) {
+    return failure(ErrorCode::LimitExceeded,
+                   "there are more points than this server's limit (max-sites), " + std::to_string(limits.max_sites),
+                   position.field);
 }
 
 /// Collects the points of GeoJSON objects.
@@ -81,12 +88,7 @@ private:
         auto ordinate = value.begin();
         const JsonValue x = *ordinate, y = *++ordinate;
         if (!x.is_number() || !y.is_number()) return malformed(position, "must be a position [x, y]");
-        if (points_.size() == limits_.max_sites) {
-            return failure(
-                ErrorCode::LimitExceeded,
-                "there are more points than this server's limit (max-sites), " + std::to_string(limits_.max_sites),
-                position.field);
-        }
+        if (points_.size() == limits_.max_sites) return too_many(position, limits_);
         points_.push_back({x.number(), y.number()});
         return {};
     }
@@ -102,6 +104,25 @@ Result<std::vector<Point>> read_points(const Input& input, const Limits& limits)
     const auto read = json_of(input).is_array() ? collector.add_positions(input) : collector.add_object(input);
     if (!read) return tl::unexpected(read.error());
     return collector.take();
+}
+
+Result<std::vector<Point3>> read_space_points(const Input& input, const Limits& limits) {
+    if (!json_of(input).is_array()) return malformed(input, "must be a list of positions [x, y, z]");
+    std::vector<Point3> points;
+    for (const JsonValue element : json_of(input)) {
+        const Input position = input_at(pointer_below(input.field, points.size()), element);
+        std::array<double, 3> ordinates{};
+        std::size_t count = 0;
+        if (element.is_array() && element.size() == ordinates.size()) {
+            for (const JsonValue value : element) {
+                if (value.is_number()) ordinates[count++] = value.number();
+            }
+        }
+        if (count < ordinates.size()) return malformed(position, "must be a position [x, y, z]");
+        if (points.size() == limits.max_sites) return too_many(position, limits);
+        points.push_back({ordinates[0], ordinates[1], ordinates[2]});
+    }
+    return points;
 }
 
 }  // namespace ccdt::api

@@ -5,6 +5,7 @@
 
 #include "api/input/option_reader.h"
 #include "core/geometry/point.h"
+#include "core/geometry/point3.h"
 #include "core/result.h"
 
 namespace ccdt::api {
@@ -14,5 +15,9 @@ namespace ccdt::api {
 /// a collection if their geometry is null. The result may be empty.
 /// Errors: Malformed, with a JSON Pointer to the faulty value; LimitExceeded for more than limits.max_sites points.
 Result<std::vector<Point>> read_points(const Input& input, const Limits& limits);
+
+/// Reads points in space: a list of positions [x, y, z]. Errors: as read_points(), with the index of the faulty
+/// position after the field of the input.
+Result<std::vector<Point3>> read_space_points(const Input& input, const Limits& limits);
 
 }  // namespace ccdt::api

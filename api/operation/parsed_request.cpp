@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "api/operation/parsed_request.h"
 
+#include <optional>
 #include <utility>
 
 #include "api/analyze/analyze.h"
+#include "api/analyze/surface_analyze.h"
 #include "api/halftone/device_picture.h"
 #include "api/halftone/halftone.h"
 #include "api/halftone/halftone_cost.h"
@@ -11,15 +13,18 @@
 #include "api/sample/sample.h"
 #include "api/sample/sample_cost.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
 #include "api/surface/surface_header.h"
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
 
 namespace ccdt::api {
 namespace {
 
 Cost cost_within(const AnalyzeRequest& request, const Limits& /*limits*/) {
+    return cost_of(request);
+}
+Cost cost_within(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/) {
     return cost_of(request);
 }
 Cost cost_within(const SurfaceRequest& request, const Limits& /*limits*/) {
@@ -30,6 +35,9 @@ Cost cost_within(const auto& request, const Limits& limits) {
 }
 
 bool allows_partial(const AnalyzeRequest& /*request*/) {
+    return false;
+}
+bool allows_partial(const SurfaceAnalyzeRequest& /*request*/) {
     return false;
 }
 bool allows_partial(const auto& request) {
@@ -56,6 +64,10 @@ Result<Answer> compute(const PixelRequest& request, const Limits& limits, const 
 Result<Answer> compute(const SurfaceRequest& request, const Limits& /*limits*/, const Decode& decode,
                        const Control& control, Timings& timings, BodySink* sink) {
     return run_surface(request, decode, control, timings, sink);
+}
+Result<Answer> compute(const SurfaceAnalyzeRequest& request, const Limits& /*limits*/, const Decode& decode,
+                       const Control& control, Timings& timings, BodySink* /*sink*/) {
+    return run_surface_analyze(request, decode, control, timings);
 }
 Result<Answer> compute(const AnalyzeRequest& request, const Limits& /*limits*/, const Decode& /*decode*/,
                        const Control& control, Timings& timings, BodySink* /*sink*/) {
@@ -90,6 +102,16 @@ Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
     return std::make_unique<const Parsed<Request>>(*std::move(request), limits);
 }
 
+/// Reads the header of a mesh; none for bodies that are not meshes.
+std::optional<Result<SurfaceFile>> find_surface(std::string_view body, std::string_view media_type,
+                                                const Limits& limits) {
+    const auto format = recognise_surface(body, media_type);
+    if (!format) return std::nullopt;
+    return read_surface_header(body, *format, limits.max_faces).map([&](const SurfaceHeader& header) {
+        return SurfaceFile{body, header};
+    });
+}
+
 }  // namespace
 
 Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody kind,
@@ -104,12 +126,8 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
 
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits, std::string_view media_type) {
-    if (const auto format = recognise_surface(body, media_type)) {
-        auto file = read_surface_header(body, *format, limits.max_faces).map([&](const SurfaceHeader& header) {
-            return SurfaceFile{body, header};
-        });
-        return pack(parse_surface(std::move(file), options, accept, limits), limits);
-    }
+    if (auto file = find_surface(body, media_type, limits))
+        return pack(parse_surface(*std::move(file), options, accept, limits), limits);
     const auto document = JsonDocument::parse(body);
     if (!document) return tl::unexpected(document.error());
     const JsonValue root = document->root();
@@ -117,7 +135,12 @@ Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vec
     return pack(parse_sample(root, options, accept, limits), limits);
 }
 
-Result<ParsedPointer> parse_analyze_request(std::string_view body, std::string_view accept, const Limits& limits) {
+Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits,
+                                            std::string_view media_type) {
+    if (auto file = find_surface(body, media_type, limits))
+        return pack(parse_surface_analyze(*std::move(file), options, accept, limits), limits);
+    if (!options.empty()) return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
     return pack(parse_analyze(body, accept, limits), limits);
 }
 

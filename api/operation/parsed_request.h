@@ -58,7 +58,11 @@ Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vec
                                            std::string_view accept, const Limits& limits,
                                            std::string_view media_type = {});
 
-/// Parses a request for an analysis of points. The body is JSON. Errors: those of parse_analyze().
-Result<ParsedPointer> parse_analyze_request(std::string_view body, std::string_view accept, const Limits& limits);
+/// Parses a request for an analysis of points. The body is JSON without further options, or a mesh, on whose surface
+/// the points of the option `points` lie. The other parameters are those of parse_sample_request(). Errors: those of
+/// parse_analyze() and parse_surface_analyze(); Malformed for options beside JSON.
+Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::vector<TextOption>& options,
+                                            std::string_view accept, const Limits& limits,
+                                            std::string_view media_type = {});
 
 }  // namespace ccdt::api

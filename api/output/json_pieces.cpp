@@ -47,6 +47,14 @@ void append_trace(std::string& out, std::span<const double> trace) {
     });
 }
 
+void append_low_frequency_power(std::string& out, std::optional<double> power) {
+    if (power) {
+        append_member(out, "low_frequency_power", *power);
+    } else {
+        out += ",\"low_frequency_power\":null";
+    }
+}
+
 void append_elapsed(std::string& out, double milliseconds) {
     constexpr double kSteps = 1000;
     append_member(out, "elapsed_ms", std::round(milliseconds * kSteps) / kSteps);

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <string>
@@ -71,6 +72,9 @@ void append_member(std::string& out, std::string_view name, Number value) {
 
 /// Appends the variation after each iteration.
 void append_trace(std::string& out, std::span<const double> trace);
+
+/// Appends `,"low_frequency_power":value`; null without a value.
+void append_low_frequency_power(std::string& out, std::optional<double> power);
 
 /// Appends `,"elapsed_ms":value`, rounded to microseconds.
 void append_elapsed(std::string& out, double milliseconds);

@@ -454,11 +454,7 @@ std::string write_analysis(const Analysis& analysis, bool with_spectrum) {
     append_numbers(out, analysis.anisotropy_db);
     append_member(out, "min_distance", analysis.min_distance);
     append_member(out, "mean_distance", analysis.mean_distance);
-    if (analysis.low_frequency_power) {
-        append_member(out, "low_frequency_power", *analysis.low_frequency_power);
-    } else {
-        out += ",\"low_frequency_power\":null";
-    }
+    append_low_frequency_power(out, analysis.low_frequency_power);
     append_member(out, "sets", std::uint64_t{analysis.sets});
     if (with_spectrum) append_spectrum(out, analysis.spectrum);
     out += "}\n";

@@ -25,8 +25,8 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
-#include "api/surface/surface_parser.h"
-#include "api/surface/surface_sample.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {
@@ -309,7 +309,7 @@ AnswerPointer answer_sample(const std::string& body, bool has_pictures, const Ru
 }
 
 AnswerPointer answer_analyze(const std::string& body, const Running& running) {
-    return run_parsed(api::parse_analyze_request(body, "", {}), false, running);
+    return run_parsed(api::parse_analyze_request(body, {}, "", {}), false, running);
 }
 
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;

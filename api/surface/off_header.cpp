@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "api/surface/surface_errors.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -61,8 +62,7 @@ Result<OffHeader> read_off_header(std::string_view text) {
     const auto vertices = next_count();
     const auto faces = next_count();
     if (!header || !vertices || !faces)
-        return failure(ErrorCode::Unusable,
-                       "OFF file cannot be read: it does not begin with OFF and the numbers of vertices and faces");
+        return unusable_surface("OFF", "it does not begin with OFF and the numbers of vertices and faces");
     header->vertices = *vertices;
     header->faces = *faces;
     header->data = text;

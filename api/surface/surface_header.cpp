@@ -10,6 +10,7 @@
 
 #include "api/json/json_document.h"
 #include "api/surface/off_header.h"
+#include "api/surface/surface_errors.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -18,10 +19,6 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
 constexpr std::size_t kStlHead = 84;   ///< text and number of facets, bytes
 constexpr std::size_t kStlFacet = 50;  ///< bytes
-
-tl::unexpected<Error> unusable(SurfaceFormat format, std::string_view reason) {
-    return failure(ErrorCode::Unusable, std::string(name_of(format)) + " file cannot be read: " + std::string(reason));
-}
 
 /// Reads a 32-bit little-endian number. The bytes must exist.
 std::uint64_t number_at(std::string_view bytes, std::size_t at) {
@@ -54,7 +51,8 @@ std::string_view take_word(std::string_view& text, std::string_view blanks = kBl
 struct Bounds {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
-    std::uint64_t faces = 0;  ///< lower bound of the number of triangles, for a prompt refusal
+    std::uint64_t faces = 0;  ///< number of faces that the file must have
+    bool is_exact = false;    ///< whether there are exactly `triangles` triangles
 };
 
 /// A number of list entries bounds the number of triangles into which polygons are divided.
@@ -71,10 +69,10 @@ Result<Bounds> bounds_of_binary_stl(std::string_view bytes) {
     const std::uint64_t facets = bytes.size() < kStlHead ? 0 : number_at(bytes, kStlHead - 4);
     const std::uint64_t expected = kStlHead + kStlFacet * facets;
     if (bytes.size() != expected)
-        return unusable(SurfaceFormat::StlBinary, "its header promises " + std::to_string(facets) + " facets in " +
-                                                      std::to_string(expected) + " bytes, but the file has " +
-                                                      std::to_string(bytes.size()));
-    return Bounds{facets, 3 * facets, facets};
+        return unusable_surface("STL", "its header promises " + std::to_string(facets) + " facets in " +
+                                           std::to_string(expected) + " bytes, but the file has " +
+                                           std::to_string(bytes.size()));
+    return Bounds{facets, 3 * facets, facets, true};
 }
 
 Bounds bounds_of_text_stl(std::string_view text) {
@@ -82,7 +80,7 @@ Bounds bounds_of_text_stl(std::string_view text) {
     std::uint64_t vertices = 0;
     for (auto at = text.find(kVertex); at != std::string_view::npos; at = text.find(kVertex, at + kVertex.size()))
         ++vertices;
-    return {(vertices + 2) / 3, vertices, vertices / 3};
+    return {(vertices + 2) / 3, vertices, 0, true};
 }
 
 constexpr auto kObjStatements =
@@ -112,8 +110,9 @@ Bounds bounds_of_obj(std::string_view text) {
         if (statement != "f") continue;
         bounds.vertices -= corners;
         bounds.triangles += triangles_of(corners, 1);
+        ++bounds.faces;
     }
-    bounds.faces = bounds.triangles;
+    bounds.is_exact = true;
     return bounds;
 }
 
@@ -172,7 +171,7 @@ bool add_property(PlyElement& element, std::string_view line, bool is_text) {
 Result<PlyHeader> read_ply_header(std::string_view bytes) {
     PlyHeader header;
     const auto fail = [](int number, std::string_view reason) {
-        return unusable(SurfaceFormat::Ply, "line " + std::to_string(number) + " of its header " + std::string(reason));
+        return unusable_surface("PLY", "line " + std::to_string(number) + " of its header " + std::string(reason));
     };
     for (int number = 1; !bytes.empty(); ++number) {
         std::string_view line = trim(take_until(bytes, "\n"), kBlanks);
@@ -193,7 +192,7 @@ Result<PlyHeader> read_ply_header(std::string_view bytes) {
                 return fail(number, "does not declare a property of a known type");
         }
     }
-    return unusable(SurfaceFormat::Ply, "its header has no end");
+    return unusable_surface("PLY", "its header has no end");
 }
 
 Result<Bounds> bounds_of_ply(std::string_view bytes) {
@@ -206,16 +205,17 @@ Result<Bounds> bounds_of_ply(std::string_view bytes) {
         needed += element.count * element.size;
         if (element.name == "vertex") bounds.vertices = element.count;
         if (element.name == "face") bounds.faces = element.count;
+        // The library returns only one triangle of each strip.
+        if (element.name == "tristrips") return unusable_surface("PLY", "triangle strips are not supported");
         if (element.item > 0) item = item == 0 ? element.item : std::min(item, element.item);
     }
     const std::uint64_t present = header->is_text ? count_words(header->data) : header->data.size();
     if (needed > present) {
         const char* const unit = header->is_text ? " numbers" : " bytes";
-        return unusable(SurfaceFormat::Ply, "its header promises at least " + std::to_string(needed) + unit +
-                                                ", but the file has " + std::to_string(present));
+        return unusable_surface("PLY", "its header promises at least " + std::to_string(needed) + unit +
+                                           ", but the file has " + std::to_string(present));
     }
     if (item > 0) bounds.triangles = triangles_of((present - needed) / item, bounds.faces);
-    bounds.faces = std::min(bounds.faces, bounds.triangles);
     return bounds;
 }
 
@@ -225,23 +225,24 @@ Result<Bounds> bounds_of_off(std::string_view text) {
     const std::uint64_t needed = header->vertices * header->values_per_vertex() + header->faces;
     const std::uint64_t present = count_words(header->data);
     if (needed > present)
-        return unusable(SurfaceFormat::Off, "its header promises at least " + std::to_string(needed) +
-                                                " numbers, but the file has " + std::to_string(present));
+        return unusable_surface("OFF", "its header promises at least " + std::to_string(needed) +
+                                           " numbers, but the file has " + std::to_string(present));
     const std::uint64_t triangles = triangles_of(present - needed, header->faces);
-    return Bounds{triangles, header->vertices, std::min(header->faces, triangles)};
+    return Bounds{triangles, header->vertices, header->faces};
 }
 
 /// Returns the JSON part of a glTF. Errors: Unusable for a damaged container.
 Result<std::string_view> json_of_gltf(std::string_view bytes, SurfaceFormat format) {
     if (format == SurfaceFormat::Gltf) return bytes;
     constexpr std::size_t kHead = 20;  // header and the head of the first chunk
-    if (bytes.size() < kHead) return unusable(format, "it is truncated");
+    if (bytes.size() < kHead) return unusable_surface(name_of(format), "it is truncated");
     if (number_at(bytes, 4) != 2)
-        return unusable(format,
-                        "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
-    if (bytes.substr(16, 4) != "JSON") return unusable(format, "its first chunk is not JSON");
+        return unusable_surface(
+            name_of(format), "its version is " + std::to_string(number_at(bytes, 4)) + "; only version 2 is supported");
+    if (bytes.substr(16, 4) != "JSON") return unusable_surface(name_of(format), "its first chunk is not JSON");
     const std::uint64_t size = number_at(bytes, 12);
-    if (size > bytes.size() - kHead || number_at(bytes, 8) > bytes.size()) return unusable(format, "it is truncated");
+    if (size > bytes.size() - kHead || number_at(bytes, 8) > bytes.size())
+        return unusable_surface(name_of(format), "it is truncated");
     return trim(bytes.substr(kHead, static_cast<std::size_t>(size)), std::string_view(" \0", 2));
 }
 
@@ -273,17 +274,19 @@ public:
             }
             return true;
         };
-        if (!add(roots(), 0)) return unusable(format_, "its scene refers to a node that does not exist");
+        if (!add(roots(), 0))
+            return unusable_surface(name_of(format_), "its scene refers to a node that does not exist");
         while (!waiting.empty()) {
             const auto [node, depth] = waiting.back();
             waiting.pop_back();
-            if (++visited > nodes_.size()) return unusable(format_, "its nodes do not form a tree");
-            if (depth > kMaxDepth) return unusable(format_, "its nodes are nested more than 500 deep");
+            if (++visited > nodes_.size()) return unusable_surface(name_of(format_), "its nodes do not form a tree");
+            if (depth > kMaxDepth) return unusable_surface(name_of(format_), "its nodes are nested more than 500 deep");
             if (!add(list(node, "children"), depth + 1))
-                return unusable(format_, "a node refers to a child that does not exist");
+                return unusable_surface(name_of(format_), "a node refers to a child that does not exist");
             if (const auto added = add_mesh(node, bounds); !added) return tl::unexpected(added.error());
         }
         bounds.faces = bounds.triangles;
+        bounds.is_exact = true;
         return bounds;
     }
 
@@ -317,18 +320,18 @@ private:
         const auto asset = root_.is_object() ? root_.find("asset") : std::nullopt;
         const auto version = asset && asset->is_object() ? asset->find("version") : std::nullopt;
         if (!version || !version->is_string() || !version->text().starts_with("2."))
-            return unusable(format_, "asset/version is not 2.x; only glTF 2 is supported");
+            return unusable_surface(name_of(format_), "asset/version is not 2.x; only glTF 2 is supported");
         for (const JsonValue buffer : list(root_, "buffers")) {
             const auto uri = buffer.is_object() ? buffer.find("uri") : std::nullopt;
             if (uri && uri->is_string() && !uri->text().starts_with("data:"))
-                return unusable(format_, "its data is in another file (" + uri->text().substr(0, 100) +
-                                             "); send a GLB, or embed the data");
+                return unusable_surface(name_of(format_), "its data is in another file (" + uri->text().substr(0, 100) +
+                                                              "); send a GLB, or embed the data");
         }
         constexpr auto kUnsupported = std::to_array<std::string_view>(
             {"KHR_mesh_quantization", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"});
         for (const JsonValue extension : list(root_, "extensionsRequired")) {
             if (extension.is_string() && std::ranges::find(kUnsupported, extension.text()) != kUnsupported.end())
-                return unusable(format_, "the extension " + extension.text() + " is not supported");
+                return unusable_surface(name_of(format_), "the extension " + extension.text() + " is not supported");
         }
         return {};
     }
@@ -344,10 +347,11 @@ private:
         const auto index = node.is_object() ? node.find("mesh") : std::nullopt;
         if (!index) return {};
         const auto mesh = element(meshes_, index);
-        if (!mesh) return unusable(format_, "a node refers to a mesh that does not exist");
+        if (!mesh) return unusable_surface(name_of(format_), "a node refers to a mesh that does not exist");
         for (const JsonValue primitive : list(*mesh, "primitives")) {
             if (!add_primitive(primitive, bounds))
-                return unusable(format_, "a mesh has no positions, or positions that are not of type FLOAT");
+                return unusable_surface(name_of(format_),
+                                        "a mesh has no positions, or positions that are not of type FLOAT");
         }
         return {};
     }
@@ -386,7 +390,7 @@ Result<Bounds> bounds_of_gltf(std::string_view bytes, SurfaceFormat format) {
     const auto json = json_of_gltf(bytes, format);
     if (!json) return tl::unexpected(json.error());
     const auto document = JsonDocument::parse(*json);
-    if (!document) return unusable(format, document.error().message);
+    if (!document) return unusable_surface(name_of(format), document.error().message);
     return Gltf(document->root(), format).bounds();
 }
 
@@ -488,10 +492,12 @@ tl::unexpected<Error> too_many_faces(std::uint64_t max_faces) {
 Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces) {
     const auto bounds = bounds_of(bytes, format);
     if (!bounds) return tl::unexpected(bounds.error());
-    if (bounds->triangles == 0) return unusable(format, "it has no triangles or polygons");
+    if (bounds->triangles == 0) return unusable_surface(name_of(format), "it has no triangles or polygons");
     // A file with unlimited vertices for few faces could need unlimited memory.
-    if (bounds->faces > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
-    SurfaceHeader header{format, std::min<std::uint64_t>(bounds->triangles, max_faces), bounds->vertices};
+    const std::uint64_t least = bounds->is_exact ? bounds->triangles : bounds->faces;
+    if (least > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
+    SurfaceHeader header{format, bounds->faces, std::min<std::uint64_t>(bounds->triangles, max_faces),
+                         bounds->vertices};
     header.decoder_bytes = decoder_bytes_of(header, bytes.size());
     return header;
 }

@@ -20,9 +20,16 @@ std::string_view name_of(SurfaceFormat format);
 /// confined process uses it.
 struct SurfaceHeader {
     SurfaceFormat format = SurfaceFormat::StlText;
+    std::uint64_t min_faces = 0;      ///< number of faces that the file must have, at least
     std::uint64_t max_triangles = 0;  ///< upper bound, at most the limit on faces
     std::uint64_t max_vertices = 0;   ///< upper bound
     std::uint64_t decoder_bytes = 0;  ///< upper bound of the memory for reading the file, in addition to the file
+};
+
+/// Mesh file in a request.
+struct SurfaceFile {
+    std::string_view bytes;  ///< must outlive this object
+    SurfaceHeader header;
 };
 
 /// Recognises the format of a mesh file by its content. If the content is not sufficient, uses the media type, such as

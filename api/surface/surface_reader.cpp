@@ -19,6 +19,7 @@
 #include <assimp/Importer.hpp>
 
 #include "api/surface/off_header.h"
+#include "api/surface/surface_errors.h"
 #include "api/text/text.h"
 #include "core/halftone/srgb.h"
 
@@ -29,12 +30,6 @@ namespace {
 constexpr unsigned kMaxCorners = 10'000;
 
 using Matrix = aiMatrix4x4t<double>;
-
-tl::unexpected<Error> unusable(SurfaceFormat format, std::string_view reason) {
-    constexpr std::size_t kLongest = 300;
-    return failure(ErrorCode::Unusable,
-                   std::string(name_of(format)) + " file cannot be read: " + std::string(reason.substr(0, kLongest)));
-}
 
 bool is_gltf(SurfaceFormat format) {
     return format == SurfaceFormat::Gltf || format == SurfaceFormat::Glb;
@@ -199,33 +194,36 @@ private:
 };
 
 /// Checks all indices and polygons, because further steps of the library do not. Checks that the triangles into which
-/// the faces are divided, and the vertices, do not exceed the upper bounds.
+/// the faces are divided, and the vertices, do not exceed the upper bounds, and that no face is missing.
 Result<void> check(std::span<const PlacedMesh> meshes, const SurfaceHeader& header) {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
+    std::uint64_t faces = 0;
     for (const auto& [mesh, matrix] : meshes) {
         vertices += mesh->mNumVertices;
+        faces += mesh->mNumFaces;
         for (const aiFace& face : faces_of(*mesh)) {
             if (face.mNumIndices > kMaxCorners)
-                return unusable(header.format,
-                                "a polygon has more than " + std::to_string(kMaxCorners) + " corners, the limit");
+                return unusable_surface(
+                    name_of(header.format),
+                    "a polygon has more than " + std::to_string(kMaxCorners) + " corners, the limit");
             if (face.mNumIndices > 2) triangles += face.mNumIndices - 2;
             for (const unsigned index : std::span(face.mIndices, face.mNumIndices)) {
                 if (index < mesh->mNumVertices) continue;
-                return unusable(header.format, "face " + std::to_string(&face - mesh->mFaces) + " refers to vertex " +
-                                                   std::to_string(index) + ", but there are only " +
-                                                   std::to_string(mesh->mNumVertices) + " vertices");
+                return unusable_surface(name_of(header.format), "face " + std::to_string(&face - mesh->mFaces) +
+                                                                    " refers to vertex " + std::to_string(index) +
+                                                                    ", but there are only " +
+                                                                    std::to_string(mesh->mNumVertices) + " vertices");
             }
         }
         if (triangles > header.max_triangles || vertices > header.max_vertices)
             return too_many_faces(header.max_triangles);
     }
-    if (triangles == 0) return unusable(header.format, "it has no triangles or polygons");
-    // The header counts the triangles of a glTF exactly. The library omits triangles with invalid indices.
-    if (is_gltf(header.format) && triangles < header.max_triangles)
-        return unusable(header.format, std::to_string(header.max_triangles - triangles) + " of its " +
-                                           std::to_string(header.max_triangles) +
-                                           " triangles refer to vertices that do not exist");
+    if (triangles == 0) return unusable_surface(name_of(header.format), "it has no triangles or polygons");
+    // The library omits some faces that are invalid, which would change the numbers of others.
+    if (faces < header.min_faces)
+        return unusable_surface(name_of(header.format), std::to_string(header.min_faces - faces) + " of its " +
+                                                            std::to_string(header.min_faces) + " faces are damaged");
     return {};
 }
 
@@ -240,12 +238,17 @@ Result<SurfaceContents> read_by_library(std::string_view bytes, const SurfaceHea
     importer.SetIOHandler(new NoFiles);  // the importer owns it
     keep_reader(importer, header.format);
     const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), 0, extension_of(header.format));
-    if (scene == nullptr) return unusable(header.format, importer.GetErrorString());
+    if (scene == nullptr) {
+        const std::string_view reason = importer.GetErrorString();
+        const bool lacks_memory = reason.find("bad_alloc") != std::string_view::npos;
+        return unusable_surface(name_of(header.format), lacks_memory ? "it needs too much memory" : reason);
+    }
     auto meshes = place_meshes(*scene);
     if (const auto checked = check(meshes, header); !checked) return tl::unexpected(checked.error());
     if (has_polygons(meshes)) {
         scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-        if (scene == nullptr) return unusable(header.format, "its polygons cannot be divided into triangles");
+        if (scene == nullptr)
+            return unusable_surface(name_of(header.format), "its polygons cannot be divided into triangles");
         meshes = place_meshes(*scene);
     }
     return SoupBuilder(header.format, meshes).take();
@@ -260,7 +263,7 @@ Result<SurfaceContents> read_surface(std::string_view bytes, const SurfaceHeader
             return ply_of_off(bytes).and_then([&](const std::string& ply) { return read_by_library(ply, header); });
         return read_by_library(bytes, header);
     } catch (const std::exception& error) {
-        return unusable(header.format, error.what());
+        return unusable_surface(name_of(header.format), error.what());
     }
 }
 

@@ -16,11 +16,7 @@ using Mesh = Triangulation;
 /// Lists the half-edges that leave a site, counter-clockwise.
 std::vector<std::uint32_t> edges_around(const Triangulation& mesh, std::uint32_t site) {
     std::vector<std::uint32_t> edges;
-    std::uint32_t h = mesh.edge_of(site);
-    do {
-        edges.push_back(h);
-        h = mesh.twin(Mesh::previous(h));
-    } while (h != mesh.edge_of(site));
+    mesh.for_edges(site, [&](std::uint32_t h) { edges.push_back(h); });
     return edges;
 }
 

@@ -13,41 +13,22 @@ bool TriangleLinks::are_joined(std::uint32_t a, std::uint32_t b) const {
 }
 
 std::uint32_t TriangleLinks::add(const std::array<std::uint32_t, 3>& corners) {
-    triangles_.push_back({corners});
-    return static_cast<std::uint32_t>(triangles_.size() - 1);
-}
-
-void TriangleLinks::join(std::uint32_t edge, std::uint32_t twin) {
-    triangles_[edge / 4].twins[edge % 4] = twin;
-    if (twin != kNone) triangles_[twin / 4].twins[twin % 4] = edge;
-}
-
-void TriangleLinks::set_constrained(std::uint32_t edge, bool on) {
-    auto& bits = triangles_[edge / 4].constrained;
-    bits = static_cast<std::uint8_t>((bits & ~(1U << edge % 4)) | (on ? 1U << edge % 4 : 0U));
-}
-
-void TriangleLinks::keep_edge(std::uint32_t edge) {
-    std::uint32_t& kept = edge_of_[origin(edge)];
-    const bool is_free = kept == kNone || origin(kept) != origin(edge) || twin(kept) != kNone;
-    if (is_free || twin(edge) == kNone) kept = edge;
+    std::uint32_t triangle = static_cast<std::uint32_t>(triangles_.size());
+    if (removed_.empty()) {
+        triangles_.emplace_back();
+    } else {
+        triangle = removed_.back();
+        removed_.pop_back();
+    }
+    triangles_[triangle] = {};
+    triangles_[triangle].corners = corners;
+    return triangle;
 }
 
 void TriangleLinks::divide(std::uint32_t vertex, std::uint32_t triangle) {
-    const Triangle whole = triangles_[triangle];
-    const auto& c = whole.corners;
-    const std::uint32_t t = triangle, u = add({c[1], c[2], vertex}), v = add({c[2], c[0], vertex});
-    triangles_[t].corners[2] = vertex;
-    set_constrained(edge(u, 0), (whole.constrained & 2) != 0);
-    set_constrained(edge(v, 0), (whole.constrained & 4) != 0);
-    set_constrained(edge(t, 1), false);
-    set_constrained(edge(t, 2), false);
-    join(edge(u, 0), whole.twins[1]);
-    join(edge(v, 0), whole.twins[2]);
-    join(edge(t, 1), edge(u, 2));
-    join(edge(u, 1), edge(v, 2));
-    join(edge(v, 1), edge(t, 2));
-    for (const std::uint32_t each : {t, u, v}) {
+    const std::uint32_t u = add({vertex, vertex, vertex}), v = add({vertex, vertex, vertex});
+    HalfEdges::divide(vertex, triangle, u, v);
+    for (const std::uint32_t each : {triangle, u, v}) {
         for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(each, i));
     }
 }
@@ -78,23 +59,6 @@ void TriangleLinks::split(std::uint32_t vertex, std::uint32_t h) {
     }
 }
 
-void TriangleLinks::flip(std::uint32_t h) {
-    const std::uint32_t other = twin(h), after = next(h), other_after = next(other);
-    const std::uint32_t c = apex(h), d = apex(other);
-    set_constrained(h, is_constrained(other_after));
-    set_constrained(other, is_constrained(after));
-    set_constrained(after, false);
-    set_constrained(other_after, false);
-    join(h, twin(other_after));
-    join(other, twin(after));
-    join(after, other_after);
-    triangles_[triangle_of(h)].corners[after % 4] = d;
-    triangles_[triangle_of(other)].corners[other_after % 4] = c;
-    for (const std::uint32_t triangle : {triangle_of(h), triangle_of(other)}) {
-        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(triangle, i));
-    }
-}
-
 void TriangleLinks::collapse(std::uint32_t h) {
     const std::uint32_t a = origin(h), b = target(h), other = twin(h);
     std::vector<std::uint32_t> leaving;
@@ -110,7 +74,8 @@ void TriangleLinks::collapse(std::uint32_t h) {
             join(from, to);
             set_constrained(from, constrained);
         }
-        triangles_[triangle_of(e)] = {};
+        triangles_[triangle_of(e)].corners = {kNone, kNone, kNone};
+        removed_.push_back(triangle_of(e));
         return std::array{first, second};
     };
     const std::array near = remove(h), far = other == kNone ? std::array{kNone, kNone} : remove(other);
@@ -143,6 +108,7 @@ void TriangleLinks::renumber(const std::vector<std::uint32_t>& number_of, std::s
         }
     }
     triangles_ = std::move(sorted);
+    removed_.clear();
     edge_of_.assign(count, kNone);
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(t, i));

@@ -47,63 +47,25 @@ void Triangulation::reserve_triangles(std::size_t border) {
     triangles_.resize(2 * sites_, unused);
 }
 
-void Triangulation::join(std::uint32_t edge, std::uint32_t twin) {
-    set_twin(edge, twin);
-    if (twin != kNone) set_twin(twin, edge);
-}
-
 void Triangulation::divide(std::uint32_t site, std::uint32_t triangle, Shift shift, std::uint32_t u, std::uint32_t v) {
-    // Triangle t becomes (c0, c1, p). If p lies on an edge, one of the three triangles is flat. Its circumcircle is a
-    // half-plane that contains the corner beyond the edge, so the edge is flipped.
-    const std::uint32_t t = triangle;
-    const Triangle split = triangles_[t];
-    const auto& c = split.corners;
-    triangles_[u] = triangles_[v] = {};
-    triangles_[u].corners = {c[1], c[2], site};
-    triangles_[v].corners = {c[2], c[0], site};
-    if (is_torus()) {
-        const Shift first = shift, second = shift - lift(edge(t, 1)), third = shift - lift(edge(t, 2));
-        triangles_[u].set_shifts(split.shifts[1], third, Shift{} - second);
-        triangles_[v].set_shifts(split.shifts[2], first, Shift{} - third);
-        triangles_[t].set_shifts(split.shifts[0], second, Shift{} - first);
-    }
-    triangles_[t].corners[2] = site;
-    triangles_[u].set_constrained(0, split.is_constrained(1));
-    triangles_[v].set_constrained(0, split.is_constrained(2));
-    triangles_[t].set_constrained(1, false);
-    triangles_[t].set_constrained(2, false);
-    join(edge(u, 0), split.twins[1]);
-    join(edge(v, 0), split.twins[2]);
-    join(edge(t, 1), edge(u, 2));
-    join(edge(u, 1), edge(v, 2));
-    join(edge(v, 1), edge(t, 2));
+    // If the site lies on an edge, one of the three triangles is flat. Its circumcircle is a half-plane that contains
+    // the corner beyond the edge, so the edge is flipped.
+    const std::array<Shift, 3> along = triangles_[triangle].shifts;
+    const Shift first = shift, second = shift - lift(edge(triangle, 1)), third = shift - lift(edge(triangle, 2));
+    HalfEdges::divide(site, triangle, u, v);
+    if (!is_torus()) return;
+    triangles_[u].set_shifts(along[1], third, Shift{} - second);
+    triangles_[v].set_shifts(along[2], first, Shift{} - third);
+    triangles_[triangle].set_shifts(along[0], second, Shift{} - first);
 }
 
 void Triangulation::flip(std::uint32_t edge) {
     const std::uint32_t twin = this->twin(edge);
-    const std::uint32_t edge_next = next(edge), twin_next = next(twin);
-    const std::uint32_t c = origin(previous(edge)), d = origin(previous(twin));
-    set_constrained(edge, is_constrained(twin_next));
-    set_constrained(twin, is_constrained(edge_next));
-    set_constrained(edge_next, false);
-    set_constrained(twin_next, false);
     if (!changed_.empty()) {
-        for (const std::uint32_t vertex : {origin(edge), origin(twin), c, d}) changed_[vertex] = 1;
+        for (const std::uint32_t vertex : {origin(edge), origin(twin), apex(edge), apex(twin)}) changed_[vertex] = 1;
     }
     if (crosses_seam(triangle_of(edge)) || crosses_seam(triangle_of(twin))) flip_shifts(edge);
-    if (this->twin(twin_next) == edge_next) {
-        join(edge, twin);  // the two triangles share a second edge, around the torus
-    } else {
-        join(edge, this->twin(twin_next));
-        join(twin, this->twin(edge_next));
-    }
-    join(edge_next, twin_next);
-    triangles_[triangle_of(edge)].corners[edge_next % 4] = d;
-    triangles_[triangle_of(twin)].corners[twin_next % 4] = c;
-    if (edge_of_.empty()) return;
-    for (const std::uint32_t triangle : {triangle_of(edge), triangle_of(twin)}) {
-        for (std::uint32_t i = 0; i < 3; ++i) keep_edge(Triangulation::edge(triangle, i));
-    }
+    HalfEdges::flip(edge);
 }
 
 void Triangulation::flip_shifts(std::uint32_t edge) {
@@ -159,16 +121,11 @@ void Triangulation::finish() {
     if (!is_torus()) points_.resize(points_.size() - 4);  // the corners of the box
     part_of_.resize(points_.size());
     if (part_count_ == 1) part_of_ = std::vector<std::uint32_t>();
-    edge_of_.resize(points_.size());
+    edge_of_.assign(points_.size(), kNone);
     for (std::uint32_t t = 0; t < triangle_count(); ++t) {
         for (std::uint32_t i = 0; i < 3; ++i) keep_edge(edge(t, i));
     }
     forget_changes();
-}
-
-void Triangulation::keep_edge(std::uint32_t edge) {
-    const std::uint32_t vertex = origin(edge);
-    if (is_site(vertex) || twin(edge) == kNone) edge_of_[vertex] = edge;
 }
 
 }  // namespace ccdt

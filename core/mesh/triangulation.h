@@ -9,6 +9,7 @@
 
 #include "core/geometry/delaunay.h"
 #include "core/geometry/point.h"
+#include "core/mesh/half_edges.h"
 #include "core/mesh/site_blocks.h"
 #include "core/parallel/executor.h"
 
@@ -28,20 +29,35 @@ struct Shift {
     }
 };
 
+/// A triangle of a domain, or outside of it during the construction. Constraints are cleared by trim().
+struct PlaneTriangle : LinkedTriangle {
+    std::array<Shift, 3> shifts{};  ///< shifts along the edges
+
+    static constexpr std::uint8_t kOutside = 8;  ///< flag: outside the domain; never set after trim()
+    static constexpr std::uint8_t kSeam = 16;    ///< flag: some shift is not zero
+
+    bool is_inside() const { return (flags & kOutside) == 0; }
+    void set_shifts(Shift first, Shift second, Shift third) {
+        shifts = {first, second, third};
+        const bool seam = shifts != std::array<Shift, 3>{};
+        flags = static_cast<std::uint8_t>((flags & ~kSeam) | (seam ? kSeam : 0));
+    }
+};
+
 /// A triangulation of a domain in flat arrays. This class stores and navigates the mesh, and changes single triangles.
 /// The other files of this folder insert sites (insertion.h), make the mesh Delaunay (flips.h), move sites to distant
 /// triangles (relocation.h), and determine what lies inside the domain (inside.h).
 ///
-/// Half-edge h is edge h % 4 (0, 1 or 2) of triangle h / 4, whose edges run counter-clockwise. Vertices [0, sites) are
-/// sites, the others lie on the border. During construction, triangles outside the domain are part of the mesh. trim()
-/// drops these triangles; afterwards an edge of the border has no twin.
+/// Vertices [0, sites) are sites, the others lie on the border. During construction, triangles outside the domain are
+/// part of the mesh. trim() drops these triangles; afterwards an edge of the border has no twin, and edge_of() is
+/// valid.
 ///
 /// On a torus every edge stores by how many periods its target is shifted from the stored position of the target
 /// vertex. So vertices may leave the box, and even a single vertex has a triangulation. All positions are multiples of
 /// 2^-50, so shifted positions are exact.
-class Triangulation {
+class Triangulation : public HalfEdges<PlaneTriangle> {
 public:
-    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    using Triangle = PlaneTriangle;
 
     /// Copies the triangulation of a border. For the mesh of a domain, use mesh_of_border(), which marks the inside.
     /// @param sites  number of sites to be inserted, which are numbered before the points of the border
@@ -61,7 +77,6 @@ public:
 
     std::size_t site_count() const { return sites_; }
     std::size_t vertex_count() const { return points_.size(); }
-    std::size_t triangle_count() const { return triangles_.size(); }
 
     Point point(std::uint32_t vertex) const { return points_[vertex]; }
     std::vector<Point>& points() { return points_; }
@@ -75,16 +90,6 @@ public:
     void fix_last(std::size_t count);
     /// Blocks of the free sites, which can be processed in parallel.
     const SiteBlocks& blocks() const { return blocks_; }
-
-    static std::uint32_t edge(std::uint32_t triangle, std::uint32_t number) { return 4 * triangle + number; }
-    static std::uint32_t triangle_of(std::uint32_t edge) { return edge / 4; }
-    static std::uint32_t number_of(std::uint32_t edge) { return edge % 4; }
-    static std::uint32_t next(std::uint32_t edge) { return edge % 4 == 2 ? edge - 2 : edge + 1; }
-    static std::uint32_t previous(std::uint32_t edge) { return edge % 4 == 0 ? edge + 2 : edge - 1; }
-
-    std::uint32_t origin(std::uint32_t edge) const { return triangles_[edge / 4].corners[edge % 4]; }
-    std::uint32_t target(std::uint32_t edge) const { return origin(next(edge)); }
-    std::uint32_t twin(std::uint32_t edge) const { return triangles_[edge / 4].twins[edge % 4]; }
 
     /// Whether a corner of the triangle is shifted by periods relative to the others, which is possible only on a
     /// torus.
@@ -122,15 +127,6 @@ public:
         return {points_[c[0]], points_[c[1]] + distance(t.shifts[0]), points_[c[2]] - distance(t.shifts[2])};
     }
 
-    /// A half-edge that leaves the vertex. For a vertex of the border, it is the half-edge along the border with the
-    /// domain on its left, so a counter-clockwise turn visits all its half-edges. Valid after trim().
-    std::uint32_t edge_of(std::uint32_t vertex) const { return edge_of_[vertex]; }
-
-    std::array<std::uint32_t, 3> corners(std::uint32_t triangle) const {
-        const auto& c = triangles_[triangle].corners;
-        return {c[0], c[1], c[2]};
-    }
-
     /// Twice the area; always > 0.
     double doubled_area(std::uint32_t triangle) const {
         const auto [a, b, c] = places(triangle);
@@ -150,48 +146,16 @@ public:
 
     // The following members are for the algorithms of this folder.
 
-    /// A triangle. Edge i runs from corners[i] to corners[(i + 1) % 3].
-    struct Triangle {
-        std::array<std::uint32_t, 3> corners{};                   ///< counter-clockwise
-        std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};  ///< twins of the three half-edges
-        std::array<Shift, 3> shifts{};                            ///< shifts along the edges
-        std::uint8_t flags = 0;
-
-        // Bit 1 << i is set if edge i of the triangle is constrained.
-        static constexpr std::uint8_t kConstrained = 7;  ///< these three bits; cleared by trim()
-        static constexpr std::uint8_t kOutside = 8;      ///< outside the domain; never set after trim()
-        static constexpr std::uint8_t kSeam = 16;        ///< some shift is not zero
-
-        bool is_inside() const { return (flags & kOutside) == 0; }
-        bool is_constrained(std::uint32_t number) const { return (flags >> number & 1) != 0; }
-        void set_constrained(std::uint32_t number, bool on) {
-            flags = static_cast<std::uint8_t>((flags & ~(1u << number)) | (on ? 1u << number : 0u));
-        }
-        void set_shifts(Shift first, Shift second, Shift third) {
-            shifts = {first, second, third};
-            const bool seam = shifts != std::array<Shift, 3>{};
-            flags = static_cast<std::uint8_t>((flags & ~kSeam) | (seam ? kSeam : 0));
-        }
-    };
-
-    std::vector<Triangle>& triangles() { return triangles_; }
-    const std::vector<Triangle>& triangles() const { return triangles_; }
-
-    /// First triangle of the border. The triangles of the sites, two for each, come before it.
+    /// First triangle of the border. The triangles of the sites, two for each, come before it. They are near their site
+    /// in the plane.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
-    bool is_constrained(std::uint32_t edge) const { return triangles_[edge / 4].is_constrained(edge % 4); }
 
-    /// Makes two half-edges twins. `twin` may be kNone.
-    void join(std::uint32_t edge, std::uint32_t twin);
     /// Splits a triangle into three at a site.
     /// @param shift  shift of the site from its stored position to its position in the triangle
     /// @param u, v   two unused triangles, which become parts of the divided one
     void divide(std::uint32_t site, std::uint32_t triangle, Shift shift, std::uint32_t u, std::uint32_t v);
     /// Replaces the edge a-b of triangles (a, b, c) and (b, a, d) by d-c of (a, d, c) and (b, c, d).
     void flip(std::uint32_t edge);
-    /// Makes `edge` the stored edge of the vertex where it starts (see edge_of). If that vertex is on the border, does
-    /// so only if `edge` is an edge of the border, too.
-    void keep_edge(std::uint32_t edge);
     /// Sets has_changed() of all vertices to false.
     void forget_changes() { changed_.assign(points_.size(), 0); }
 
@@ -209,18 +173,14 @@ public:
 
 private:
     void reserve_triangles(std::size_t border);
-    void set_twin(std::uint32_t edge, std::uint32_t twin) { triangles_[edge / 4].twins[edge % 4] = twin; }
-    void set_constrained(std::uint32_t edge, bool on) { triangles_[edge / 4].set_constrained(edge % 4, on); }
     void flip_shifts(std::uint32_t edge);
 
     std::size_t sites_;
     std::size_t free_ = sites_;
     Point period_;  ///< 0 unless a torus
     std::vector<Point> points_;
-    std::vector<Triangle> triangles_;     ///< two for each site, near it in the plane; then the triangles of the border
     std::vector<std::uint32_t> part_of_;  ///< [vertices]; empty after trim() if there is only one part
     std::size_t part_count_ = 0;
-    std::vector<std::uint32_t> edge_of_;  ///< [vertices] a half-edge that leaves the vertex
     /// [vertices] whether the last restore_delaunay() changed a triangle around the vertex.
     std::vector<std::uint8_t> changed_;
     SiteBlocks blocks_;  ///< blocks of the free sites

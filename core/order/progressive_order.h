@@ -53,7 +53,8 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
 /// @param points   [n] may coincide
 /// @param normals  [n] normals of the surface at the points, of unit length
 /// @param area     area of the surface
-/// @param even     whether the points have the same density everywhere and the surface has no border
+/// @param even     whether the points have the same density everywhere and the surface has no border; a sharp edge
+///                 between two faces is not a border
 std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> points, std::span<const Point3> normals,
                                                         double area, bool even, const std::stop_token& stop = {},
                                                         Executor& executor = inline_executor());

@@ -55,8 +55,11 @@ public:
             report();
         }
         if (settings_) {
-            run_schedule(*settings_, SitePolish(*mesh_, density_, capacity_, relaxation, control_.stop), control_.stop,
-                         [this] { ++round_, report(); });
+            SitePolish polish(*mesh_, density_, capacity_, relaxation, control_.stop);
+            // Where the surface is folded, pushes cannot move all pairs apart. The rounds of the polish then remove the
+            // error of density that the relocation causes.
+            if (polish.is_any_nearer(settings_->least)) polish.separate(settings_->least);
+            run_schedule(*settings_, polish, control_.stop, [this] { ++round_, report(); });
             mesh_->restore_delaunay(control_.stop);
             result_.polished = relaxation.variation();
         }

@@ -10,7 +10,6 @@ namespace ccdt {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kLeafSize = 4;  ///< largest number of triangles in a node without children
 
 double squared(Point3 p) {
@@ -28,7 +27,7 @@ std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& tri
         if (b >= 0 && c >= 0 && b + c <= 1) return {std::max(0.0, 1 - b - c), b, c};
     }
     std::array<double, 3> weights{};
-    double least = kInfinity;
+    double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = (k + 1) % 3;
         const Point3 from = p - triangle[k], edge = triangle[next] - triangle[k];
@@ -54,37 +53,47 @@ Point3 most(Point3 a, Point3 b) {
 
 FaceTree::FaceTree(std::vector<std::uint32_t> faces, Corners corners)
     : faces_(std::move(faces)), corners_(std::move(corners)) {
-    build({0, static_cast<std::uint32_t>(faces_.size())});
+    std::vector<Centre> centres(faces_.size());
+    std::transform(faces_.begin(), faces_.end(), centres.begin(), [this](std::uint32_t face) {
+        const auto [a, b, c] = corners_(face);
+        return Centre{a + b + c, face};
+    });
+    build(centres, {0, static_cast<std::uint32_t>(faces_.size())});
 }
 
-/// Returns three times the centre of a triangle.
-Point3 FaceTree::centre(std::uint32_t face) const {
-    const auto [a, b, c] = corners_(face);
-    return a + b + c;
-}
-
-void FaceTree::build(Range range) {
+/// Adds a node for a range of faces, and sorts the centres of the range by node.
+void FaceTree::build(std::span<Centre> centres, Range range) {
     const std::size_t number = nodes_.size();
-    Node node{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
-    for (std::uint32_t i = range.begin; i < range.end; ++i) {
-        for (const Point3& p : corners_(faces_[i])) {
-            node.min = least(node.min, p);
-            node.max = most(node.max, p);
+    nodes_.emplace_back();
+    if (range.end - range.begin <= kLeafSize) {
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            faces_[i] = centres[i].face;
+            for (const Point3& p : corners_(faces_[i])) nodes_[number].include(p, p);
         }
+        return;
     }
-    nodes_.push_back(node);
-    if (range.end - range.begin <= kLeafSize) return;
-
-    const Point3 size = node.max - node.min;
+    Node spread;
+    for (const Centre& centre : centres.subspan(range.begin, range.end - range.begin)) {
+        spread.include(centre.place, centre.place);
+    }
+    const Point3 size = spread.max - spread.min;
     const auto axis = size.x >= std::max(size.y, size.z) ? &Point3::x : size.y >= size.z ? &Point3::y : &Point3::z;
-    std::nth_element(faces_.begin() + range.begin, faces_.begin() + range.middle(), faces_.begin() + range.end,
-                     [this, axis](std::uint32_t a, std::uint32_t b) {
-                         const double first = centre(a).*axis, second = centre(b).*axis;
-                         return first != second ? first < second : a < b;
+    std::nth_element(centres.begin() + range.begin, centres.begin() + range.middle(), centres.begin() + range.end,
+                     [axis](const Centre& a, const Centre& b) {
+                         const double first = a.place.*axis, second = b.place.*axis;
+                         return first != second ? first < second : a.face < b.face;
                      });
-    build({range.begin, range.middle()});
-    nodes_[number].second = static_cast<std::uint32_t>(nodes_.size());
-    build({range.middle(), range.end});
+    build(centres, {range.begin, range.middle()});
+    const std::size_t second = nodes_.size();
+    nodes_[number].second = static_cast<std::uint32_t>(second);
+    build(centres, {range.middle(), range.end});
+    nodes_[number].include(nodes_[number + 1].min, nodes_[number + 1].max);
+    nodes_[number].include(nodes_[second].min, nodes_[second].max);
+}
+
+void FaceTree::Node::include(Point3 from, Point3 to) {
+    min = least(min, from);
+    max = most(max, to);
 }
 
 FaceTree::Nearest FaceTree::nearest(Point3 p) const {

@@ -28,6 +28,9 @@ public:
     /// O(faces + sites).
     std::vector<double> measure(const SurfaceTriangulation& mesh);
 
+    /// Forgets the triangles above the pieces. Must be called after sites were relocated.
+    void forget() { is_located_ = false; }
+
 private:
     struct Piece {
         Point3 place;

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <span>
+#include <utility>
 
 #include "core/geometry/hexagonal_spacing.h"
 #include "core/polish/cell_list.h"
@@ -129,32 +131,78 @@ bool SitePolish::is_any_nearer(double least) {
     std::vector<Point3> places(sites), normals(sites);
     for (std::uint32_t v = 0; v < sites; ++v) {
         places[v] = mesh_.point(v);
-        mesh_.for_edges(v, [&](std::uint32_t h) { normals[v] = normals[v] + mesh_.doubled_normal(h / 4); });
+        normals[v] = mesh_.surface().smooth_normal(mesh_.on_surface(v));
     }
     const BasicCellList<Point3> cells(places);
-    std::vector<std::vector<std::array<std::uint32_t, 2>>> found((sites + kSites - 1) / kSites);
-    std::vector<std::uint8_t> joined_near(found.size(), 0);
+    struct Found {
+        std::vector<std::array<std::uint32_t, 2>> joined, facing;
+    };
+    std::vector<Found> found((sites + kSites - 1) / kSites);
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> joined;
+        auto& [near_joined, near_facing] = found[begin / kSites];
         for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
             joined.clear();
             mesh_.for_edges(v, [&](std::uint32_t h) { joined.push_back(mesh_.target(h)); });
             cells.for_near(places[v], 2 * reach * spacings_[v], [&](Point3, std::uint32_t other) {
-                if (other <= v || !is_near(v, other, reach) || !(dot(normals[v], normals[other]) > 0)) return;
-                if (std::ranges::find(joined, other) == joined.end()) {
-                    found[begin / kSites].push_back({v, other});
-                } else {
-                    joined_near[begin / kSites] = 1;
-                }
+                if (other <= v || !mesh_.is_free(v) || !is_near(v, other, reach)) return;
+                const bool is_joined = std::ranges::find(joined, other) != joined.end();
+                if (!is_joined && !(dot(normals[v], normals[other]) > 0)) return;
+                (is_joined ? near_joined : near_facing).push_back({v, other});
             });
         }
+        std::ranges::sort(near_joined);
+        std::ranges::sort(near_facing);
     });
+    joined_.clear();
     facing_.clear();
-    for (auto& pairs : found) {
-        std::ranges::sort(pairs);
-        facing_.insert(facing_.end(), pairs.begin(), pairs.end());
+    for (const auto& [near_joined, near_facing] : found) {
+        joined_.insert(joined_.end(), near_joined.begin(), near_joined.end());
+        facing_.insert(facing_.end(), near_facing.begin(), near_facing.end());
     }
-    return !facing_.empty() || std::ranges::find(joined_near, 1) != joined_near.end();
+    return !joined_.empty() || !facing_.empty();
+}
+
+/// Returns triangles between free sites near a site, those with the largest capacities first.
+std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
+    constexpr std::size_t kVisited = 400;  // about the triangles within eight spacings
+    constexpr std::size_t kMost = 16;
+    std::vector<std::uint32_t> visited;
+    mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
+    for (std::size_t i = 0; i < visited.size() && visited.size() < kVisited; ++i) {
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t twin = mesh_.twin(SurfaceTriangulation::edge(visited[i], k));
+            if (twin == kNone || std::ranges::find(visited, twin / 4) != visited.end()) continue;
+            visited.push_back(twin / 4);
+        }
+    }
+    std::erase_if(visited, [&](std::uint32_t t) {
+        return !std::ranges::all_of(mesh_.corners(t), [&](std::uint32_t v) { return mesh_.is_free(v); });
+    });
+    std::ranges::stable_sort(visited, std::greater{}, [&](std::uint32_t t) {
+        const double spacing = spacings_[mesh_.corners(t)[0]];
+        return mesh_.doubled_area(t) / (spacing * spacing);
+    });
+    visited.resize(std::min(visited.size(), kMost));
+    return visited;
+}
+
+void SitePolish::separate(double least) {
+    constexpr double kStuck = 0.85;  // share of the least distance; pushes move other pairs apart
+    auto pairs = joined_;
+    pairs.insert(pairs.end(), facing_.begin(), facing_.end());
+    std::vector<std::uint8_t> is_relocated(mesh_.site_count(), 0);
+    for (const auto& [a, b] : pairs) {
+        if (is_relocated[a] != 0 || is_relocated[b] != 0) continue;
+        if (!is_near(a, b, kStuck * least * hexagonal_spacing(1))) continue;
+        for (const std::uint32_t site : {a, b}) {
+            if (!mesh_.is_free(site) || !mesh_.relocate(site, wide_triangles(site))) continue;
+            is_relocated[site] = 1;
+            break;
+        }
+    }
+    facing_.clear();
+    masses_.forget();
 }
 
 }  // namespace ccdt

@@ -34,12 +34,15 @@ public:
     /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. Finds sites
     /// that no edge joins, too, unless they are on different sides of a thin plate. The next pushes move these apart.
     bool is_any_nearer(double least);
-    void separate(double /*least*/) {}
+    /// Relocates one site of each pair that is_any_nearer() found and that pushes have not moved apart, to a triangle
+    /// with a large capacity nearby.
+    void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}
 
 private:
     bool is_near(std::uint32_t a, std::uint32_t b, double reach) const;
+    std::vector<std::uint32_t> wide_triangles(std::uint32_t site) const;
     void measure_spacings();
     void apply();
 
@@ -51,7 +54,8 @@ private:
     SiteMasses masses_;
     std::vector<double> spacings_;                      ///< [sites] 1 / sqrt(wanted density of sites)
     std::vector<Point3> moves_;                         ///< [sites]
-    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< pairs of near sites that no edge joins
+    std::vector<std::array<std::uint32_t, 2>> joined_;  ///< pairs of near sites that an edge joins
+    std::vector<std::array<std::uint32_t, 2>> facing_;  ///< other pairs of near sites
 };
 
 }  // namespace ccdt

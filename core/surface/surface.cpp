@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numeric>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -20,6 +20,8 @@ namespace {
 constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
 // Smallest extent relative to the magnitude of the coordinates; a smaller surface has too few distinct coordinates.
 constexpr double kMinSize = 1e-9;
+// Adding and subtracting it rounds to multiples of 2^-36.
+constexpr double kRounder = 0x1p16;
 // Share of the centroid in points that are moved slightly into their face.
 constexpr double kInset = 1e-9;
 
@@ -75,6 +77,10 @@ Result<Extent> find_extent(const TriangleSoup& soup) {
     return failure(ErrorCode::Unusable, "the extent is too large, or too small for the coordinates");
 }
 
+double squared(Point3 p) {
+    return dot(p, p);
+}
+
 Point3 unit(Point3 p) {
     const double size = largest(p);
     if (size == 0) return {0, 0, 0};
@@ -92,30 +98,28 @@ std::array<double, 3> inset(const std::array<double, 3>& weights, double share) 
 
 }  // namespace
 
-/// State of trace() in one face.
+/// A line of trace() in one face. Coordinates in the face have their origin at the first corner of an edge, and the x
+/// axis along this edge. In the first face, it is edge 0, and later the edge where the line enters.
 struct Surface::Walk {
-    /// A position on an edge, and the way to it.
-    struct Exit {
-        std::uint32_t side = 0;  ///< edge 0, 1 or 2
-        double t = 0;            ///< position on the edge, from its first (0) to its second (1) corner
-        double distance = 0;     ///< from the entry
-    };
+    /// The smallest component of a direction that counts as different from 0.
+    static constexpr double kLeastComponent = 1e-12;
 
     std::uint32_t face = 0;
     double left = 0;                ///< distance left to go
     std::array<double, 3> entry{};  ///< weights of the position where the line enters the face
+    double x = 0, y = 0;            ///< direction, of unit length
 
-    std::array<double, 3> weights_of(const Exit& exit) const {
+    std::uint32_t exit = 0;         ///< edge where the line leaves the face: 0, 1 or 2
+    double t = 0;                   ///< position on this edge, from its first (0) to its second (1) corner
+    double distance = 0;            ///< from the entry to the exit
+    double edge_x = 0, edge_y = 0;  ///< vector from the second to the first corner of this edge
+
+    std::array<double, 3> exit_weights() const {
         std::array<double, 3> weights{};
-        weights[exit.side] = 1 - exit.t;
-        weights[next(exit.side)] = exit.t;
+        weights[exit] = 1 - t;
+        weights[next(exit)] = t;
         return weights;
     }
-    /// Ends in the face, on the way to the exit.
-    SurfacePoint end(const Exit& exit) const {
-        return {face, mixed(entry, weights_of(exit), std::min(1.0, left / exit.distance))};
-    }
-    SurfacePoint stop_at(const Exit& exit) const { return {face, inset(weights_of(exit), kInset)}; }
 };
 
 struct Surface::Tree {
@@ -140,8 +144,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     surface.origin_ = extent->min;
     surface.scale_ = extent->size();
 
-    // Multiples of 2^-52 have exact differences, whose products do not underflow.
-    const auto rounded = [](double value) { return (value + 1) - 1; };
+    const auto rounded = [](double value) { return (value + kRounder) - kRounder; };
     std::vector<Point3> positions(soup.vertices.size());
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point3 p = surface.from_input(soup.vertices[v]);
@@ -153,18 +156,17 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 
     surface.vertices_ = std::move(connected->vertices);
     surface.faces_.resize(connected->faces.size());
-    std::vector<std::uint8_t> flat(surface.faces_.size());
-    for (std::size_t f = 0; f < flat.size(); ++f) {
+    for (std::size_t f = 0; f < surface.faces_.size(); ++f) {
         const ConnectedTriangles::Face& from = connected->faces[f];
         Face& face = surface.faces_[f];
         face.corners = from.corners;
         face.twins = from.twins;
         face.triangle = from.triangle;
         face.turned = from.turned;
-        flat[f] = from.flat;
+        face.flat = from.flat;
     }
     connected->faces = {};
-    surface.measure_faces(flat);
+    surface.measure_faces();
     surface.mark_creases(crease);
     surface.number_components();
     surface.compute_vertex_normals();
@@ -174,35 +176,43 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
 }
 
 /// Computes areas and normals. The normals of flat faces come from their neighbours at the longest edge.
-/// @param flat  [faces]
-void Surface::measure_faces(const std::vector<std::uint8_t>& flat) {
+void Surface::measure_faces() {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         const auto face = static_cast<std::uint32_t>(f);
-        const Point3 doubled = cross(edge_vector(face, 0), edge_vector(face, 1));
+        const Point3 doubled = ConnectedTriangles::doubled_area(places(face));
         faces_[f].area = length(doubled) / 2;
         faces_[f].normal = unit(doubled);
         total_area_ += faces_[f].area;
     }
-    const auto across = [this](std::uint32_t face) {
-        std::uint32_t longest = 0;
-        for (std::uint32_t k = 1; k < 3; ++k) {
-            const Point3 a = edge_vector(face, k), b = edge_vector(face, longest);
-            if (dot(a, a) > dot(b, b)) longest = k;
-        }
-        return faces_[face].twins[longest];
-    };
-    constexpr int kMaxFlat = 100;  // successive flat faces
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (!flat[f]) continue;
-        std::uint32_t edge = 4 * static_cast<std::uint32_t>(f);
-        for (int i = 0; i < kMaxFlat && edge != kNone && flat[edge / 4]; ++i) edge = across(edge / 4);
-        if (edge != kNone && !flat[edge / 4]) faces_[f].normal = faces_[edge / 4].normal;
-        if (dot(faces_[f].normal, faces_[f].normal) == 0) faces_[f].normal = {0, 0, 1};
+        if (!faces_[f].flat) continue;
+        const std::uint32_t face = face_beside(static_cast<std::uint32_t>(f));
+        if (!faces_[face].flat) faces_[f].normal = faces_[face].normal;
+        if (faces_[f].normal == Point3{}) faces_[f].normal = {0, 0, 1};
     }
 }
 
+/// Returns the first face that is not flat on a way from a flat face over longest edges, or the last face before a
+/// border.
+std::uint32_t Surface::face_beside(std::uint32_t face) const {
+    constexpr int kMaxFaces = 100;
+    std::uint32_t entry = kNone;
+    for (int i = 0; i < kMaxFaces && faces_[face].flat; ++i) {
+        std::uint32_t longest = entry == 0 ? 1 : 0;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (k != entry && squared(edge_vector(face, k)) > squared(edge_vector(face, longest))) longest = k;
+        }
+        const std::uint32_t other = faces_[face].twins[longest];
+        if (other == kNone) break;
+        face = other / 4;
+        entry = other % 4;
+    }
+    return face;
+}
+
 void Surface::mark_creases(std::optional<double> crease) {
-    const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::acos(-1.0))) : -2;
+    constexpr double kMargin = 1e-12;  // of the cosine; rounding bends planes
+    const double least = crease ? std::cos(std::clamp(*crease, 0.0, std::numbers::pi)) - kMargin : -2;
     for (Face& face : faces_) {
         for (std::uint32_t k = 0; k < 3; ++k) {
             const bool is_crease = face.twins[k] == kNone || dot(face.normal, faces_[face.twins[k] / 4].normal) < least;
@@ -244,7 +254,7 @@ void Surface::compute_vertex_normals() {
     // The normals around a vertex may cancel out.
     for (const Face& face : faces_) {
         for (const std::uint32_t v : face.corners) {
-            if (dot(normals_[v], normals_[v]) < 1e-24) normals_[v] = face.normal;
+            if (squared(normals_[v]) < 1e-24) normals_[v] = face.normal;
         }
     }
     for (Point3& normal : normals_) normal = unit(normal);
@@ -264,7 +274,7 @@ Point3 Surface::place(const SurfacePoint& point) const {
 Point3 Surface::smooth_normal(const SurfacePoint& point) const {
     const auto& [a, b, c] = faces_[point.face].corners;
     const Point3 sum = point.weights[0] * normals_[a] + point.weights[1] * normals_[b] + point.weights[2] * normals_[c];
-    return dot(sum, sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
+    return squared(sum) < 1e-24 ? faces_[point.face].normal : unit(sum);
 }
 
 Point3 Surface::to_input(Point3 p) const {
@@ -279,95 +289,103 @@ Point3 Surface::from_input(Point3 p) const {
 SurfacePoint Surface::trace(const SurfacePoint& from, Point3 move) const {
     const double size = largest(move);
     if (!(size > 0) || !is_finite(move)) return from;
-    const Point3 way = 1 / size * move;
+    const Point3 direction = 1 / size * move;
+    Walk walk{.face = from.face, .left = size * length(direction), .entry = from.weights};
+    if (!begin_walk(walk, direction)) return from;
+    for (int step = 0; walk.left > walk.distance; ++step) {
+        if (is_crease(4 * walk.face + walk.exit) || step == kMaxSteps) {
+            return {walk.face, inset(walk.exit_weights(), kInset)};
+        }
+        walk.left -= walk.distance;
+        cross_edge(walk);
+    }
+    return {walk.face, mixed(walk.entry, walk.exit_weights(), walk.left / walk.distance)};
+}
 
-    Walk walk{.face = from.face, .left = size * length(way), .entry = from.weights};
+/// Finds where a line leaves its first face. Returns false if the direction is perpendicular to the face.
+bool Surface::begin_walk(Walk& walk, Point3 direction) const {
     // On an edge, rounding could make all corners lie on one side of the line.
     constexpr double kLeastWeight = 1e-12;
-    constexpr double kLeastInPlane = 1e-12;  // share of the move that is not perpendicular to the face
-    constexpr double kLeastLength = 1e-17;   // shorter than every edge
-    if (std::min({walk.entry[0], walk.entry[1], walk.entry[2]}) < kLeastWeight)
-        walk.entry = inset(walk.entry, kLeastWeight);
+    const auto& [a, b, c] = walk.entry;
+    if (std::min({a, b, c}) < kLeastWeight) walk.entry = inset(walk.entry, kLeastWeight);
 
-    // The first face has corner 0 at the origin, and its edge 0 on the x axis.
-    const Point3 u = edge_vector(walk.face, 0), v = -1 * edge_vector(walk.face, 2);
-    double base = length(u);
+    const Point3 u = edge_vector(walk.face, 0);
+    const double base = length(u);
     const Point3 x_axis = 1 / base * u;
-    const Point3 y_axis = cross(faces_[walk.face].normal, x_axis);
-    double x = dot(way, x_axis), y = dot(way, y_axis);
-    const double in_plane = std::sqrt(x * x + y * y);
-    if (!(in_plane > kLeastInPlane)) return from;
-    x /= in_plane;
-    y /= in_plane;
-    const double px[3] = {0, base, dot(v, x_axis)};
-    const double py[3] = {0, 0, 2 * faces_[walk.face].area / base};
-    const double start_x = walk.entry[1] * px[1] + walk.entry[2] * px[2], start_y = walk.entry[2] * py[2];
-    double ahead[3], aside[3];  // of the corners, relative to the line; the left side is positive
-    for (int i = 0; i < 3; ++i) {
-        ahead[i] = x * (px[i] - start_x) + y * (py[i] - start_y);
-        aside[i] = x * (py[i] - start_y) - y * (px[i] - start_x);
-    }
-    // Rounding may make all corners lie on one side. Then the line passes through the one that is farthest ahead.
-    const bool some_left = aside[0] > 0 || aside[1] > 0 || aside[2] > 0;
-    const bool all_left = aside[0] > 0 && aside[1] > 0 && aside[2] > 0;
-    if (!some_left || all_left) {
-        aside[std::max_element(ahead, ahead + 3) - ahead] = all_left ? 0 : std::numeric_limits<double>::min();
-    }
-    Walk::Exit exit;
-    while (aside[exit.side] > 0 || !(aside[next(exit.side)] > 0)) exit.side = next(exit.side);
-    const std::uint32_t head = next(exit.side);
-    exit.t = -aside[exit.side] / (aside[head] - aside[exit.side]);
-    exit.distance = std::max(0.0, ahead[exit.side] + exit.t * (ahead[head] - ahead[exit.side]));
+    walk.x = dot(direction, x_axis);
+    walk.y = dot(direction, cross(faces_[walk.face].normal, x_axis));
+    const double in_plane = std::sqrt(walk.x * walk.x + walk.y * walk.y);
+    if (!(in_plane > Walk::kLeastComponent)) return false;
+    walk.x /= in_plane;
+    walk.y /= in_plane;
 
-    // The direction relative to the edge, as the next face sees it: from the second to the first corner.
-    double edge_x = px[exit.side] - px[head], edge_y = py[exit.side] - py[head];
-    for (int step = 0;; ++step) {
-        if (walk.left <= exit.distance) return walk.end(exit);
-        const std::uint32_t edge = 4 * walk.face + exit.side;
-        if (is_crease(edge) || step == kMaxSteps) return walk.stop_at(exit);
-        walk.left -= exit.distance;
-        base = std::max(kLeastLength, std::sqrt(edge_x * edge_x + edge_y * edge_y));
-        const double along = (x * edge_x + y * edge_y) / base;
-        y = std::max(0.0, (y * edge_x - x * edge_y) / base);
-        x = along;
-
-        // The face beyond has the edge on the x axis, with its left end at the origin.
-        const std::uint32_t side = twin(edge) % 4;
-        walk.face = twin(edge) / 4;
-        const double t = 1 - exit.t;
-        walk.entry = {};
-        walk.entry[side] = 1 - t;
-        walk.entry[next(side)] = t;
-        const Point3 axis = 1 / base * edge_vector(walk.face, side);
-        const Point3 from_right = edge_vector(walk.face, next(side));
-        const Point3 from_left = -1 * edge_vector(walk.face, previous(side));
-        const double height = 2 * faces_[walk.face].area / base;
-        const double top = x * height - y * (dot(from_left, axis) - t * base);
-        if (top > 0) {
-            const double right = y * base * (1 - t);
-            exit.side = next(side);
-            exit.t = right / (top + right);
-            edge_x = -dot(from_right, axis);
-            edge_y = -height;
-            exit.distance = x * (base * (1 - t) - exit.t * edge_x) - y * exit.t * edge_y;
-        } else {
-            const double left = y * base * t;
-            exit.side = previous(side);
-            exit.t = left - top > 0 ? -top / (left - top) : 0;
-            edge_x = dot(from_left, axis);
-            edge_y = height;
-            exit.distance = x * ((1 - exit.t) * edge_x - base * t) + y * (1 - exit.t) * edge_y;
-        }
-        exit.distance = std::max(0.0, exit.distance);
+    const std::array<double, 3> x{0, base, -dot(edge_vector(walk.face, 2), x_axis)}, y{0, 0, height(walk.face, base)};
+    std::array<double, 3> ahead, aside;  // of the corners, relative to the line; the left side is positive
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double from_x = x[i] - (b * x[1] + c * x[2]), from_y = y[i] - c * y[2];
+        ahead[i] = walk.x * from_x + walk.y * from_y;
+        aside[i] = walk.x * from_y - walk.y * from_x;
     }
+    // The line leaves over the edge that runs from its right to its left side. Rounding may make all corners lie on one
+    // side. Then the line leaves at the corner that is farthest ahead.
+    const auto is_left = [&aside](std::uint32_t corner) { return aside[corner] > 0; };
+    if (is_left(0) == is_left(1) && is_left(1) == is_left(2)) {
+        walk.exit = static_cast<std::uint32_t>(std::max_element(ahead.begin(), ahead.end()) - ahead.begin());
+    } else {
+        while (is_left(walk.exit) || !is_left(next(walk.exit))) walk.exit = next(walk.exit);
+        walk.t = aside[walk.exit] / (aside[walk.exit] - aside[next(walk.exit)]);
+    }
+    const std::uint32_t head = next(walk.exit);
+    walk.distance = std::max(0.0, (1 - walk.t) * ahead[walk.exit] + walk.t * ahead[head]);
+    walk.edge_x = x[walk.exit] - x[head];
+    walk.edge_y = y[walk.exit] - y[head];
+    return true;
+}
+
+/// Continues a line in the face beyond its exit, whose first corner is on the left.
+void Surface::cross_edge(Walk& walk) const {
+    constexpr double kLeastLength = 0x1p-37;  // shorter than every edge
+    const double base = std::max(kLeastLength, std::sqrt(walk.edge_x * walk.edge_x + walk.edge_y * walk.edge_y));
+    const double x = (walk.x * walk.edge_x + walk.y * walk.edge_y) / base;
+    const double y = std::max(Walk::kLeastComponent, (walk.y * walk.edge_x - walk.x * walk.edge_y) / base);
+    const std::uint32_t edge = twin(4 * walk.face + walk.exit), side = edge % 4;
+    walk.face = edge / 4;
+    walk.x = x;
+    walk.y = y;
+    walk.entry = {};
+    walk.entry[side] = walk.t;
+    walk.entry[next(side)] = 1 - walk.t;
+
+    const double start = (1 - walk.t) * base;
+    const Point3 axis = 1 / base * edge_vector(walk.face, side);
+    const double rise = height(walk.face, base);
+    const double top = x * rise - y * (-dot(edge_vector(walk.face, previous(side)), axis) - start);
+    if (top > 0) {  // the third corner is on the left
+        const double right = y * (base - start);
+        walk.exit = next(side);
+        walk.t = right / (top + right);
+        walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
+        walk.edge_y = -rise;
+        walk.distance = x * (base - start - walk.t * walk.edge_x) - y * walk.t * walk.edge_y;
+    } else {
+        const double left = y * start;
+        walk.exit = previous(side);
+        walk.t = left > top ? top / (top - left) : 0;
+        walk.edge_x = -dot(edge_vector(walk.face, walk.exit), axis);
+        walk.edge_y = rise;
+        walk.distance = x * ((1 - walk.t) * walk.edge_x - start) + y * (1 - walk.t) * walk.edge_y;
+    }
+    walk.distance = std::max(0.0, walk.distance);
 }
 
 SurfacePoint Surface::nearest(Point3 p) const {
     std::call_once(tree_->once, [this] {
-        std::vector<std::uint32_t> all(face_count());
-        std::iota(all.begin(), all.end(), 0U);
+        std::vector<std::uint32_t> solid;
+        for (std::uint32_t f = 0; f < face_count(); ++f) {
+            if (!faces_[f].flat) solid.push_back(f);
+        }
         // The surface may move, but its vertices and faces stay in place.
-        tree_->faces.emplace(std::move(all), [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
+        tree_->faces.emplace(std::move(solid), [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
             const auto& [a, b, c] = faces[f].corners;
             return std::array{vertices[a], vertices[b], vertices[c]};
         });

@@ -27,7 +27,8 @@ struct SurfacePoint {
 
 /// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form
 /// one fan. Neighbouring triangles have the same orientation. A surface may have borders and several components.
-/// Coordinates are in the unit frame: translated and scaled such that the longest side of the bounding box is 1.
+/// Coordinates are in the unit frame: translated and scaled such that the longest side of the bounding box is 1, and
+/// rounded to multiples of 2^-36. Thus, no edge is shorter, and seams close whose sides differ by rounding errors.
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of face h / 4, as in Triangulation: it runs from corner h % 4 to the next one.
 class Surface {
@@ -99,7 +100,7 @@ public:
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
 
-    /// Returns the point of the surface that is nearest to p, in the unit frame.
+    /// Returns the point of the surface that is nearest to p, in the unit frame. Faces without area do not count.
     /// @param p  may be infinite, but not NaN
     ///
     /// Several threads may call it at once. O(log faces), typically; the first call builds a tree in
@@ -116,6 +117,7 @@ private:
         std::uint32_t component = 0;
         std::uint8_t creases = 0;  ///< bit i is set if edge i is a crease
         bool turned = false;       ///< whether the last two corners of the triangle were swapped
+        bool flat = false;         ///< whether the corners are on one line, up to rounding
         double area = 0;
         Point3 normal;
     };
@@ -126,7 +128,15 @@ private:
         const auto& corners = faces_[face].corners;
         return vertices_[corners[side == 2 ? 0 : side + 1]] - vertices_[corners[side]];
     }
-    void measure_faces(const std::vector<std::uint8_t>& flat);
+    /// Height of a face over a side with a given length. The height of flat faces is not computed, because rounding
+    /// errors would move points along them.
+    double height(std::uint32_t face, double base) const {
+        return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
+    }
+    bool begin_walk(Walk& walk, Point3 direction) const;
+    void cross_edge(Walk& walk) const;
+    void measure_faces();
+    std::uint32_t face_beside(std::uint32_t face) const;
     void mark_creases(std::optional<double> crease);
     void number_components();
     void compute_vertex_normals();

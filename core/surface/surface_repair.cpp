@@ -36,6 +36,16 @@ struct Count {
     }
 };
 
+/// Returns the two sides at the largest angle of a triangle, in cyclic order.
+std::array<Point3, 2> shorter_sides(const std::array<Point3, 3>& triangle) {
+    const auto& [a, b, c] = triangle;
+    const std::array<Point3, 3> sides{b - a, c - b, a - c};
+    const auto longest = static_cast<std::uint32_t>(
+        std::max_element(sides.begin(), sides.end(), [](Point3 u, Point3 v) { return dot(u, u) < dot(v, v); }) -
+        sides.begin());
+    return {sides[next(longest)], sides[previous(longest)]};
+}
+
 class Connector {
 public:
     Connector(std::span<const Point3> positions, const std::stop_token& stop) : positions_(positions), stop_(stop) {}
@@ -59,7 +69,9 @@ private:
         double angle;
         std::uint32_t edge;
 
-        friend auto operator<=>(const Angle&, const Angle&) = default;
+        friend bool operator<(const Angle& a, const Angle& b) {
+            return std::tie(a.angle, a.edge) < std::tie(b.angle, b.edge);
+        }
     };
 
     bool stopping() const { return stop_.stop_requested(); }
@@ -85,6 +97,8 @@ private:
     void collect_component(std::uint32_t first);
     void finish_component();
     double volume() const;
+    void remove_flat_borders();
+    std::uint32_t longest_side(const Face& face) const;
     void apply_turns();
     void compact();
     void split_vertices();
@@ -158,7 +172,7 @@ void Connector::take_triangles(std::span<const Corners> triangles) {
         }
         result_.faces.push_back({.corners = corners,
                                  .triangle = triangle,
-                                 .flat = ConnectedTriangles::is_flat(positions_[a], positions_[b], positions_[c])});
+                                 .flat = ConnectedTriangles::is_flat({positions_[a], positions_[b], positions_[c]})});
     }
     removed_.resize(result_.faces.size());
 }
@@ -232,8 +246,11 @@ void Connector::pair(std::uint32_t low, std::span<const Side> sides) {
     if (group_.size() <= 2) return;
     const std::uint32_t high = sides.front().high;
     on_cut_[low] = on_cut_[high] = 1;
+    // Faces are in the order of the triangles.
+    const auto by_edge = [](const Angle& a, const Angle& b) { return a.edge < b.edge; };
+    const std::uint32_t first = std::min_element(group_.begin(), group_.end(), by_edge)->edge;
     Count& count = pair_by_angle(low, high) ? touching_edges_ : shared_edges_;
-    count.add(face_of(group_.front().edge).triangle);
+    count.add(face_of(first).triangle);
 }
 
 /// Pairs the sides in group_ such that each pair bounds a wedge of the inside. Returns false if the orientations of the
@@ -341,6 +358,37 @@ double Connector::volume() const {
     return sum;
 }
 
+/// Removes flat faces whose longest edge is on a border, because they connect nothing.
+void Connector::remove_flat_borders() {
+    std::vector<std::uint32_t> left;
+    for (std::size_t f = 0; f < result_.faces.size(); ++f) {
+        left.assign(1, static_cast<std::uint32_t>(f));
+        while (!left.empty()) {
+            const std::uint32_t at = left.back();
+            left.pop_back();
+            Face& face = result_.faces[at];
+            if (!face.flat || is_removed(at) || face.twins[longest_side(face)] != kNone) continue;
+            remove(at, flat_);
+            for (std::uint32_t& other : face.twins) {
+                if (other == kNone) continue;
+                left.push_back(other / 4);
+                twin(std::exchange(other, kNone)) = kNone;
+            }
+        }
+    }
+}
+
+std::uint32_t Connector::longest_side(const Face& face) const {
+    std::uint32_t longest = 0;
+    double most = 0;
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        const double side = length(positions_[face.corners[next(k)]] - positions_[face.corners[k]]);
+        if (side > most) longest = k;
+        most = std::max(most, side);
+    }
+    return longest;
+}
+
 void Connector::apply_turns() {
     for (Face& face : result_.faces) {
         for (std::uint32_t& other : face.twins) {
@@ -431,6 +479,7 @@ Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
     pair_edges();
     if (!stopping()) orient();
     if (stopping()) return failure(ErrorCode::Stopped, "stopped before there was a result");
+    remove_flat_borders();
     apply_turns();
     compact();
     split_vertices();
@@ -440,11 +489,15 @@ Result<ConnectedTriangles> Connector::run(std::span<const Corners> triangles) {
 
 }  // namespace
 
-bool ConnectedTriangles::is_flat(Point3 a, Point3 b, Point3 c) {
-    constexpr double kMinSlope = 1e-10;  // height relative to the longest side; rounding turns the normal by 1e-6
-    const Point3 u = b - a, v = c - a, w = c - b;
-    const double longest = std::max({dot(u, u), dot(v, v), dot(w, w)});
-    return !(length(cross(u, v)) > kMinSlope * longest);
+Point3 ConnectedTriangles::doubled_area(const std::array<Point3, 3>& triangle) {
+    const auto [u, v] = shorter_sides(triangle);
+    return cross(u, v);
+}
+
+bool ConnectedTriangles::is_flat(const std::array<Point3, 3>& triangle) {
+    constexpr double kMinSine = 1e-10;  // rounding turns the normal by 1e-6
+    const auto [u, v] = shorter_sides(triangle);
+    return !(length(cross(u, v)) > kMinSine * length(u) * length(v));
 }
 
 Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,

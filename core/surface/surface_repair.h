@@ -33,22 +33,24 @@ struct ConnectedTriangles {
     std::vector<Face> faces;  ///< in the order of the triangles
     std::vector<SurfaceNote> repairs;
 
-    /// Whether a triangle is so thin that rounding determines its normal.
-    static bool is_flat(Point3 a, Point3 b, Point3 c);
+    /// Returns a normal of a triangle whose length is twice the area.
+    static Point3 doubled_area(const std::array<Point3, 3>& triangle);
+    /// Whether the corners of a triangle are on one line, up to rounding.
+    static bool is_flat(const std::array<Point3, 3>& triangle);
 };
 
 /// Makes a surface of triangles. Vertices at the same position become one vertex. Triangles with fewer than three
 /// positions disappear, so that their neighbours become adjacent. Flat triangles with three positions remain as faces,
-/// because cracks would replace them, except where more than two triangles share one of their edges and where all
-/// connected triangles are flat. Of repeated triangles, the first remains. If more than two triangles share an edge,
-/// the pairs that bound the inside remain connected, or none if the orientations contradict each other. The surface is
-/// also cut along edges that prevent a consistent orientation. Then the connected triangles are turned such that a
-/// closed surface encloses a positive volume; on a surface with borders, the fewer triangles are turned. A vertex with
-/// several fans becomes several vertices.
+/// because cracks would replace them, except where more than two triangles share one of their edges, where their
+/// longest edge is on a border, and where all connected triangles are flat. Of repeated triangles, the first remains.
+/// If more than two triangles share an edge, the pairs that bound the inside remain connected, or none if the
+/// orientations contradict each other. The surface is also cut along edges that prevent a consistent orientation. Then
+/// the connected triangles are turned such that a closed surface encloses a positive volume; on a surface with borders,
+/// the fewer triangles are turned. A vertex with several fans becomes several vertices.
 ///
 /// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
 /// does not report all cuts.
-/// @param positions  multiples of 2^-52 in [0, 1], so that differences are exact
+/// @param positions  multiples of 2^-36 in [0, 1], so that differences are exact
 /// @param triangles  every index is valid; at most kMaxTriangles
 ///
 /// Errors: Stopped. There may be no face. Deterministic. O(n log n), with about 130 bytes per triangle.

@@ -16,6 +16,8 @@ namespace {
 using Links = TriangleLinks;
 constexpr std::uint32_t kNone = Links::kNone;
 
+constexpr std::size_t kMostFlips = 200;  ///< flips after a vertex was removed or inserted
+
 /// Inserts sites into the triangulations of single faces, in coordinates of the face's plane.
 class FaceInsertion {
 public:
@@ -266,7 +268,6 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
 /// Removes a vertex of the surface. A vertex on a border or crease is merged with the next one along it.
 /// @param stack  memory for edges to be flipped
 bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack) {
-    constexpr std::size_t kMostFlips = 200;
     if (links_.edge_of(vertex) == kNone) return true;
     std::vector<std::pair<double, std::uint32_t>> edges;
     Point3 normal;
@@ -355,6 +356,47 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
         places_[vertex] = place;
         return;
     }
+}
+
+/// Returns the point of the surface at the middle of a triangle; none if it would fold the triangles around it, or if
+/// the triangle does not follow the surface, as triangles across folds.
+std::optional<SurfacePoint> SurfaceTriangulation::middle(std::uint32_t triangle) const {
+    constexpr double kMaxTilt = 0.9;     // cosine of the angle between the triangle and the surface
+    constexpr double kMaxOffset = 0.15;  // distance from the surface, relative to the root of the doubled area
+    const auto [a, b, c] = places(triangle);
+    const Point3 along = 1.0 / 3 * (b - a + c - a), normal = doubled_normal(triangle);
+    const SurfacePoint point = surface_->trace(points_[corners(triangle)[0]], along);
+    const Point3 p = surface_->place(point), off = p - a - along;
+    const double area = length(normal), least = area * area / 10;  // each part has at least a tenth of the area
+    const bool fits = dot(cross(a - p, b - p), normal) > least && dot(cross(b - p, c - p), normal) > least &&
+                      dot(cross(c - p, a - p), normal) > least;
+    if (!fits || dot(off, off) > kMaxOffset * kMaxOffset * area) return std::nullopt;
+    if (dot(surface_->normal(point.face), normal) < kMaxTilt * area) return std::nullopt;
+    return point;
+}
+
+bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uint32_t> triangles) {
+    const auto fits = [&](std::uint32_t triangle) {
+        if (links_.is_removed(triangle)) return false;
+        const auto& around = corners(triangle);
+        return std::ranges::find(around, site) == around.end() && middle(triangle).has_value();
+    };
+    const auto found = std::ranges::find_if(triangles, fits);
+    if (found == triangles.end()) return false;
+    // Flips after the removal may change the triangle, but they do not move its vertices.
+    const SurfacePoint point = *middle(*found);
+    const auto around = corners(*found);
+    std::vector<std::uint32_t> stack;
+    if (!remove(site, stack)) return false;
+    std::uint32_t triangle = *found;
+    if (links_.is_removed(triangle) || corners(triangle) != around)
+        triangle = triangle_of(links_.edge_of(around[0] == site ? around[1] : around[0]));
+    points_[site] = point;
+    places_[site] = surface_->place(point);
+    links_.divide(site, triangle);
+    for_edges(site, [&](std::uint32_t h) { stack.push_back(Links::next(h)); });
+    legalise(stack, kMostFlips);
+    return true;
 }
 
 }  // namespace ccdt

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -92,7 +93,14 @@ public:
     /// common neighbours may run in parallel.
     void move(std::uint32_t vertex, Point3 by);
 
+    /// Takes a site out of the triangulation and inserts it in the middle of the first of several triangles that can
+    /// take it.
+    /// @returns  false, without any change, if the site's neighbours do not allow it to be taken out, or if no triangle
+    ///           can take it
+    bool relocate(std::uint32_t site, std::span<const std::uint32_t> triangles);
+
 private:
+    std::optional<SurfacePoint> middle(std::uint32_t triangle) const;
     void copy_faces();
     std::vector<std::uint32_t> split_creases(const CreaseVertices& creases);
     void insert_sites(std::vector<std::uint32_t> face_of, const std::stop_token& stop);

@@ -10,7 +10,7 @@
 #include "api/input/negotiation.h"
 #include "api/output/formats.h"
 #include "api/sample/pixel_formats.h"
-#include "api/surface/surface_formats.h"
+#include "api/sample/surface_formats.h"
 #include "api/text/text.h"
 #include "server/cli/api_schema.h"
 

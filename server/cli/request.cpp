@@ -122,7 +122,7 @@ Result<api::ParsedPointer> parse_request(const Command& command, const ApiReques
     if (command.name == "halftone")
         return api::parse_halftone_request(body, api::HalftoneBody::Picture, options, accept, limits);
     if (command.name == "sample") return api::parse_sample_request(body, options, accept, limits);
-    return api::parse_analyze_request(body, accept, limits);
+    return api::parse_analyze_request(body, options, accept, limits);
 }
 
 Result<void> read_value_files(Arguments& arguments) {

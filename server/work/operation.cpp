@@ -44,7 +44,7 @@ bool is_mesh(std::string_view type) {
 }
 
 bool holds_mesh(const Operation& operation, const ComputeRequest& request) {
-    return operation.takes_shapes && api::recognise_surface(request.body, media_type(request.content_type));
+    return operation.takes_meshes && api::recognise_surface(request.body, media_type(request.content_type));
 }
 
 bool reads_json(const Operation& operation, const ComputeRequest& request) {
@@ -64,26 +64,24 @@ Result<api::ParsedPointer> parse_sample(const ComputeRequest& request, const api
 }
 
 Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits) {
-    return api::parse_analyze_request(request.body, request.accept, limits);
+    return api::parse_analyze_request(request.body, parse_query(request.query), request.accept, limits,
+                                      media_type(request.content_type));
 }
 
 Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (operation.takes_pictures) return {};
     const std::string type = media_type(request.content_type);
-    const bool is_taken = may_hold_json(type) || (operation.takes_shapes && (is_zip(type) || is_mesh(type))) ||
-                          (!operation.form_part.empty() && type == "multipart/form-data");
-    const std::string others = operation.takes_shapes
-                                   ? ", application/zip, the type of a mesh, such as model/obj, or multipart/form-data"
-                                   : "";
-    if (!is_taken)
-        return failure(ErrorCode::Unsupported, "the body must be application/json" + others + ", not " + type);
-    if (!operation.takes_query && !request.query.empty())
-        return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
-    return {};
+    if (may_hold_json(type) || type == "multipart/form-data" || (operation.takes_shapefiles && is_zip(type)) ||
+        (operation.takes_meshes && is_mesh(type)))
+        return {};
+    return failure(ErrorCode::Unsupported, "the body must be application/json, " +
+                                               std::string(operation.takes_shapefiles ? "application/zip, " : "") +
+                                               "the type of a mesh, such as model/obj, or multipart/form-data, not " +
+                                               type);
 }
 
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request) {
-    if (!operation.takes_shapes) return false;
+    if (!operation.takes_shapefiles) return false;
     const std::string type = media_type(request.content_type);
     return is_zip(type) || (may_hold_json(type) && request.body.starts_with(api::kZipSignature));
 }

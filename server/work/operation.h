@@ -16,9 +16,9 @@ namespace ccdt::server {
 struct Operation {
     std::string_view path;  ///< path of the POST route
     bool takes_pictures;    ///< accepts pictures as bodies and in forms; otherwise the body is JSON
-    bool takes_shapes;      ///< accepts meshes as bodies, and zipped shapefiles, which are converted to JSON
-    bool takes_query;       ///< accepts options in the query
-    /// Name of the form field that becomes the body; a field named `file` is accepted, too. Empty: forms are refused.
+    bool takes_shapefiles;  ///< accepts zipped shapefiles as bodies and converts them to JSON
+    bool takes_meshes;      ///< accepts meshes as bodies
+    /// Name of the form field that becomes the body; a field named `file` is accepted, too.
     std::string_view form_part;
 
     /// Errors: those of the parser of the operation.
@@ -30,9 +30,9 @@ Result<api::ParsedPointer> parse_sample(const ComputeRequest& request, const api
 Result<api::ParsedPointer> parse_analyze(const ComputeRequest& request, const api::Limits& limits);
 
 inline constexpr auto kOperations = std::to_array<Operation>({
-    {"/halftone", true, false, true, "image", parse_halftone},
+    {"/halftone", true, false, false, "image", parse_halftone},
     {"/sample", false, true, true, "map", parse_sample},
-    {"/analyze", false, false, false, "", parse_analyze},
+    {"/analyze", false, false, true, "mesh", parse_analyze},
 });
 
 /// Finds the operation of a path; null if there is none.
@@ -43,7 +43,7 @@ constexpr const Operation* find_operation(std::string_view path) {
     return nullptr;
 }
 
-/// Checks the content type and the presence of a query, before the body is read. Errors: Unsupported, Malformed.
+/// Checks the content type, before the body is read. Errors: Unsupported.
 Result<void> check(const Operation& operation, const ComputeRequest& request);
 
 /// Whether the body is a zipped shapefile. Only the decoder process may read such a body.

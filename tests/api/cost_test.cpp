@@ -19,9 +19,12 @@
 #include "api/sample/pixel_sample.h"
 #include "api/sample/sample.h"
 #include "api/sample/sample_parser.h"
+#include "api/sample/surface_parser.h"
+#include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
 #include "tests/api/files.h"
 #include "tests/api/image/rasters.h"
+#include "tests/support/surfaces.h"
 
 namespace ccdt::api {
 namespace {
@@ -362,6 +365,34 @@ TEST(AnalyzeCost, BoundsMemoryUsed) {
             if (!run_analyze(*request, {}, timings)) _exit(1);
         };
         expect_near(cost_of(*request), 3, work, more);
+    }
+}
+
+TEST(SurfaceCost, BoundsMemoryUsed) {
+    if (!kMemoryIsOurs) GTEST_SKIP() << "sanitizers use memory of their own";
+    struct Case {
+        int columns;
+        std::vector<TextOption> options;
+    };
+    const std::vector<Case> cases = {{20, {{"sites", "30000"}, {"format", "npy"}}},
+                                     {20, {{"sites", "30000"}, {"mesh", "true"}}},
+                                     {20, {{"sites", "30000"}, {"order", "progressive"}, {"format", "ply"}}},
+                                     {300, {{"sites", "10"}}},
+                                     {300, {{"sites", "10"}, {"density", "curvature"}, {"fixed", "[[1,0,0]]"}}}};
+    for (const auto& [columns, options] : cases) {
+        const TriangleSoup soup = test::torus_surface(1, 0.3, columns, columns);
+        const SurfaceFile file{{}, {{}, soup.triangles.size(), soup.vertices.size(), 0}};
+        const auto request = parse_surface(file, options, "", {});
+        ASSERT_TRUE(request) << request.error().message;
+        Decode decode;
+        decode.surface = [&](std::string_view, const SurfaceHeader&, const std::stop_token&) {
+            return Result<SurfaceContents>(SurfaceContents{soup});
+        };
+        const auto work = [&] {
+            Timings timings;
+            if (!run_surface(*request, decode, {}, timings)) std::abort();
+        };
+        expect_near(cost_of(*request), 3, work, std::to_string(columns) + ' ' + options.back().name);
     }
 }
 

@@ -12,7 +12,7 @@
 namespace ccdt::fuzz {
 namespace {
 
-constexpr std::size_t kMax = 4'096;  ///< limit of a picture's pixels or a text's bytes
+constexpr std::size_t kMax = 4'096;  ///< limit of a picture's pixels, or of the bytes of a text or a mesh
 
 bool is_share(float value) {
     return value >= 0 && value <= 1;
@@ -49,6 +49,15 @@ void check_product(const std::string& text) {
     CCDT_CHECK(text.size() <= kMax);
 }
 
+/// Checks that the arrays of a mesh fit together. Coordinates are arbitrary.
+void check_product(const api::SurfaceContents& contents) {
+    const auto& [vertices, triangles, colours, texture] = contents.soup;
+    CCDT_CHECK(!triangles.empty());
+    CCDT_CHECK(colours.empty() || colours.size() == vertices.size());
+    CCDT_CHECK(texture.empty() || texture.size() == vertices.size());
+    for (const auto& triangle : triangles) CCDT_CHECK(std::ranges::max(triangle) < vertices.size());
+}
+
 template <class Reply>
 void check_reply(const std::uint8_t* data, std::size_t size) {
     const auto file = Reply::make_file(kMax);
@@ -74,5 +83,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::Picture>>(data, size);
     ccdt::fuzz::check_reply<ccdt::server::ReplyMemory<ccdt::ColourPicture>>(data, size);
     ccdt::fuzz::check_reply<ccdt::server::ReplyText>(data, size);
+    ccdt::fuzz::check_reply<ccdt::server::ReplySurface>(data, size);
     return 0;
 }

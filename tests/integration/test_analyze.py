@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """POST /analyze: spectra, spacing and the plot."""
 
+import io
 import json
+import pathlib
+import tempfile
 import unittest
+import urllib.parse
 import xml.etree.ElementTree
 
 import numpy
@@ -106,6 +110,75 @@ class Figures(AnalyzeCase):
         for most in (1, 2.5, 8):
             frequency = self.analyze(points=noise(400).tolist(), max_frequency=most)["frequency"]
             self.assertAlmostEqual(frequency[-1], most)
+
+
+class Surfaces(AnalyzeCase):
+    SQUARE = "".join(f"v {x} {y} 7\n" for y in (0, 2) for x in (0, 2)) + "f 1 2 4 3\n"
+    PLACES = numpy.column_stack([2 * noise(200), numpy.full(200, 7)])
+
+    def form(self, points, *arguments, mesh=SQUARE):
+        with tempfile.TemporaryDirectory() as folder:
+            file, list_of_points = pathlib.Path(folder, "square.obj"), pathlib.Path(folder, "points")
+            file.write_text(mesh, encoding="ascii")
+            list_of_points.write_bytes(points)
+            return self.ask("/analyze", "-F", f"mesh=@{file}", "-F", f"points=@{list_of_points}", *arguments)
+
+    def measure(self, *arguments):
+        answer = self.form(*arguments)
+        self.assertEqual((answer.status, answer.type), (200, "application/json"), answer)
+        return answer.json()
+
+    def test_power_on_a_square_is_that_of_cosines(self):
+        found = self.measure(json.dumps(self.PLACES.tolist()).encode(), "-F", "modes=3")
+        x, y = numpy.pi * self.PLACES[:, 0] / 2, numpy.pi * self.PLACES[:, 1] / 2
+        self.assertEqual(len(found["eigenvalues"]), 3)
+        numpy.testing.assert_allclose(found["eigenvalues"], numpy.pi ** 2 / 4 * numpy.array([1, 1, 2]), rtol=0.1)
+        numpy.testing.assert_allclose(found["frequency"], numpy.array([1, 1, 2]) ** 0.5 / 2 / 200 ** 0.5, rtol=0.05)
+        # The first two modes have the same eigenvalue, so they may be any basis of their space.
+        equal = 2 / 200 * (numpy.cos(x).sum() ** 2 + numpy.cos(y).sum() ** 2)
+        self.assertAlmostEqual(sum(found["power"][:2]), equal, delta=0.1 * equal)
+        last = 4 / 200 * (numpy.cos(x) * numpy.cos(y)).sum() ** 2
+        self.assertAlmostEqual(found["power"][2], last, delta=0.1 + 0.1 * last)
+        self.assertAlmostEqual(found["low_frequency_power"], numpy.mean(found["power"]))
+
+    def test_distances_are_relative_to_the_densest_packing(self):
+        found = self.measure(json.dumps(self.PLACES.tolist()).encode(), "-F", "modes=1")
+        apart = numpy.linalg.norm(self.PLACES[:, None] - self.PLACES[None], axis=2)
+        numpy.fill_diagonal(apart, numpy.inf)
+        densest = (2 * 4 / (3 ** 0.5 * 200)) ** 0.5
+        self.assertAlmostEqual(found["min_distance"], apart.min() / densest, places=6)
+        self.assertAlmostEqual(found["mean_distance"], apart.min(axis=1).mean() / densest, places=6)
+
+    def test_all_formats_of_points_give_the_same_answer(self):
+        numbers, array = self.PLACES.tolist(), io.BytesIO()
+        numpy.save(array, self.PLACES)
+        table = "z,x,y\n" + "".join(f"{z!r},{x!r},{y!r}\n" for x, y, z in numbers)
+        answers = {self.form(points, "-F", "modes=5").body
+                   for points in (json.dumps(numbers).encode(), json.dumps({"points": numbers}).encode(),
+                                  array.getvalue(), table.encode())}
+        self.assertEqual(len(answers), 1)
+
+    def test_a_mesh_as_the_body_has_its_options_in_the_query(self):
+        points = urllib.parse.quote(json.dumps([[0, 0, 7], [2, 2, 7]]))
+        answer = self.ask(f"/analyze?modes=4&points={points}", "-H", "Content-Type: model/obj", data=self.SQUARE)
+        self.assertEqual(answer.status, 200, answer)
+        self.assertEqual(len(answer.json()["power"]), 4)
+
+    def test_sampled_points_are_more_even_than_random_ones(self):
+        points = self.ask("/sample?sites=400", "-H", "Content-Type: model/obj", data=self.SQUARE).body
+        self.assertGreater(self.measure(points)["min_distance"], 0.6)
+        self.assertLess(self.measure(points)["low_frequency_power"], 0.1)
+
+    def test_errors_name_the_field(self):
+        good = json.dumps(self.PLACES.tolist()).encode()
+        for arguments, status, word in (((b"[[1,2]]",), 400, "points"), ((b"x,y\n1,2\n",), 400, "points"),
+                                        ((b"[[1,2,3]]",), 422, "points"), ((good, "-F", "modes=0"), 400, "modes"),
+                                        ((good, "-F", "modes=501"), 400, "modes"),
+                                        ((good, "-F", "domain={}"), 400, "domain")):
+            with self.subTest(arguments=arguments):
+                self.assert_problem(self.form(*arguments), status, word)
+        self.assert_problem(self.form(good, mesh="v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), 422)
+        self.assert_problem(self.ask("/analyze", "-F", "points=[[1,2,3]]"), 400, "mesh")
 
 
 class Plots(AnalyzeCase):

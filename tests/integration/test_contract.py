@@ -10,7 +10,7 @@ import unittest
 
 from jsonschema import Draft202012Validator, RefResolver
 
-from harness import PATIENCE, ROOT, Server, ServerCase, ask, data_uri, execute, file_of, pixels, post_json, read_line
+from harness import DATA, PATIENCE, ROOT, Server, ServerCase, ask, data_uri, execute, file_of, pixels, post_json, read_line
 
 FILE = (ROOT / "api" / "openapi.json").read_bytes()
 DOCUMENT = json.loads(FILE)
@@ -24,6 +24,7 @@ BODIES = {"/halftone": {"image": data_uri(PICTURE), "sites": 20, "format": "json
           "/analyze": POINTS}
 SCHEMAS = {"/halftone": "HalftoneRequest", "/sample": "SampleRequest", "/analyze": "AnalyzeRequest"}
 ENDLESS = {"sites": 100_000, "iterations": 1000, "passes": 100, "domain": SAMPLE["domain"]}
+MESH = (DATA / "meshes" / "house.obj").read_bytes()
 CROSSING = {"sites": 9, "polygon": [[0, 0], [1, 1], [1, 0], [0, 1]], "invalid": "reject"}
 JOB = "/jobs/" + 32 * "0"
 
@@ -426,6 +427,46 @@ class PixelRequests(ContractCase):
                 self.assertEqual([error["pointer"] for error in self.refuse(members)["errors"]], [pointer])
 
 
+class SurfaceRequests(ContractCase):
+    VALUES = {"density": "curvature", "fixed": "[[0,0,0]]", "crease": "45", "mesh": "true", "order": "progressive",
+              "quality": "draft", "iterations": "1", "passes": "1", "seed": "5", "on_deadline": "partial"}
+
+    def post(self, query, status=200):
+        answer = self.ask("/sample?" + query, data=MESH)
+        self.assertEqual(answer.status, status, answer)
+        return self.check(DOCUMENT["paths"]["/sample"]["post"], answer)
+
+    def test_match_the_server(self):
+        known = self.post("sites=5&nonsense=1", 400).json()["detail"].split(" are ")[1].split(", ")
+        self.assertEqual(sorted(known), sorted(properties("SurfaceOptions")))
+
+    def test_are_answered_as_documented(self):
+        self.assertEqual({*self.VALUES, "sites", "format"}, set(properties("SurfaceOptions")))
+        for option, value in self.VALUES.items():
+            with self.subTest(option):
+                value = value.replace("[", "%5B").replace("]", "%5D")
+                answer = self.post(f"sites=20&{option}={value}").json()
+                self.assertEqual(faults(answer, schema("SurfacePoints")), [])
+        for option, described in properties("SurfaceOptions").items():
+            for word in described.get("enum", ()):
+                with self.subTest(option, word=word):
+                    self.post(f"sites=20&{option}={word}" + ("&mesh=true" if word in ("obj", "stl") else ""))
+
+    def test_have_the_documented_defaults(self):
+        for option, described in properties("SurfaceOptions").items():
+            if "default" in described:
+                with self.subTest(option):
+                    given = self.post(f"sites=20&{option}={str(described['default']).lower()}")
+                    self.assertEqual(comparable(given.body), comparable(self.post("sites=20").body))
+
+    def test_have_the_documented_ranges(self):
+        for option, described in properties("SurfaceOptions").items():
+            for bound, outwards in (("minimum", -1), ("maximum", 1)):
+                if bound in described and (option, bound) not in (("sites", "maximum"), ("iterations", "maximum")):
+                    self.post(f"sites=2&{option}={described[bound] + outwards}" if option != "sites" else "sites=0", 400)
+        self.post("sites=2&crease=0", 400)
+
+
 class Formats(ContractCase):
     def test_match_the_document(self):
         for path, name in SCHEMAS.items():
@@ -437,11 +478,17 @@ class Formats(ContractCase):
             device = {"image": given.get("image"), "device": "1bit"}
             words = properties("DeviceOptions")["format"]["enum"] if path == "/halftone" else ()
             for_devices = [self.pose(path, {**device, "format": word}).type for word in words if word != "png"]
-            self.assertEqual(sorted(made + for_devices), sorted(content))
+            words = properties("SurfaceOptions")["format"]["enum"] if path == "/sample" else ()
+            words = [word for word in words if word not in properties(name)["format"]["enum"]]
+            for_meshes = [self.ask(f"/sample?sites=9&mesh=true&format={word}", data=MESH).type for word in words]
+            self.assertEqual(sorted(made + for_devices + for_meshes), sorted(content))
             body = {option: value for option, value in given.items() if option != "format"}
-            for media in content:
+            for media in set(content) - set(for_meshes):
                 answer = self.pose(path, device if media in for_devices else body, "--header", "Accept: " + media)
                 self.assertEqual(answer.type.split(";")[0], media)
+            for media in for_meshes:
+                answer = self.ask("/sample?sites=9&mesh=true", "--header", "Accept: " + media, data=MESH)
+                self.assertEqual(answer.type, media)
 
 
 class Statuses(ContractCase):

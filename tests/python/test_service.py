@@ -10,7 +10,8 @@ import ccdt
 import numpy as np
 import pytest
 from ccdt import _core, _options
-from harness import POLYGONS, ask, post_json
+from ccdt.client import Client
+from harness import DATA, POLYGONS, ask, post_json
 from PIL import Image
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [2, 1], [0, 3]]
@@ -63,6 +64,61 @@ def test_sets_of_pixels_are_those_of_the_service(server):
     found = ccdt.sample(ccdt.Pixels(32, 16), 64, density=[[1, 3]], calibration={"height": 2})
     assert found.dtype == bool and found.shape == (16, 32) and found.sum() == 64
     assert np.array_equal(found, expected)
+
+
+HOUSE = DATA / "meshes" / "house.obj"
+
+
+@pytest.mark.parametrize("options", [
+    {}, {"order": "progressive", "seed": 4}, {"density": "color", "crease": 30},
+    {"mesh": True, "fixed": np.array([[2, 0, 5.0]])}], ids=str)
+def test_points_on_meshes_are_those_of_the_service(server, options):
+    texts = {name: json.dumps(value.tolist()) if isinstance(value, np.ndarray) else str(value).lower()
+             for name, value in options.items()}
+    path = "/sample?" + urllib.parse.urlencode({"sites": 90, **texts})
+    points = ccdt.sample(str(HOUSE), 90, **options)
+    expected = ask(server, path, data=HOUSE.read_bytes()).json()
+    assert isinstance(points, ccdt.SurfacePoints) and points.shape == (90, 3)
+    assert points.tolist() == expected["points"]
+    for name in ("faces", "barycentric", "normals", "colors"):
+        assert getattr(points, name).tolist() == expected[name]
+    assert (points.ranks is None) == ("rank" not in expected)
+    assert points.variation == expected["variation"]
+    for file in ("npy", "ply", "csv", "glb"):
+        assert points.write(file) == ask(server, path + "&format=" + file, data=HOUSE.read_bytes()).body
+    if "mesh" in options:
+        assert points.vertices.tolist() == expected["mesh"]["vertices"]
+        assert points.triangles.tolist() == expected["mesh"]["triangles"]
+    client = Client(server.url(""))
+    assert client.sample(HOUSE, 90, **options).json()["points"] == expected["points"]
+
+
+def test_meshes_of_arrays_give_the_points_of_files():
+    vertices = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0]])
+    file = "OFF 4 2 0\n0 0 0\n2 0 0\n2 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n"
+    mesh = ccdt.Mesh(vertices, [[0, 1, 2], [0, 2, 3]])
+    points = ccdt.sample(mesh, 40, density=[1, 1, 2, 2])
+    assert points.write("csv") == ccdt.sample(file.encode(), 40, density=[1, 1, 2, 2]).write("csv")
+    assert points.colors is None and points.texture is None
+    painted = ccdt.sample(ccdt.Mesh(vertices, mesh.triangles, colors=np.full((4, 3), 128, np.uint8),
+                                    texture=vertices[:, :2]), 40, density=[1, 1, 2, 2])
+    assert painted.tolist() == points.tolist()
+    assert (painted.colors == 128).all()
+    assert np.allclose(painted.texture, points[:, :2], atol=1e-6)
+
+
+@pytest.mark.parametrize(("mesh", "options", "field"), [
+    (ccdt.Mesh([[0, 0]], [[0, 0, 0]]), {}, "vertices"),
+    (ccdt.Mesh([[0, 0, 0]], [[0, 0, 1]]), {}, "triangles/0"),
+    (ccdt.Mesh([[0, 0, 0]], [[0, 0, 0.5]]), {}, "triangles"),
+    (ccdt.Mesh([[0, 0, 0]], [[0, 0, 0]], colors=[[2.0, 0, 0]]), {}, "colors/0"),
+    (ccdt.Mesh([[0, 0, 0]], [[0, 0, 0]], texture=[[0, 0]] * 2), {}, "texture"),
+    (b"nothing", {}, "domain"), (str(HOUSE), {"crease": 0}, "crease"), (str(HOUSE), {"density": [1]}, "density"),
+], ids=str)
+def test_errors_about_meshes_name_the_fault(mesh, options, field):
+    with pytest.raises(ccdt.Error) as raised:
+        ccdt.sample(mesh, 5, **options)
+    assert raised.value.field == field
 
 
 @pytest.mark.parametrize("bits", [8, 16])
@@ -124,5 +180,6 @@ def test_options_have_the_names_of_the_tables():
     assert set(_options.all_names(_options.SampleOptions)) | shapes | parameters == set(_core.sample_options()) - hidden
     assert (set(_options.all_names(_options.PixelOptions)) | {"domain"} | parameters
             == set(_core.pixel_options()) - hidden)
+    assert (set(_options.all_names(_options.SurfaceOptions)) | parameters == set(_core.surface_options()) - hidden)
     analyze = set(typing.get_type_hints(ccdt.analyze)) - {"return", "threads", "progress"}
     assert analyze | {"sets"} == set(_core.analyze_options()) - hidden

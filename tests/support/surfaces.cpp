@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/surfaces.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -18,6 +19,50 @@ std::array<double, 2> on_circle(double share) {
 
 Point3 on_sphere(Point3 p) {
     return 1 / length(p) * p;
+}
+
+constexpr std::uint32_t side_after(std::uint32_t edge, std::uint32_t count) {
+    return edge / 4 * 4 + (edge % 4 + count) % 3;
+}
+
+std::uint32_t tail(const Surface& surface, std::uint32_t edge) {
+    return surface.corners(edge / 4)[edge % 4];
+}
+
+bool is_unit(Point3 p) {
+    return std::abs(length(p) - 1) < 1e-9;
+}
+
+std::string fault_at(const Surface& surface, std::uint32_t edge) {
+    if (tail(surface, edge) >= surface.vertex_count()) return "a corner is not a vertex";
+    if (tail(surface, edge) == tail(surface, side_after(edge, 1))) return "an edge is a loop";
+    const std::uint32_t twin = surface.twin(edge);
+    if (twin == Surface::kNone) return surface.is_crease(edge) ? "" : "a border is no crease";
+    if (surface.twin(twin) != edge) return "twins differ";
+    if (surface.is_crease(twin) != surface.is_crease(edge)) return "a crease has one side";
+    if (tail(surface, twin) != tail(surface, side_after(edge, 1)) ||
+        tail(surface, edge) != tail(surface, side_after(twin, 1))) {
+        return "neighbours differ in orientation";
+    }
+    if (!surface.is_crease(edge) && surface.component(edge / 4) != surface.component(twin / 4)) {
+        return "neighbours are in different components";
+    }
+    return "";
+}
+
+/// Returns the number of corners that one reaches by rotating around a corner, at most `limit`.
+std::size_t fan_size(const Surface& surface, std::uint32_t corner, std::size_t limit) {
+    std::size_t size = 0;
+    std::uint32_t at = corner;
+    do {
+        ++size;
+        at = surface.twin(side_after(at, 2));
+    } while (at != Surface::kNone && at != corner && size <= limit);
+    if (at == corner) return size;
+    for (at = surface.twin(corner); at != Surface::kNone && size <= limit; ++size) {
+        at = surface.twin(side_after(at, 1));
+    }
+    return size;
 }
 
 }  // namespace
@@ -114,6 +159,37 @@ TriangleSoup joined(TriangleSoup a, const TriangleSoup& b) {
     a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
     for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({i + offset, j + offset, k + offset});
     return a;
+}
+
+std::string fault_in(const Surface& surface) {
+    std::vector<std::size_t> corners_at(surface.vertex_count());
+    double area = 0;
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+        if (!is_unit(surface.normal(f))) return "a normal has no unit length";
+        if (surface.component(f) >= surface.component_count()) return "a component has a wrong number";
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (std::string fault = fault_at(surface, 4 * f + k); !fault.empty()) return fault;
+            ++corners_at[surface.corners(f)[k]];
+        }
+        area += surface.area(f);
+    }
+    if (!(area > 0) || std::abs(area - surface.total_area()) > 1e-9 * area) return "the total area is wrong";
+    for (std::uint32_t corner = 0; corner < 4 * surface.face_count(); ++corner) {
+        if (corner % 4 == 3) continue;
+        const std::size_t count = corners_at[tail(surface, corner)];
+        if (fan_size(surface, corner, count) != count) return "a vertex has several fans";
+    }
+    for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) {
+        const Point3 p = surface.vertex(v);
+        if (!is_unit(surface.vertex_normal(v))) return "the normal of a vertex has no unit length";
+        if (!(std::min({p.x, p.y, p.z}) >= 0 && std::max({p.x, p.y, p.z}) <= 1)) return "a vertex is out of range";
+    }
+    return "";
+}
+
+bool is_on(const SurfacePoint& point, const Surface& surface) {
+    const auto& [a, b, c] = point.weights;
+    return point.face < surface.face_count() && a >= 0 && b >= 0 && c >= 0 && std::abs(a + b + c - 1) < 1e-12;
 }
 
 }  // namespace ccdt::test

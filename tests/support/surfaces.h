@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
+#include "core/surface/surface.h"
 #include "core/surface/triangle_soup.h"
 
 namespace ccdt::test {
@@ -29,5 +31,12 @@ TriangleSoup moebius_strip(int columns, int rows);
 
 /// Returns the triangles of two soups without colours.
 TriangleSoup joined(TriangleSoup a, const TriangleSoup& b);
+
+/// Returns which property of a surface does not hold; empty if its edges, vertices, normals and components are as
+/// documented.
+std::string fault_in(const Surface& surface);
+
+/// Whether a point is in a face of a surface.
+bool is_on(const SurfacePoint& point, const Surface& surface);
 
 }  // namespace ccdt::test

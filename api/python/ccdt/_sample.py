@@ -175,10 +175,10 @@ class SurfacePoints(Points):
         return None
 
 
-@overload  # type: ignore[misc]  # Any includes Pixels
+@overload
 def sample(domain: Mesh, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[SurfaceOptions]) -> SurfacePoints: ...
-@overload
+@overload  # type: ignore[misc]  # Any includes Pixels
 def sample(domain: Pixels, sites: int, *, density: Any = None, seed: int = 0, threads: Optional[int] = None,
            progress: Progress = None, **options: Unpack[PixelOptions]) -> npt.NDArray[np.bool_]: ...
 @overload

@@ -5,7 +5,7 @@ import { Connection, contentOf } from "./connection.js";
 import type { Job } from "./connection.js";
 import type {
   AnalyzeFormat, AnalyzeRequest, Answer, Bytes, Capabilities, DeviceFormat, DeviceOptions, FileInput, HalftoneFormat,
-  HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest,
+  HalftoneOptions, MapOptions, RequestOptions, SampleFormat, SampleRequest, SurfaceFormat, SurfaceOptions,
 } from "./types.js";
 
 export { CcdtError, Connection, Job } from "./connection.js";
@@ -53,6 +53,16 @@ export class Client extends Connection {
     const body = new FormData();
     body.append("map", new Blob([await this.#contentOf(map, call) as BlobPart]));
     for (const [name, value] of parametersOf(options)) body.append(name, value);
+    return this.#compute("sample", { body }, call);
+  }
+
+  /** Spreads points on the surface of a mesh from a file: STL, OBJ, PLY, OFF, GLB or glTF. The default format is JSON. */
+  async sampleMesh<F extends SurfaceFormat = "json", C extends Call = {}>(
+    mesh: FileInput, options: SurfaceOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
+    const body = new FormData();
+    body.append("file", new Blob([await this.#contentOf(mesh, call) as BlobPart]));
+    const texts = Object.entries(options).map(([name, value]) => [name, Array.isArray(value) ? JSON.stringify(value) : value]);
+    for (const [name, value] of parametersOf(Object.fromEntries(texts))) body.append(name, value);
     return this.#compute("sample", { body }, call);
   }
 

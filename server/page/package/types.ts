@@ -18,9 +18,13 @@ export type OptionError = NonNullable<Schemas["Problem"]["errors"]>[number];
 /** Options for a map in a file. `sites` is a number or the name of the property that holds the counts. */
 export type MapOptions = Omit<Schemas["SampleOptions"], "sites"> & { sites?: number | string };
 
+/** Options for a mesh in a file. */
+export type SurfaceOptions = Schemas["SurfaceOptions"];
+
 export type HalftoneFormat = NonNullable<HalftoneOptions["format"]>;
 export type DeviceFormat = NonNullable<DeviceOptions["format"]>;
 export type SampleFormat = NonNullable<Schemas["SampleOptions"]["format"]>;
+export type SurfaceFormat = NonNullable<SurfaceOptions["format"]>;
 export type AnalyzeFormat = NonNullable<AnalyzeRequest["format"]>;
 
 /** Media types of the formats, as in the answer of `/capabilities`. */
@@ -44,6 +48,10 @@ interface MediaTypes {
   hpgl: "application/vnd.hp-hpgl";
   gcode: "text/x-gcode";
   dxf: "image/vnd.dxf";
+  ply: "model/ply";
+  glb: "model/gltf-binary";
+  obj: "model/obj";
+  stl: "model/stl";
 }
 
 /** Content of an answer: an object for JSON and GeoJSON, a string for other text, otherwise a Blob. */

@@ -46,6 +46,29 @@ TEST(PointFileReader, ReadsListsAnswersAndGeoJson) {
     EXPECT_EQ(read_point_file(R"({"type":"MultiPoint","coordinates":[[1,2],[3,4]]})", {}), expected);
 }
 
+TEST(PointFileReader, ReadsThreeCoordinatesOfPointsInSpace) {
+    const std::vector<Point3> expected{{1, 2, 3}, {4, 5, 6}};
+    EXPECT_EQ(read_space_point_file("z,face,x,y\n3,0,1,2\n6,0,4,5\n", {}), expected);
+    EXPECT_EQ(read_space_point_file(array_of(4, {1, 2, 3, 9, 4, 5, 6, 9}), {}), expected);
+    EXPECT_EQ(read_space_point_file("[[1,2,3],[4,5,6]]", {}), expected);
+    EXPECT_EQ(read_space_point_file(R"({"seed":1,"points":[[1,2,3],[4,5,6]]})", {}), expected);
+}
+
+TEST(PointFileReader, RefusesPointsInSpaceWithoutAThirdCoordinate) {
+    const auto message_of = [](const std::string& file) { return read_space_point_file(file, {}).error().message; };
+    EXPECT_NE(message_of("x,y\n1,2\n").find("x, y and z"), std::string::npos);
+    EXPECT_NE(message_of(array_of(2, {1, 2})).find("three columns"), std::string::npos);
+    EXPECT_NE(message_of("[[1,2,3],[1,2]]").find("/1 must be a position [x, y, z]"), std::string::npos);
+    EXPECT_NE(message_of("[[1,2,\"3\"]]").find("/0 must be a position [x, y, z]"), std::string::npos);
+    EXPECT_NE(message_of("[[1,2,3,4]]").find("/0 must be a position [x, y, z]"), std::string::npos);
+    EXPECT_NE(message_of(R"({"points":{}})").find("/points must be a list"), std::string::npos);
+    EXPECT_NE(message_of("x,y,z\n1,2,inf\n").find("line 2: z must be a finite number"), std::string::npos);
+    EXPECT_NE(message_of(array_of(3, {1, 2, NAN})).find("row 0"), std::string::npos);
+    Limits one;
+    one.max_sites = 1;
+    EXPECT_EQ(read_space_point_file("[[1,2,3],[4,5,6]]", one).error().code, ErrorCode::LimitExceeded);
+}
+
 TEST(PointFileReader, NamesTheLineRowOrPointerOfAFault) {
     struct Case {
         std::string file;

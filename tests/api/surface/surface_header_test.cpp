@@ -125,6 +125,13 @@ TEST(SurfaceHeader, RefusesCountsThatTheFileCannotHold) {
     expect_refused("OFF", "does not begin with OFF and the numbers");
 }
 
+TEST(SurfaceHeader, RefusesTriangleStrips) {
+    expect_refused(ply_with("element vertex 1\nproperty float x\nelement tristrips 1\n"
+                            "property list int int vertex_indices\n",
+                            "0\n3 0 0 0\n"),
+                   "triangle strips are not supported");
+}
+
 TEST(SurfaceHeader, RefusesFilesWithoutTriangles) {
     for (const char* file : {"solid a\nendsolid a\n", "v 0 0 0\np 1\nl 1 1\n", "OFF 0 0 0\n"})
         expect_refused(file, "it has no triangles or polygons");

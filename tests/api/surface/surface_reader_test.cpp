@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -248,6 +250,23 @@ TEST(SurfaceReader, RefusesIndicesOutOfRange) {
     }
 }
 
+TEST(SurfaceReader, KeepsDegenerateFaces) {
+    const auto contents = read("OFF\n3 4 0\n0 0 0\n1 0 0\n0 1 0\n3 0 0 0\n3 0 1 2\n2 0 1\n3 2 1 0\n");
+    ASSERT_TRUE(contents) << contents.error().message;
+    EXPECT_EQ(contents->soup.triangles, (Triangles{{0, 0, 0}, {0, 1, 2}, {2, 1, 0}}));
+    EXPECT_EQ(contents->ignored, 1U);
+}
+
+TEST(SurfaceReader, OpensNoOtherFiles) {
+    const std::string path = testing::TempDir() + "ccdt-square.bin";
+    std::ofstream(path, std::ios::binary) << square_buffer();
+    const SurfaceHeader header{SurfaceFormat::Gltf, 1, 1000, 3000, 1 << 20};
+    const auto contents = read_surface(square_gltf(R"([{"mesh":0}])", R"(,"uri":")" + path + '"'), header);
+    std::filesystem::remove(path);
+    ASSERT_FALSE(contents);
+    EXPECT_NE(contents.error().message.find("could not open"), std::string::npos) << contents.error().message;
+}
+
 TEST(SurfaceReader, LeavesTheCheckOfCoordinatesToTheSurface) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinity = std::numeric_limits<float>::infinity();
@@ -269,7 +288,7 @@ TEST(SurfaceReader, RefusesPicturesThatAreSentAsMeshes) {
     const std::string png = "\x89PNG\r\n\x1A\n" + std::string(200, 'x');
     using enum SurfaceFormat;
     for (const SurfaceFormat format : {StlText, StlBinary, Obj, Ply, Off, Gltf, Glb}) {
-        const SurfaceHeader header{format, 1000, 3000, 1 << 20};
+        const SurfaceHeader header{format, 1, 1000, 3000, 1 << 20};
         EXPECT_FALSE(read_surface_header(png, format, 1000)) << name_of(format);
         const auto contents = read_surface(png, header);
         ASSERT_FALSE(contents) << name_of(format);

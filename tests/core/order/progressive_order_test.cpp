@@ -149,7 +149,7 @@ struct SurfacePoints {
         std::vector<double> distances(places.size(), reach / hexagonal);
         for (std::size_t i = 0; i < places.size(); ++i) {
             cells.for_near(places[i], reach, [&](Point3 place, std::uint32_t number) {
-                if (number != i && dot(normals[i], normals[number]) > 0)
+                if (number != i && dot(normals[i], normals[number]) >= 0)
                     distances[i] = std::min(distances[i], length(place - places[i]) / hexagonal);
             });
         }
@@ -191,6 +191,21 @@ SurfacePoints ring(std::size_t points) {
     return ring.first_of(ring.order(true), points);
 }
 
+/// Returns the first points in a progressive order of eight times as many random points on a cube.
+SurfacePoints cube(std::size_t points) {
+    const std::array<Point3, 3> axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    Random random(13, 0);
+    SurfacePoints cube{{}, {}, 24};
+    while (cube.places.size() < 8 * points) {
+        const std::size_t face = cube.places.size() % 6;
+        const Point3 normal = (face < 3 ? 1.0 : -1.0) * axes[face % 3];
+        const double u = 2 * random.uniform() - 1, v = 2 * random.uniform() - 1;
+        cube.places.push_back(normal + u * axes[(face + 1) % 3] + v * axes[(face + 2) % 3]);
+        cube.normals.push_back(normal);
+    }
+    return cube.first_of(cube.order(true), points);
+}
+
 /// Returns points on the two sides of a thin plate, which is inclined.
 SurfacePoints plate(const Density& density, std::size_t sites) {
     const Point3 along{0.6, 0, 0.8}, across{0, 1, 0}, up = cross(along, across);
@@ -206,7 +221,7 @@ SurfacePoints plate(const Density& density, std::size_t sites) {
 }
 
 TEST(ProgressiveOrderOnSurface, SpreadsAnyNumberOfFirstPoints) {
-    for (const SurfacePoints& points : {sphere(4'096), ring(4'096)}) {
+    for (const SurfacePoints& points : {sphere(4'096), ring(4'096), cube(4'096)}) {
         const auto order = points.order(true);
         ASSERT_TRUE(is_permutation(order, points.places.size()));
         for (std::size_t k = 4'096; k >= 64; k /= 2) {

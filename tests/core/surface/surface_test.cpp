@@ -65,13 +65,8 @@ std::ptrdiff_t euler_characteristic(const Surface& surface) {
 }
 
 void expect_inside(const SurfacePoint& point, const Surface& surface) {
-    ASSERT_LT(point.face, surface.face_count());
-    double sum = 0;
-    for (const double weight : point.weights) {
-        EXPECT_GE(weight, 0);
-        sum += weight;
-    }
-    EXPECT_NEAR(sum, 1, 1e-12);
+    EXPECT_TRUE(test::is_on(point, surface))
+        << point.face << ": " << point.weights[0] << ' ' << point.weights[1] << ' ' << point.weights[2];
 }
 
 void expect_near(Point3 a, Point3 b, double tolerance) {
@@ -79,57 +74,8 @@ void expect_near(Point3 a, Point3 b, double tolerance) {
                                         << ' ' << b.z << ')';
 }
 
-/// Checks that every surface fulfils the contract of the class.
 void expect_valid(const Surface& surface) {
-    ASSERT_GT(surface.face_count(), 0U);
-    std::vector<std::size_t> corners_at(surface.vertex_count());
-    double total = 0;
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        const auto corners = surface.corners(f);
-        EXPECT_NEAR(length(surface.normal(f)), 1, 1e-9);
-        EXPECT_LT(surface.component(f), surface.component_count());
-        total += surface.area(f);
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            ASSERT_LT(corners[k], surface.vertex_count());
-            EXPECT_NE(corners[k], corners[(k + 1) % 3]);
-            ++corners_at[corners[k]];
-            const std::uint32_t edge = 4 * f + k, twin = surface.twin(edge);
-            if (twin == Surface::kNone) {
-                EXPECT_TRUE(surface.is_crease(edge));
-                continue;
-            }
-            EXPECT_EQ(surface.twin(twin), edge);
-            EXPECT_EQ(surface.is_crease(twin), surface.is_crease(edge));
-            EXPECT_EQ(surface.corners(twin / 4)[twin % 4], corners[(k + 1) % 3]);
-            EXPECT_EQ(surface.corners(twin / 4)[(twin % 4 + 1) % 3], corners[k]);
-            if (!surface.is_crease(edge)) {
-                EXPECT_EQ(surface.component(twin / 4), surface.component(f));
-            }
-        }
-    }
-    EXPECT_NEAR(surface.total_area(), total, 1e-9 * total);
-    // Each vertex has one fan: rotating around it from any corner reaches all its corners.
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            std::size_t seen = 0;
-            std::uint32_t at = 4 * f + k;
-            do {
-                ++seen;
-                at = surface.twin(at / 4 * 4 + (at % 4 + 2) % 3);
-            } while (at != Surface::kNone && at != 4 * f + k);
-            const std::uint32_t vertex = surface.corners(f)[k];
-            for (at = surface.twin(4 * f + k); at != Surface::kNone && seen < corners_at[vertex]; ++seen) {
-                at = surface.twin(at / 4 * 4 + (at % 4 + 1) % 3);
-            }
-            EXPECT_EQ(seen, corners_at[vertex]);
-        }
-    }
-    for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) {
-        EXPECT_NEAR(length(surface.vertex_normal(v)), 1, 1e-9);
-        const Point3 p = surface.vertex(v);
-        EXPECT_GE(std::min({p.x, p.y, p.z}), 0);
-        EXPECT_LE(std::max({p.x, p.y, p.z}), 1);
-    }
+    EXPECT_EQ(test::fault_in(surface), "");
 }
 
 TEST(Surface, KeepsACube) {
@@ -256,6 +202,7 @@ TEST(Surface, CutsEdgesOfThreeTriangles) {
     EXPECT_EQ(fan.surface.vertex_count(), 9U);
     ASSERT_EQ(fan.repairs.size(), 1U);
     EXPECT_EQ(fan.repairs[0].detail, "the surface was cut along 1 edge that more than two triangles share");
+    EXPECT_EQ(fan.repairs[0].triangle, 0U);
 }
 
 /// A square of two triangles that are connected by a triangle without area.

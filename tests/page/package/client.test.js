@@ -73,6 +73,15 @@ test("maps are read from files", async () => {
   assert.deepEqual([rows.length, rows[0]], [101, "x,y,feature,name"]);
 });
 
+test("meshes are read from files", async () => {
+  const mesh = await readFile(path.join(data, "meshes/house.obj"));
+  const options = { sites: 50, seed: 2, fixed: [[2, 0, 5]], mesh: true };
+  const { faces, mesh: { vertices } } = await client.sampleMesh(mesh, options);
+  assert.equal(faces.length, 50);
+  const ply = await (await client.sampleMesh(mesh, { ...options, format: "ply" })).text();
+  assert.match(ply, new RegExp(`^ply\nformat binary_little_endian 1.0\nelement vertex ${vertices.length}\n`));
+});
+
 test("a job has states and a result", async () => {
   const options = { sites: 30_000, format: "csv" };
   const job = await client.halftone(picture, options, { job: true });

@@ -19,6 +19,7 @@ export const features: Promise<"Feature" | "FeatureCollection"> =
   client.sample({ sites: 9, polygon: [[0, 0], [1, 0], [0, 1]], format: "geojson" }).then((answer) => answer.type);
 export const mask: Promise<Blob> = client.sample({ domain: torus, format: "mask" });
 export const csv: Promise<string> = client.sampleMap(new URL("http://localhost/map.zip"), { sites: "people", per: 10, format: "csv" });
+export const mesh: Promise<Blob> = client.sampleMesh(picture, { sites: 9, mesh: true, density: [1, 2], format: "glb" });
 export const measured: Promise<number> = client.analyze({ points: [[0, 0], [0.5, 0.5]] }).then((answer) => answer.mean_distance);
 export const limit: Promise<number> = client.capabilities().then((answer) => answer.limits.max_sites);
 

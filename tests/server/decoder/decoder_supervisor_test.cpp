@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -32,6 +33,7 @@
 #include "server/decoder/decoder_helper.h"
 #include "server/decoder/decoder_protocol.h"
 #include "tests/server/waiting.h"
+#include "tests/support/mesh_files.h"
 
 namespace ccdt::server {
 namespace {
@@ -134,6 +136,26 @@ Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& rea
     return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
 }
 
+/// Replaces the reading of meshes.
+Result<api::SurfaceContents> obey_as_surface(std::string_view file, const api::SurfaceHeader& header) {
+    if (file == "crash") std::abort();
+    if (file == "eat") eat_memory();
+    if (file == "spin") spin();
+    if (file == "refuse") return failure(ErrorCode::Unusable, "refused");
+    api::SurfaceContents contents;
+    contents.soup.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}};
+    contents.soup.triangles = {{0, 1, 2}};
+    if (file == "colours") contents.soup.colours = {{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5F}};
+    if (file == "colours") contents.soup.texture = {{0, 0}, {1, 0}, {0, 0.25F}};
+    if (file == "colours") contents.ignored = 7;
+    if (file == "few colours") contents.soup.colours = {{1, 0, 0}};
+    if (file == "few texture") contents.soup.texture = {{1, 0}};
+    if (file == "index") contents.soup.triangles = {{0, 1, 3}};
+    if (file == "empty") contents.soup.triangles.clear();
+    if (file == "many") contents.soup.triangles.resize(static_cast<std::size_t>(100 * header.max_triangles));
+    return contents;
+}
+
 /// Returns a launcher that forks a process. The process becomes the helper with the given decoder.
 SupervisedProgram::Launch forking(Decoder decoder) {
     return [decoder = std::move(decoder)](UniqueFd orders) -> Result<ChildProgram> {
@@ -165,6 +187,9 @@ public:
     }
     Result<std::string> read_shapefile(std::string_view bytes, const api::ShapefileReading& reading) {
         return client_.read_shapefile(bytes, reading, {});
+    }
+    Result<api::SurfaceContents> read_surface(std::string_view bytes, const api::SurfaceHeader& header) {
+        return client_.read_surface(bytes, header, {});
     }
     std::uint64_t deaths() const { return client_.deaths(); }
     std::uint64_t restarts() const { return supervisor_->restarts(); }
@@ -642,6 +667,102 @@ TEST(DecoderSupervisor, ReadsShapefiles) {
     EXPECT_EQ(crashed.error().code, ErrorCode::Unusable);
     EXPECT_EQ(crashed.error().message, "the shapefile could not be decoded: it made the decoder fail");
     EXPECT_EQ(supervisor.deaths(), 1U);
+}
+
+constexpr api::SurfaceHeader kMeshes{api::SurfaceFormat::Off, 1, 4, 12, std::uint64_t{64} << 20};
+
+TEST(DecoderSupervisor, TransfersMeshes) {
+    BoxOfTests supervisor(forking({obey, obey_in_colour, {}, {}, obey_as_surface}), limits_of_tests);
+    const auto plain = supervisor.read_surface("plain", kMeshes);
+    ASSERT_TRUE(plain) << plain.error().message;
+    EXPECT_EQ(plain->soup.vertices, (std::vector<Point3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}}));
+    EXPECT_EQ(plain->soup.triangles, (std::vector<std::array<std::uint32_t, 3>>{{0, 1, 2}}));
+    EXPECT_TRUE(plain->soup.colours.empty());
+    EXPECT_TRUE(plain->soup.texture.empty());
+    EXPECT_EQ(plain->ignored, 0U);
+    const auto coloured = supervisor.read_surface("colours", kMeshes);
+    ASSERT_TRUE(coloured) << coloured.error().message;
+    EXPECT_EQ(coloured->soup.vertices, plain->soup.vertices);
+    EXPECT_EQ(coloured->soup.triangles, plain->soup.triangles);
+    EXPECT_EQ(coloured->soup.colours, (std::vector<std::array<float, 3>>{{1, 0, 0}, {0, 1, 0}, {0, 0, 0.5F}}));
+    EXPECT_EQ(coloured->soup.texture, (std::vector<std::array<float, 2>>{{0, 0}, {1, 0}, {0, 0.25F}}));
+    EXPECT_EQ(coloured->ignored, 7U);
+    EXPECT_EQ(supervisor.read_surface("refuse", kMeshes).error().message, "refused");
+    EXPECT_EQ(supervisor.deaths(), 0U);
+}
+
+TEST(DecoderSupervisor, RejectsInvalidMeshes) {
+    BoxOfTests supervisor(forking({obey, obey_in_colour, {}, {}, obey_as_surface}), limits_of_tests);
+    std::uint64_t deaths = 0;
+    for (const char* file : {"few colours", "few texture", "index", "empty", "many", "crash", "eat"}) {
+        if (!Sandbox::kIsWhole && file == std::string_view("eat")) continue;
+        const auto contents = supervisor.read_surface(file, kMeshes);
+        ASSERT_FALSE(contents) << file;
+        EXPECT_EQ(contents.error().code, ErrorCode::Unusable) << file;
+        EXPECT_EQ(contents.error().message, "the mesh could not be decoded: it made the decoder fail") << file;
+        EXPECT_EQ(supervisor.deaths(), ++deaths) << file;
+    }
+    EXPECT_TRUE(supervisor.read_surface("plain", kMeshes));
+}
+
+/// Whether the library reads a mesh file, and if not, why.
+std::string describe_reading(BoxOfTests& supervisor, std::string_view bytes, std::size_t max_faces) {
+    const auto format = api::recognise_surface(bytes);
+    if (!format) return "not recognised";
+    const auto contents = api::read_surface_header(bytes, *format, max_faces).and_then([&](const auto& header) {
+        return supervisor.read_surface(bytes, header);
+    });
+    return contents ? "" : contents.error().message;
+}
+
+TEST(DecoderSupervisor, ReadsMeshesInTheSandbox) {
+    BoxOfTests supervisor(
+        forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface}),
+        decoder_limits);
+    const std::string stl = binary_stl(std::vector<float>(9 * 100'000, 0.5F));
+    const std::string files[] = {stl, "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", glb(square_gltf(), square_buffer()),
+                                 "mtllib /etc/passwd\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3 4\n"};
+    for (const std::string& file : files)
+        EXPECT_EQ(describe_reading(supervisor, file, 100'000), "") << file.substr(0, 20);
+    EXPECT_EQ(supervisor.deaths(), 0U);
+}
+
+/// Returns the paths of the mesh files of a folder.
+std::vector<std::filesystem::path> mesh_files(const std::filesystem::path& folder) {
+    constexpr auto kSuffixes = std::to_array<std::string_view>({".stl", ".obj", ".ply", ".off", ".gltf", ".glb"});
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+        std::string suffix = entry.path().extension();
+        std::ranges::transform(suffix, suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+        if (entry.is_regular_file() && std::ranges::find(kSuffixes, suffix) != kSuffixes.end())
+            files.push_back(entry.path());
+    }
+    return files;
+}
+
+TEST(DecoderSupervisor, ReadsOrRefusesTheModelsOfAssimp) {
+    const std::filesystem::path folder = "/usr/share/assimp/models";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << "the package assimp-testmodels is not installed";
+    BoxOfTests supervisor(
+        forking({api::decode_image, api::decode_colour_image, api::warm_up_decoder, {}, api::read_surface}),
+        decoder_limits);
+    // Reasons for which files of the package may be refused.
+    constexpr auto kReasons = std::to_array<std::string_view>(
+        {"not recognised", "its data is in another file", "only version 2 is supported", "only glTF 2 is supported",
+         "it has no triangles", "promises at least", "does not begin with OFF and the numbers", "Invalid face index",
+         "TEXCOORD_1", "not valid JSON", "faces are damaged"});
+    std::size_t read = 0;
+    for (const auto& path : mesh_files(folder)) {
+        const std::string reason = describe_reading(supervisor, bytes_at(path), 1'000'000);
+        read += reason.empty() ? 1 : 0;
+        EXPECT_TRUE(reason.empty() ||
+                    std::ranges::any_of(
+                        kReasons, [&](std::string_view known) { return reason.find(known) != std::string::npos; }))
+            << path << ": " << reason;
+    }
+    EXPECT_GE(read, 35U);
+    EXPECT_EQ(supervisor.deaths(), 0U);
 }
 
 /// Returns a client whose orders are accepted and never executed.

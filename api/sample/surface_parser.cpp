@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/surface/surface_parser.h"
+#include "api/sample/surface_parser.h"
 
 #include <algorithm>
 #include <array>
@@ -10,6 +10,7 @@
 
 #include "api/input/negotiation.h"
 #include "api/input/option_reader.h"
+#include "api/input/point_reader.h"
 #include "api/input/run_options.h"
 #include "api/json/json_document.h"
 #include "api/text/text.h"
@@ -24,20 +25,13 @@ struct Draft {
     Options run;
 };
 
-/// Parses an option whose value is a JSON list, and reads its elements.
-/// @param read  called as read(element) for each element, whose name and field are those of the option with an index
-template <class ReadElement>
-Result<void> read_json_list(const Input& input, ReadElement read) {
+/// Parses an option whose value is a JSON list.
+Result<JsonDocument> read_json(const Input& input) {
     const auto text = read_text(input);
     if (!text) return tl::unexpected(text.error());
-    const auto document = JsonDocument::parse(*text);
+    auto document = JsonDocument::parse(*text);
     if (!document || !document->root().is_array()) return malformed(input, "must be a list in JSON");
-    std::size_t index = 0;
-    for (const JsonValue value : document->root()) {
-        const std::string field = input.field + '/' + std::to_string(index++);
-        if (auto element = read(Input{field, field, value}); !element) return element;
-    }
-    return {};
+    return document;
 }
 
 Result<void> read_density(const Input& input, SurfaceRequest& request) {
@@ -51,36 +45,22 @@ Result<void> read_density(const Input& input, SurfaceRequest& request) {
             error.message += ", or a list in JSON with a number for each vertex";
             return error;
         }));
+    const auto document = read_json(input);
+    if (!document) return tl::unexpected(document.error());
     std::vector<double> values;
-    auto read = read_json_list(input, [&](const Input& element) {
-        return read_number(element, Interval{.min = 0}).map([&](double value) { values.push_back(value); });
-    });
-    request.density = std::move(values);
-    return read;
-}
-
-Result<void> read_position(const Input& input, std::vector<Point3>& points) {
-    constexpr std::string_view kExpected = "must be a position [x, y, z]";
-    const auto list = std::get<JsonValue>(input.value);
-    if (!list.is_array() || list.size() != 3) return malformed(input, kExpected);
-    std::array<double, 3> position{};
-    auto ordinate = position.begin();
-    for (const JsonValue value : list) {
-        if (!value.is_number()) return malformed(input, kExpected);
-        *ordinate++ = value.number();
+    for (const JsonValue element : document->root()) {
+        const std::string field = pointer_below(input.field, values.size());
+        const auto value = read_number({field, field, element}, Interval{.min = 0});
+        if (!value) return tl::unexpected(value.error());
+        values.push_back(*value);
     }
-    points.push_back({position[0], position[1], position[2]});
+    request.density = std::move(values);
     return {};
 }
 
 Result<void> read_fixed(const Input& input, const Limits& limits, std::vector<Point3>& points) {
-    return read_json_list(input, [&](const Input& element) -> Result<void> {
-        if (points.size() == limits.max_sites)
-            return failure(
-                ErrorCode::LimitExceeded,
-                "there are more points than this server's limit (max-sites), " + std::to_string(limits.max_sites),
-                element.field);
-        return read_position(element, points);
+    return read_json(input).and_then([&](const JsonDocument& document) {
+        return assign(points, read_space_points({input.name, input.field, document.root()}, limits));
     });
 }
 

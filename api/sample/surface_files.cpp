@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/surface/surface_files.h"
+#include "api/sample/surface_files.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/surface/surface_formats.h"
+#include "api/sample/surface_formats.h"
 
 #include <string_view>
 #include <vector>
@@ -8,7 +8,7 @@
 #include "api/json/json_document.h"
 #include "api/output/json_pieces.h"
 #include "api/output/npy_header.h"
-#include "api/surface/surface_files.h"
+#include "api/sample/surface_files.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::api {

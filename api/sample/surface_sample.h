@@ -6,8 +6,8 @@
 #include "api/image/image_codec.h"
 #include "api/output/body.h"
 #include "api/run/options.h"
-#include "api/surface/placed_surface.h"
-#include "api/surface/surface_request.h"
+#include "api/sample/placed_surface.h"
+#include "api/sample/surface_request.h"
 #include "core/ccdt/ccdt.h"
 #include "core/result.h"
 

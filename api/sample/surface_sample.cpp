@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/surface/surface_sample.h"
+#include "api/sample/surface_sample.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include "api/output/stage_costs.h"
 #include "api/run/estimate.h"
 #include "api/run/stopwatch.h"
-#include "api/surface/surface_parser.h"
+#include "api/sample/surface_parser.h"
 #include "core/order/progressive_order.h"
 #include "core/order/reorder.h"
 #include "core/surface/surface_density.h"
@@ -57,11 +57,11 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-/// Whether points have the same density everywhere on the surface, which has neither borders nor creases.
+/// Whether points have the same density everywhere on the surface, which has no border.
 bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
     if (!density.is_uniform() || !request.run.fixed.empty()) return false;
     for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
-        if (edge % 4 < 3 && surface.is_crease(edge)) return false;
+        if (edge % 4 < 3 && surface.twin(edge) == Surface::kNone) return false;
     }
     return true;
 }
@@ -150,27 +150,28 @@ Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, 
 }
 
 Cost cost_of(const SurfaceRequest& request) {
-    // Measured peaks of resident memory and times; tests/api/cost_test.cpp compares them with measurements.
-    constexpr Estimate kTriangle{500, 2.5 * kMicrosecond};  // reading, the surface, and its search tree
-    constexpr Estimate kVertex{80, 0.2 * kMicrosecond};
-    constexpr Estimate kSite{900, 12 * kMicrosecond};        // initial sites and their triangulation
-    constexpr Estimate kPass{0, 1.2 * kMicrosecond};         // a pass of an iteration, for a site
-    constexpr Estimate kPolish{200, 8 * kMicrosecond};       // standard quality, for a site
-    constexpr Estimate kProgressive{400, 8 * kMicrosecond};  // for a site
-    constexpr Estimate kMeshSite{80, 0};                     // triangulation that is kept
-    constexpr double kBest = 3;                              // polish of the best quality, relative to standard
+    // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
+    constexpr Estimate kTriangle{300, 3.2 * kMicrosecond}, kVertex{60, 0};
+    constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to project fixed points
+    constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
+    constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site
+    constexpr Estimate kPolish{0, 17 * kMicrosecond};                          // standard quality, of a site
+    constexpr Estimate kProgressive{100, 4 * kMicrosecond}, kKeptMesh{80, 0};  // of a site
+    constexpr double kBest = 4;  // polish of the best quality, relative to the standard quality
     const SurfaceOptions& run = request.run;
     const SurfaceHeader& header = request.file.header;
-    const Estimate read{static_cast<double>(header.decoder_bytes), 0};
-    Estimate site = kSite + kPass * (static_cast<double>(run.iterations) * run.passes);
-    if (run.quality != Quality::Draft) site = site + kPolish * (run.quality == Quality::Best ? kBest : 1);
-    if (run.keep_mesh) site = site + kMeshSite;
+    Estimate triangle = kTriangle, site = kSite + kPass * (static_cast<double>(run.iterations) * run.passes);
+    if (!run.fixed.empty()) triangle = triangle + kTree;
+    if (run.quality != Quality::Draft && run.iterations > 0)
+        site = site + kPolish * (run.quality == Quality::Best ? kBest : 1);
+    if (run.keep_mesh) site = site + kKeptMesh;
     if (request.order == PointOrder::Progressive) site = site + kProgressive;
+    const Estimate read{static_cast<double>(header.decoder_bytes), 0};
     const Estimate surface =
-        kTriangle * static_cast<double>(header.max_triangles) + kVertex * static_cast<double>(header.max_vertices);
-    const auto sites = static_cast<double>(run.sites + run.fixed.size());
-    Cost cost =
-        total_cost(then(read, surface + site * sites + request.format->per_site * static_cast<double>(run.sites)));
+        triangle * static_cast<double>(header.max_triangles) + kVertex * static_cast<double>(header.max_vertices);
+    const Estimate points = site * static_cast<double>(run.sites + run.fixed.size()) +
+                            request.format->per_site * static_cast<double>(run.sites);
+    Cost cost = total_cost(then(read, surface + points));
     cost.answer = run.sites * request.format->least;
     return cost;
 }

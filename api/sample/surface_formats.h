@@ -9,7 +9,7 @@
 #include "api/input/file_formats.h"
 #include "api/output/body.h"
 #include "api/run/estimate.h"
-#include "api/surface/placed_surface.h"
+#include "api/sample/placed_surface.h"
 #include "core/result.h"
 
 namespace ccdt::api {

@@ -4,7 +4,7 @@
 #include <stop_token>
 
 #include "api/output/body.h"
-#include "api/surface/placed_surface.h"
+#include "api/sample/placed_surface.h"
 #include "core/result.h"
 
 namespace ccdt::api {

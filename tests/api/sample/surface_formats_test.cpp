@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "api/surface/surface_formats.h"
+#include "api/sample/surface_formats.h"
 
 #include <gtest/gtest.h>
 

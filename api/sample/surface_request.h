@@ -2,13 +2,12 @@
 #pragma once
 
 #include <optional>
-#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "api/input/point_order.h"
 #include "api/run/deadline.h"
-#include "api/surface/surface_formats.h"
+#include "api/sample/surface_formats.h"
 #include "api/surface/surface_header.h"
 #include "core/surface/distribute.h"
 
@@ -16,12 +15,6 @@ namespace ccdt::api {
 
 /// Densities that the mesh itself determines.
 enum class SurfaceDensityKind { Uniform, Colour, Curvature };
-
-/// Mesh file in a request.
-struct SurfaceFile {
-    std::string_view bytes;  ///< must outlive this object
-    SurfaceHeader header;
-};
 
 /// Request to /sample for points on the surface of a mesh.
 struct SurfaceRequest {

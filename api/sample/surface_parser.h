@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "api/run/options.h"
-#include "api/surface/surface_request.h"
+#include "api/sample/surface_request.h"
 #include "core/result.h"
 
 namespace ccdt::api {

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "api/sample/surface_sample.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "api/operation/parsed_request.h"
+#include "api/sample/surface_parser.h"
+#include "tests/support/surfaces.h"
+
+namespace ccdt::api {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Returns a decoder that yields the same triangles for any file.
+Decode decode_to(const TriangleSoup& soup, std::size_t ignored = 0) {
+    Decode decode;
+    decode.surface = [=](std::string_view, const SurfaceHeader&, const std::stop_token&) {
+        return Result<SurfaceContents>(SurfaceContents{soup, ignored});
+    };
+    return decode;
+}
+
+Result<Answer> answer(const TriangleSoup& soup, std::vector<TextOption> options, const Control& control = {},
+                      std::size_t ignored = 0) {
+    options.push_back({"sites", "50"});
+    const auto request = parse_surface(SurfaceFile{}, options, "", {});
+    if (!request) return tl::make_unexpected(request.error());
+    Timings timings;
+    return run_surface(*request, decode_to(soup, ignored), control, timings);
+}
+
+Json json_of(const Result<Answer>& result) {
+    EXPECT_TRUE(result) << result.error().message;
+    return result ? Json::parse(result->body) : Json();
+}
+
+Control stopped() {
+    std::stop_source source;
+    source.request_stop();
+    Control control;
+    control.stop = source.get_token();
+    return control;
+}
+
+TEST(SurfaceSample, PlacesTheRequestedNumberOfPoints) {
+    const auto result = answer(test::sphere_surface(2), {});
+    const Json json = json_of(result);
+    EXPECT_EQ(json.at("points").size(), 50U);
+    EXPECT_EQ(result->sites, 50U);
+    EXPECT_FALSE(result->repeats);  // JSON contains the computing time
+    EXPECT_TRUE(answer(test::sphere_surface(2), {{"format", "csv"}})->repeats);
+}
+
+TEST(SurfaceSample, FollowsDensitiesOfVertices) {
+    const TriangleSoup square = test::square_surface(4);
+    std::string density = "[";
+    for (const Point3& vertex : square.vertices) density += (density.size() > 1 ? "," : "") + std::to_string(vertex.x);
+    const Json json = json_of(answer(square, {{"density", density + ']'}}));
+    double sum = 0;
+    for (const Json& point : json.at("points")) sum += point.at(0).get<double>();
+    EXPECT_NEAR(sum / 50, 2.0 / 3, 0.02);  // mean of x with a density of x
+}
+
+TEST(SurfaceSample, NamesTheDensityInErrors) {
+    const auto wrong = answer(test::square_surface(1), {{"density", "[1]"}});
+    ASSERT_FALSE(wrong);
+    EXPECT_EQ(wrong.error().code, ErrorCode::Malformed);
+    EXPECT_TRUE(wrong.error().field.starts_with("density")) << wrong.error().field;
+    const auto plain = answer(test::square_surface(1), {{"density", "color"}});
+    ASSERT_FALSE(plain);
+    EXPECT_EQ(plain.error().code, ErrorCode::Unusable);
+    EXPECT_EQ(plain.error().field, "density");
+}
+
+TEST(SurfaceSample, SortsPointsByRankInAProgressiveOrder) {
+    const Json placed = json_of(answer(test::sphere_surface(2), {{"mesh", "true"}}));
+    const Json ordered = json_of(answer(test::sphere_surface(2), {{"mesh", "true"}, {"order", "progressive"}}));
+    EXPECT_NE(ordered.at("points"), placed.at("points"));
+    EXPECT_EQ(std::set<Json>(ordered.at("points").begin(), ordered.at("points").end()),
+              std::set<Json>(placed.at("points").begin(), placed.at("points").end()));
+    for (std::size_t i = 0; i < 50; ++i) {
+        EXPECT_EQ(ordered.at("rank").at(i), i);
+        for (std::size_t k = 0; k < 3; ++k)
+            EXPECT_NEAR(ordered.at("mesh").at("vertices").at(i).at(k), ordered.at("points").at(i).at(k), 1e-9);
+    }
+}
+
+TEST(SurfaceSample, IgnoresUnusableColoursAndTexture) {
+    TriangleSoup square = test::square_surface(1);
+    square.colours.assign(square.vertices.size(), {0.5F, 2, 0});
+    square.texture.assign(square.vertices.size(), {std::numeric_limits<float>::quiet_NaN(), 0});
+    const Json json = json_of(answer(square, {}, {}, 7));
+    EXPECT_FALSE(json.contains("colors"));
+    EXPECT_FALSE(json.contains("texture"));
+    ASSERT_EQ(json.at("warnings").size(), 3U);
+    EXPECT_NE(json.at("warnings").at(2).at("detail").get<std::string>().find('7'), std::string::npos);
+}
+
+TEST(SurfaceSample, EndsAtAStop) {
+    const auto result = answer(test::sphere_surface(2), {}, stopped());
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Stopped);
+}
+
+TEST(SurfaceSample, RefusesTrianglesWithoutArea) {
+    const auto result = answer({{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}}, {});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Unusable);
+}
+
+TEST(SampleRequest, IsRecognisedAsAMesh) {
+    const std::string file = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    EXPECT_TRUE(parse_sample_request(file, {{"sites", "4"}}, "", {}));
+    const auto broken = parse_sample_request("nothing", {{"sites", "4"}}, "", {}, "model/ply");
+    ASSERT_FALSE(broken);
+    EXPECT_EQ(broken.error().code, ErrorCode::Unusable);
+    const auto many = parse_sample_request(file, {{"sites", "4"}}, "", {.max_faces = 0});
+    ASSERT_FALSE(many);
+    EXPECT_EQ(many.error().code, ErrorCode::LimitExceeded);
+}
+
+}  // namespace
+}  // namespace ccdt::api

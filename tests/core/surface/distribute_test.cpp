@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/surface/distribute.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <stop_token>
+
+#include "core/geometry/hexagonal_spacing.h"
+#include "core/parallel/thread_executor.h"
+#include "tests/support/surfaces.h"
+
+namespace ccdt {
+namespace {
+
+using test::cube_surface;
+using test::joined;
+using test::sphere_surface;
+using test::square_surface;
+using test::torus_surface;
+
+Surface surface_of(const TriangleSoup& soup, std::optional<double> crease = {}) {
+    auto made = Surface::create(soup, crease);
+    EXPECT_TRUE(made) << made.error().message;
+    return std::move(made->surface);
+}
+
+SurfaceDistribution distributed(const Surface& surface, const SurfaceOptions& options,
+                                const SurfaceDensity& density = SurfaceDensity::uniform()) {
+    auto result = distribute_on_surface(surface, density, options);
+    EXPECT_TRUE(result) << result.error().message;
+    return *std::move(result);
+}
+
+std::vector<Point3> places(const Surface& surface, const SurfaceDistribution& dots) {
+    std::vector<Point3> all;
+    for (const SurfacePoint& point : dots.points) all.push_back(surface.place(point));
+    return all;
+}
+
+struct Spacing {
+    double least = 0, mean = 0;
+};
+
+/// Distances of nearest neighbours in space, relative to the hexagonal distance.
+Spacing spacing_of(const Surface& surface, const std::vector<Point3>& points) {
+    const double hexagonal = hexagonal_spacing(static_cast<double>(points.size()) / surface.total_area());
+    Spacing spacing{1e9, 0};
+    for (const Point3& p : points) {
+        double least = 1e9;
+        for (const Point3& q : points) {
+            if (&p != &q) least = std::min(least, dot(p - q, p - q));
+        }
+        least = std::sqrt(least) / hexagonal;
+        spacing.least = std::min(spacing.least, least);
+        spacing.mean += least / static_cast<double>(points.size());
+    }
+    return spacing;
+}
+
+/// Checks that every edge of a closed mesh belongs to two triangles of opposite direction. Returns vertices - edges +
+/// triangles.
+int euler_characteristic(const SurfaceMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const auto& t : mesh.triangles) {
+        for (std::size_t i = 0; i < 3; ++i) ++edges[{t[i], t[(i + 1) % 3]}];
+    }
+    for (const auto& [edge, count] : edges) {
+        EXPECT_EQ(count, 1);
+        EXPECT_TRUE(edges.contains({edge.second, edge.first}));
+    }
+    return static_cast<int>(mesh.vertices.size()) - static_cast<int>(edges.size() / 2) +
+           static_cast<int>(mesh.triangles.size());
+}
+
+TEST(DistributeOnSurface, SpreadsSitesEvenlyOnASphere) {
+    const Surface surface = surface_of(sphere_surface(4));
+    for (const std::uint64_t seed : {0, 1, 2}) {
+        const auto dots = distributed(surface, {.sites = 2000, .seed = seed, .keep_mesh = true});
+        ASSERT_EQ(dots.points.size(), 2000U);
+        const auto points = places(surface, dots);
+        const Spacing spacing = spacing_of(surface, points);
+        EXPECT_GT(spacing.least, 0.77) << seed;
+        EXPECT_GT(spacing.mean, 0.87) << seed;
+        EXPECT_LT(dots.variation(), 0.05) << seed;
+        // The centre of mass measures the longest waves. Random points would be off by about sqrt(1 / 12 / 2000).
+        Point3 sum;
+        for (const Point3& p : points) sum = sum + (p - Point3{0.5, 0.5, 0.5});
+        EXPECT_LT(length(1.0 / 2000 * sum), 5e-4) << seed;
+        ASSERT_TRUE(dots.mesh);
+        EXPECT_EQ(dots.mesh->vertices.size(), 2000U);
+        EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+    }
+}
+
+TEST(DistributeOnSurface, KeepsTheTopologyOfATorus) {
+    const Surface surface = surface_of(torus_surface(2, 0.7, 60, 30));
+    for (const std::size_t sites : {200, 1500, 6000}) {
+        const auto dots = distributed(surface, {.sites = sites, .keep_mesh = true});
+        EXPECT_EQ(euler_characteristic(*dots.mesh), 0) << sites;
+        EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.7) << sites;
+    }
+}
+
+TEST(DistributeOnSurface, DoesNotDependOnTheNumberOfThreads) {
+    const Surface surface = surface_of(torus_surface(2, 0.7, 60, 30));
+    const SurfaceOptions options{.sites = 10'000, .seed = 5, .keep_mesh = true};
+    const auto one = distributed(surface, options);
+    ThreadExecutor executor(3);
+    Control control;
+    control.executor = &executor;
+    const auto three = distribute_on_surface(surface, SurfaceDensity::uniform(), options, control);
+    ASSERT_TRUE(three);
+    EXPECT_EQ(places(surface, one), places(surface, *three));
+    EXPECT_EQ(one.mesh->triangles, three->mesh->triangles);
+}
+
+TEST(DistributeOnSurface, GivesComponentsTheirShares) {
+    TriangleSoup large = sphere_surface(3);
+    TriangleSoup small = sphere_surface(3);
+    for (Point3& p : small.vertices) p = 0.5 * p + Point3{5, 0, 0};
+    const Surface surface = surface_of(joined(large, small));
+    ASSERT_EQ(surface.component_count(), 2U);
+    const auto dots = distributed(surface, {.sites = 1000});
+    const auto of_large = std::ranges::count_if(
+        dots.points, [&](const SurfacePoint& point) { return surface.to_input(surface.place(point)).x < 2; });
+    EXPECT_EQ(of_large, 800);
+}
+
+TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
+    const Surface surface = surface_of(square_surface(1));
+    const auto dots = distributed(surface, {.sites = 1000, .keep_mesh = true});
+    const double row = hexagonal_spacing(1000) * std::sqrt(3.0) / 2;
+    double least = 1;
+    int first_row = 0;
+    for (const Point3& p : places(surface, dots)) {
+        const double off = std::min({p.x, 1 - p.x, p.y, 1 - p.y});
+        least = std::min(least, off);
+        first_row += off < row;
+    }
+    EXPECT_GT(least, 0.35 * row);
+    EXPECT_LT(least, 0.6 * row);
+    // The area within a row of the border has this number of sites, on average.
+    EXPECT_NEAR(first_row, 1000 * (1 - std::pow(1 - 2 * row, 2)), 12);
+    EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.74);
+    double area = 0;
+    for (const auto& [a, b, c] : dots.mesh->triangles) {
+        const auto& v = dots.mesh->vertices;
+        area += length(cross(v[b] - v[a], v[c] - v[a])) / 2;
+    }
+    EXPECT_NEAR(area, 1, 1e-9);
+}
+
+TEST(DistributeOnSurface, KeepsCreases) {
+    const Surface surface = surface_of(cube_surface(), 0.7);
+    ASSERT_EQ(surface.component_count(), 6U);
+    const auto dots = distributed(surface, {.sites = 600, .keep_mesh = true});
+    std::vector<int> counts(6, 0);
+    for (const SurfacePoint& point : dots.points) ++counts[surface.component(point.face)];
+    EXPECT_EQ(counts, std::vector<int>(6, 100));
+    double area = 0, volume = 0;
+    for (const auto& [a, b, c] : dots.mesh->triangles) {
+        const auto& v = dots.mesh->vertices;
+        area += length(cross(v[b] - v[a], v[c] - v[a])) / 2;
+        volume += dot(v[a], cross(v[b], v[c])) / 6;
+    }
+    EXPECT_NEAR(area, 6, 1e-9);
+    EXPECT_NEAR(volume, 1, 1e-9);
+    EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+}
+
+TEST(DistributeOnSurface, FollowsADensity) {
+    const TriangleSoup soup = square_surface(16);
+    const Surface surface = surface_of(soup);
+    std::vector<double> values;
+    for (const Point3& p : soup.vertices) values.push_back(p.x);
+    const auto density = SurfaceDensity::of_vertices(surface, soup, values);
+    ASSERT_TRUE(density);
+    const auto dots = distributed(surface, {.sites = 4000}, *density);
+    for (const double until : {0.25, 0.5, 0.75}) {
+        const auto count = std::ranges::count_if(
+            dots.points, [&](const SurfacePoint& point) { return surface.place(point).x < until; });
+        EXPECT_NEAR(static_cast<double>(count), 4000 * until * until, 30) << until;
+    }
+}
+
+TEST(DistributeOnSurface, KeepsFixedPointsFree) {
+    const Surface surface = surface_of(sphere_surface(4));
+    SurfaceOptions options{.sites = 500};
+    options.fixed = {{1, 0, 0}, {0, 1.2, 0}, {0, 0, -0.5}, {0.999, 0.001, 0}};
+    const auto dots = distributed(surface, options);
+    ASSERT_EQ(dots.points.size(), 500U);
+    const double hexagonal = hexagonal_spacing(503 / surface.total_area());
+    for (const Point3 fixed : {Point3{1, 0, 0}, Point3{0, 1, 0}, Point3{0, 0, -1}}) {
+        double least = 1;
+        for (const Point3& p : places(surface, dots)) least = std::min(least, length(p - surface.from_input(fixed)));
+        EXPECT_GT(least / hexagonal, 0.7);
+        EXPECT_LT(least / hexagonal, 1.3);
+    }
+}
+
+TEST(DistributeOnSurface, AcceptsFewSites) {
+    for (const TriangleSoup& soup : {sphere_surface(0), sphere_surface(3), cube_surface(), square_surface(1),
+                                     torus_surface(2, 0.7, 20, 10)}) {
+        const Surface surface = surface_of(soup);
+        for (std::size_t sites = 1; sites < 12; ++sites) {
+            const auto dots = distributed(surface, {.sites = sites, .keep_mesh = true});
+            EXPECT_EQ(dots.points.size(), sites);
+            EXPECT_TRUE(std::isfinite(dots.variation()));
+        }
+    }
+}
+
+TEST(DistributeOnSurface, AcceptsManyFacesForFewSites) {
+    const Surface surface = surface_of(sphere_surface(6));
+    ASSERT_EQ(surface.face_count(), 81'920U);
+    const auto dots = distributed(surface, {.sites = 300, .keep_mesh = true});
+    EXPECT_EQ(euler_characteristic(*dots.mesh), 2);
+    EXPECT_EQ(dots.mesh->vertices.size(), 300U);
+    EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.75);
+}
+
+TEST(DistributeOnSurface, StopsEarly) {
+    const Surface surface = surface_of(sphere_surface(4));
+    std::stop_source source;
+    Control control;
+    control.stop = source.get_token();
+    control.progress = [&](const Progress& progress) {
+        EXPECT_LE(progress.iteration, 2);
+        if (progress.iteration == 2) source.request_stop();
+    };
+    const auto dots = distribute_on_surface(surface, SurfaceDensity::uniform(), {.sites = 5000}, control);
+    ASSERT_TRUE(dots);
+    EXPECT_TRUE(dots->stopped);
+    EXPECT_EQ(dots->iterations, 2);
+    EXPECT_EQ(dots->points.size(), 5000U);
+    const auto none = distribute_on_surface(surface, SurfaceDensity::uniform(), {.sites = 5000}, control);
+    ASSERT_FALSE(none);
+    EXPECT_EQ(none.error().code, ErrorCode::Stopped);
+}
+
+TEST(DistributeOnSurface, RefusesADensityOfZero) {
+    const TriangleSoup soup = joined(square_surface(2), {});
+    const Surface surface = surface_of(soup);
+    const std::vector<double> values(soup.vertices.size(), 0);
+    EXPECT_FALSE(SurfaceDensity::of_vertices(surface, soup, values));
+}
+
+}  // namespace
+}  // namespace ccdt
