@@ -25,8 +25,8 @@ struct Option {
 
     bool is_flag() const { return value.empty(); }
 
-    /// Whether only JSON is accepted, so that the value may also be a file.
-    bool is_json() const { return takes_json && !takes_number && !takes_text && words.empty(); }
+    /// Whether values are words or JSON, so that the value may also be a file.
+    bool is_json() const { return takes_json && !takes_number && !takes_text; }
 };
 
 /// Returns a text with hyphens instead of underscores.
