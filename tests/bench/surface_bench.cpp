@@ -9,10 +9,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/analysis/surface_analysis.h"
 #include "core/parallel/thread_executor.h"
 #include "core/random.h"
 #include "core/surface/distribute.h"
+#include "core/surface/surface_analysis.h"
 #include "tests/bench/stages.h"
 #include "tests/bench/yardstick.h"
 #include "tests/support/surfaces.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "core/analysis/surface_analysis.h"
+#include "core/surface/surface_analysis.h"
 
 #include <algorithm>
 #include <array>
