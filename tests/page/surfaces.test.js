@@ -304,11 +304,15 @@ test("shows errors of the mesh and of options", async () => {
   assert.equal(await page.textContent("#shape-error"), "");
 });
 
-test("does not analyze points on a surface", async () => {
+test("analyzes points on a surface", async () => {
   await open();
   await world.page.click("#tab-analyze");
-  await settled(world.page, "analyze", "failed");
-  assert.match(await world.page.textContent("#analyze .general"), /not on surfaces/);
+  await settled(world.page, "analyze");
+  assert.match(await world.page.textContent("#analyze .note"), /measured on the surface/);
+  const cells = await world.page.locator("#analyze tbody tr").first().locator("td").allTextContents();
+  const [number, least, mean] = cells.map((text) => Number(text.replace(",", "")));
+  assert.equal(number, 1000);
+  assert.ok(least > 0.6 && mean > 0.8 && mean < 1, String(cells));
 });
 
 test("saves points and meshes, and shows commands that make the same points", async () => {

@@ -16,9 +16,11 @@ const whitest = 2.5;  // power at and above which pixels are white
 
 /**
  * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the
- * projected points in the largest square inside the shape, relative to its lower left corner.
+ * projected points in the largest square inside the shape, relative to its lower left corner. For points on a surface,
+ * returns its mesh instead of a domain.
  */
 function windowOf({ points, shape, outline, places }) {
+  if (shape.file?.mesh) return { points, mesh: shape.file.mesh };
   if (shape.domain) return { points, domain: shape.domain };
   const { x, y, side } = largestSquare(outline.rings);
   const inside = places.map(([px, py]) => [px - x, py - y])
@@ -26,11 +28,27 @@ function windowOf({ points, shape, outline, places }) {
   return { points: inside, domain: { type: "rectangle", width: side, height: side } };
 }
 
+/** Returns the request for points in a domain, as JSON. */
+function bodyOf(points, domain) {
+  const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height))));
+  const rounded = points.map(([x, y]) => [Number(x.toFixed(places)), Number(y.toFixed(places))]);
+  return JSON.stringify({ points: rounded, domain, spectrum: points.length <= maxInSpectrum });
+}
+
+/** Returns the request for points on the surface of a mesh, as a form. */
+function formOf(points, mesh) {
+  const form = new FormData();
+  form.set("mesh", new Blob([mesh]), mesh.name);  // without the media type, which browsers often get wrong
+  form.set("points", JSON.stringify(points));
+  return form;
+}
+
 const notes = {
   torus: "The points tile the plane and are measured on the torus.",
   rectangle: "The rectangle is treated as a window on a larger pattern.",
   map: "The points in the largest square inside the map are measured. Differences in density are part of the spectrum: they add power at low frequencies, near the middle and on the left.",
   polygon: "The points in the largest square inside the shape are measured. The square is treated as a window on a larger pattern.",
+  surface: "The points are measured on the surface, by its lowest Laplace-Beltrami modes instead of a spectrum.",
   halftone: "The light and dark areas of the picture are part of the spectrum: they add power at low frequencies, near the middle and on the left. The dots of all inks are measured together.",
 };
 
@@ -64,7 +82,7 @@ export class Analyze extends Panel {
 
   /**
    * Requests the points of the panel that is analyzed.
-   * @returns  {points, domain, note}
+   * @returns  {points, domain, note}, or {points, mesh, note} for points on a surface
    */
   async #pointsMade(signal) {
     if (this.source.value === "halftone") {
@@ -72,10 +90,9 @@ export class Analyze extends Panel {
       return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
-    if (this.sample.isSurface) throw new Error("The page measures points in the plane, not on surfaces. Choose another shape in the tab Sample");
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
-    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.features ? "map" : "polygon")] };
+    return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.surface ? "surface" : result.features ? "map" : "polygon")] };
   }
 
   refresh() {
@@ -83,25 +100,24 @@ export class Analyze extends Panel {
     this.start(async (signal) => {
       this.results = [];
       this.#show();
-      const { points, domain, note } = await this.#pointsMade(signal);
+      const { points, domain, mesh, note } = await this.#pointsMade(signal);
       if (points.length < 2) throw new Error("There are too few points in the largest square inside the shape");
       this.find(".note").textContent = points.length > maxInSpectrum ? `${note} The picture of the spectrum is left out because there are too many points.` : note;
-      await this.#measure("These points", points, domain, signal);
+      await this.#measure("These points", mesh ? formOf(points, mesh) : bodyOf(points, domain), points.length, signal);
       const sites = Math.min(points.length, maxToCompare);
       for (const { name, title } of methods) {
         const other = await postJson("/sample", { sites, method: name, domain: unitTorus, seed: 1 }, signal);
-        await this.#measure(title, other.points, unitTorus, signal);
+        await this.#measure(title, bodyOf(other.points, unitTorus), sites, signal);
       }
       this.status.textContent = `Compared with ${count(sites)} points of each method on a torus`;
     });
   }
 
-  async #measure(name, points, domain, signal) {
-    const places = Math.max(0, digits - Math.ceil(Math.log10(Math.max(domain.width, domain.height))));
-    const rounded = points.map(([x, y]) => [Number(x.toFixed(places)), Number(y.toFixed(places))]);
-    const body = JSON.stringify({ points: rounded, domain, spectrum: points.length <= maxInSpectrum });
-    const response = await postPatiently("/analyze", body, { sites: points.length }, { type: "application/json", signal, onProgress: this.showJob });
-    this.results.push({ name, number: points.length, ...await response.json() });
+  /** Measures points. `body` is JSON or a form. */
+  async #measure(name, body, number, signal) {
+    const type = typeof body === "string" ? "application/json" : undefined;
+    const response = await postPatiently("/analyze", body, { sites: number }, { type, signal, onProgress: this.showJob });
+    this.results.push({ name, number, ...await response.json() });
     this.#show();
   }
 
