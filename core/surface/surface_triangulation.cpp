@@ -46,16 +46,19 @@ public:
 
     /// Inserts a site near the triangle `start` of its face. Returns a triangle at the site.
     std::uint32_t insert(std::uint32_t site, std::uint32_t start) {
+        constexpr std::size_t kMaxFlips = 100'000;
         const std::uint32_t triangle = find(flat_[site], start), face = face_of_[triangle];
+        flat_[site] = inside(flat_[site], triangle);
         links_.divide(site, triangle);
         face_of_.resize(links_.triangle_count(), face);
         stack_.clear();
         links_.for_edges(site, [&](std::uint32_t h) { stack_.push_back(Links::next(h)); });
-        while (!stack_.empty()) {
+        for (std::size_t flips = 0; !stack_.empty() && flips < kMaxFlips;) {
             const std::uint32_t h = stack_.back(), twin = links_.twin(h);
             stack_.pop_back();
             if (twin == kNone || face_of_[twin / 4] != face || !wants_flip(h)) continue;
             links_.flip(h);
+            ++flips;
             stack_.insert(stack_.end(), {h, Links::previous(h), twin, Links::previous(twin)});
         }
         return Links::triangle_of(links_.edge_of(site));
@@ -74,7 +77,8 @@ private:
     std::uint32_t find(Point p, std::uint32_t triangle) const {
         const std::uint32_t face = face_of_[triangle];
         std::uint32_t from = kNone;
-        for (bool moved = true; moved;) {
+        std::size_t steps = 0;
+        for (bool moved = true; moved && steps < face_of_.size(); ++steps) {
             moved = false;
             for (std::uint32_t i = 0; i < 3 && !moved; ++i) {
                 const std::uint32_t h = Links::edge(triangle, i), twin = links_.twin(h);
@@ -86,6 +90,21 @@ private:
             }
         }
         return triangle;
+    }
+
+    /// Returns p, moved towards the middle of a triangle as little as necessary to lie strictly inside the triangle.
+    /// Otherwise the parts of the triangle could be flat or turned over, and flips would not end.
+    Point inside(Point p, std::uint32_t triangle) const {
+        constexpr double kFirstShare = 0x1p-40;
+        const Point a = at(Links::edge(triangle, 0)), b = at(Links::edge(triangle, 1)),
+                    c = at(Links::edge(triangle, 2));
+        const Point middle = 1.0 / 3 * (a + b + c);
+        Point moved = p;
+        for (double share = kFirstShare; share <= 1; share *= 2) {
+            if (orientation(a, b, moved) > 0 && orientation(b, c, moved) > 0 && orientation(c, a, moved) > 0) break;
+            moved = p + share * (middle - p);
+        }
+        return moved;
     }
 
     TriangleLinks& links_;

@@ -19,12 +19,14 @@ import numpy
 from PIL import Image
 
 import pictures
+import surface
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SAMPLES = ROOT / "server" / "page" / "site" / "samples"
 POLYGONS = ROOT / "tests" / "data" / "polygons"
+MESH = ROOT / "tests" / "data" / "meshes" / "spot.obj"
 INPUTS = (*(SAMPLES / name for name in ("astronaut.jpg", "camera.jpg", "cat.jpg", "texas.geojson")),
-          POLYGONS / "Switzerland-10m.geojson")
+          POLYGONS / "Switzerland-10m.geojson", MESH)
 
 # Time limit of a command, in seconds. The slowest one takes less than two.
 PATIENCE = 60
@@ -120,6 +122,16 @@ def draw_globe(file, _):
     drawing.write_text(svg(2 * middle, 2 * middle, [
         f'<circle cx="{middle}" cy="{middle}" r="{radius}" fill="#eef3f8" stroke="#8a8a84"/>',
         '<g fill="#14406f">', *dots, "</g>"]))
+    return drawing
+
+
+def draw_surface(file, _, first=None):
+    """Draws points on the surface of the mesh or, if the answer contains a triangulation, on that. `first` is the number
+    of points that are black; the others are white.
+    """
+    answer = json.loads(file.read_text())
+    drawing = file.with_suffix(".webp")
+    surface.draw(answer, surface.read_obj(MESH), first).save(drawing, quality=80)
     return drawing
 
 
@@ -229,11 +241,11 @@ SECTIONS = (
                     before=("camera.jpg", "The photograph of the man with the camera")),
             Exhibit("A spiral in each dot. Here the pen is thinner than the spirals need, to show the strokes.",
                     "The man with the camera drawn by spirals",
-                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 3000 --width-mm 180 -o spiral.svg",
+                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 1800 --width-mm 180 -o spiral.svg",
                     draw=draw_thinner),
             Exhibit("Concentric circles, one pen for each ink, also thinner than needed.",
                     "The astronaut drawn by concentric circles in four colours",
-                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 4000 --width-mm 180 "
+                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 2500 --width-mm 180 "
                     "-o circles.svg", draw=draw_thinner),
             Exhibit("G-code: touches of the pen, and in blue its way between them.",
                     "The path of a plotter that draws the man with the camera: dots, and blue lines between them",
@@ -259,6 +271,20 @@ SECTIONS = (
                     "ccdt sample --domain '{\"type\":\"rectangle\",\"width\":2,\"height\":1}' "
                     "--density '{\"width\":4,\"height\":1,\"values\":[1,4,16,64]}' --sites 2500 --dot 0.004 "
                     "-o density.svg"),
+        )),
+    Section("Surfaces", """Points are spread evenly on the surface of a mesh, in exactly the requested number. Each has
+        its triangle, barycentric coordinates and normal. The lists of points are drawn as discs on the surface.""", (
+            Exhibit("Three thousand points on a cow.", "A toy cow, evenly covered with dots",
+                    "ccdt sample spot.obj --sites 3000 -o cow.json", draw=draw_surface),
+            Exhibit("Denser where the surface is bent.", "The cow, with more dots on its horns, ears and feet",
+                    "ccdt sample spot.obj --sites 3000 --density curvature -o bent.json", draw=draw_surface),
+            Exhibit("The triangulation of the points: a mesh of nearly equal triangles.",
+                    "The cow as a mesh of small triangles of nearly equal size",
+                    "ccdt sample spot.obj --sites 2000 --mesh -o triangles.json", draw=draw_surface),
+            Exhibit("A progressive order: the first 500 points, in black, are spread evenly, too.",
+                    "The cow, covered with white dots, some of which are black",
+                    "ccdt sample spot.obj --sites 3000 --order progressive -o first.json",
+                    draw=functools.partial(draw_surface, first=500)),
         )),
     Section("Devices", """Electronic paper and label printers show one of a few colours in each pixel. The picture has
         exactly the pixels of the device, each of which is one pixel here, in the colours that are seen on it.""", (
@@ -299,7 +325,8 @@ it alone.</p>"""
 CREDITS = """<p>The astronaut is Eileen Collins, photographed by NASA (public domain). The cat and the man with the
 camera are sample data of scikit-image (CC0). Switzerland is by Natural Earth (public domain). The counties of Texas
 are by the npm package us-atlas (ISC licence), derived from data of the Census Bureau (public domain), and the numbers
-by the Bureau of Labor Statistics (public domain). More about them is in
+by the Bureau of Labor Statistics (public domain). The cow, Spot, is by Keenan Crane (public domain). More about them
+is in
 <a href="md_tests_data_README.html">Real inputs</a>.</p>"""
 
 

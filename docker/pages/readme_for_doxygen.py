@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Prints a README with anchors and links for Doxygen, whose version in Debian 12 does not resolve GitHub's.
 
-Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub. Links to READMEs
-and their headings become links to their pages. A link to a file that is not part of the documentation becomes the text
-of the link, because the pages do not contain that file. A picture is shown from the folder `pictures`, where make.py
-puts it.
+Each heading gets an anchor that consists of the README's folder and the heading's anchor on GitHub, which numbers
+repeated headings. Links to READMEs and their headings become links to their pages. A link to a file that is not part of
+the documentation becomes the text of the link, because the pages do not contain that file. A picture is shown from the
+folder `pictures`, where make.py puts it.
 """
 
+import collections
 import pathlib
 import re
 import sys
@@ -48,13 +49,20 @@ def link(readme, text, target):
 
 def converted(readme):
     """Yields the parts of a README: texts, which are converted, and blocks of code, which are not."""
+    seen = collections.Counter()
+
+    def heading(found):
+        name = slug(found[2])
+        seen[name] += 1
+        place = name if seen[name] == 1 else f"{name}-{seen[name] - 1}"
+        return f"{found[1]} {{#{anchor(readme, place)}}}"
+
     parts = re.split(r"(^ *```.*?^ *```$)", readme.read_text(), flags=re.MULTILINE | re.DOTALL)
     for number, part in enumerate(parts):
         if number % 2 == 0:
             part = PICTURE.sub(lambda m: pictures.element((readme.parent / m[2]).resolve(), m[1], "pictures"), part)
             part = LINK.sub(lambda m: link(readme, m[1], m[2]), part)
-            part = re.sub(r"^(##+ +(.*))$", lambda m: f"{m[1]} {{#{anchor(readme, slug(m[2]))}}}", part,
-                          flags=re.MULTILINE)
+            part = re.sub(r"^(##+ +(.*))$", heading, part, flags=re.MULTILINE)
         yield part
 
 

@@ -37,7 +37,7 @@ class Page(ServerCase):
                 for name in re.findall(rb'(?:src|href)="([^"]+)"', content):
                     if name != b"/docs/":  # only if the server has a folder of documentation
                         self.assertIn(name.decode(), FILES, path)
-                for name in re.findall(rb'from "\./([^"]+)"', content):
+                for name in re.findall(rb'(?:from |await import\()"\./([^"]+)"', content):
                     self.assertIn("/assets/" + name.decode(), FILES, path)
 
     def test_refers_to_no_other_host(self):
@@ -51,7 +51,10 @@ class Page(ServerCase):
         packed = {path: len(gzip.compress(content)) for path, content in own.items()}
         # Other pages load the element and the module that it imports.
         self.assertLess(packed.pop("/assets/element.js") + packed["/assets/connection.js"], 9_000)
-        self.assertLess(sum(packed.values()), 78_000)
+        # The page loads the modules that draw surfaces only when it shows one.
+        surfaces = [packed.pop(path) for path in sorted(packed) if path.startswith("/assets/surface_")]
+        self.assertLess(sum(surfaces), 8_500)
+        self.assertLess(sum(packed.values()), 80_000)
         for path, content in own.items():
             self.assertLess(len(content), 60_000, path)
         for path in FILES.keys() - own.keys():  # pictures cannot be compressed further, maps are sent compressed

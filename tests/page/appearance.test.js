@@ -38,6 +38,10 @@ for (const { colorScheme, size, viewport, tags } of appearances) {
         await page.selectOption("#shape", "mask");
         await settled(page, panel);
         await examine("mask");
+        await page.selectOption("#shape", "surface");
+        await settled(page, panel);
+        await looksAsKept(world, page, `page-surface-${colorScheme}-${size}`);
+        await examine("surface");
         await page.selectOption("#shape", "polygon");
         await settled(page, panel);
       }

@@ -140,6 +140,24 @@ test("fills a polygon drawn with the mouse", async () => {
   assert.ok(await darkness("#sample canvas") > 0.03);
 });
 
+test("shows points on a surface without WebGL", async () => {
+  await page.evaluateOnNewDocument(() => {
+    const { getContext } = HTMLCanvasElement.prototype;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...others) {
+      return kind === "webgl2" ? null : getContext.call(this, kind, ...others);
+    };
+  });
+  await show("sample", "?shape=knot.obj");
+  assert.match(await textOf("#sample .status"), /^1,000 points/);
+  const canvas = "#sample canvas.of-surfaces";
+  const picture = () => page.$eval(canvas, (element) => new Promise((take) => { requestAnimationFrame(() => requestAnimationFrame(() => take(element.toDataURL()))); }));
+  const before = await picture();
+  assert.ok(await darkness(canvas) > 0.03);
+  await page.focus(canvas);
+  await page.keyboard.press("ArrowRight");
+  assert.notEqual(await picture(), before);
+});
+
 test("puts dots into a page of another origin, and draws them itself once the server is gone", async () => {
   const alone = await startServer([]);
   const origin = await serveOrigin(() => elementPage(alone.url));

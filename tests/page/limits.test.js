@@ -13,6 +13,9 @@ test("begins with as many points as the server accepts, and does not exceed them
   await page.goto(`${world.url}/#sample`);
   await settled(page, "sample");
   assert.match(await page.textContent("#sample .status"), /^[1-6]\d\d points/);
+  await page.click("#sample .knot");
+  await settled(page, "sample");
+  assert.match(await page.textContent("#sample .status"), /^700 points/);
   for (const panel of ["halftone", "sample"]) {
     await page.goto("about:blank");
     await page.goto(`${world.url}/#${panel}?${panel === "sample" ? "shape=polygon" : ""}`);

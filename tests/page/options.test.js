@@ -28,14 +28,16 @@ const elsewhere = {
   halftone: ["dwell", "format", "invert", "pen"],
   devices: [],
   sample: ["polygon", "holes", "geometry", "domain", "classes", "object", "iterations", "mesh", "dwell", "pen"],
+  surfaces: ["iterations", "mesh"],
 };
 
 test("has a field for each option", async () => {
   const offered = await (await fetch(`${world.url}/capabilities`)).json();
   for (const [panel, others] of Object.entries(elsewhere)) {
-    await open(`#${panel}`);
-    const names = await world.page.locator(`#${panel} .field`).evaluateAll((fields) => fields.map(({ dataset }) => dataset.name));
-    const { options } = panel === "devices" ? offered.halftone.devices : offered[panel];
+    const place = panel === "surfaces" ? "sample" : panel;
+    await open(`#${place}`);
+    const names = await world.page.locator(`#${place} .field`).evaluateAll((fields) => fields.map(({ dataset }) => dataset.name));
+    const { options } = panel === "devices" ? offered.halftone.devices : panel === "surfaces" ? offered.sample.surfaces : offered[panel];
     assert.deepEqual(options.filter((name) => !names.includes(name)).sort(), others.sort());
   }
 });

@@ -126,7 +126,7 @@ class Gallery(unittest.TestCase):
         self.assertGreater(len(self.figures), 25)
         words = {word for figure in self.figures for command in self.commands(figure) for word in command}
         for word in ("halftone", "sample", "analyze", "ink", "paper", "cmyk", "--palette", "path", "spiral", "circles",
-                     "camera.gcode", "texas.geojson", "lonlat", "spectra6", "stealthy", "mask"):
+                     "camera.gcode", "texas.geojson", "lonlat", "spot.obj", "spectra6", "stealthy", "mask"):
             self.assertIn(word, words)
 
     def test_shows_what_the_commands_write(self):
@@ -153,7 +153,7 @@ class Gallery(unittest.TestCase):
         listed = set(re.findall('href="gallery/([^"]*)" download', self.page.text))
         for figure in self.figures:
             first = self.commands(figure)[0]
-            taken = {word for word in first if re.search(r"\.(jpg|geojson)$", word)}
+            taken = {word for word in first if re.search(r"\.(jpg|geojson|obj)$", word)}
             self.assertLessEqual(taken, listed, first)
 
 

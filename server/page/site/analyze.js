@@ -72,6 +72,7 @@ export class Analyze extends Panel {
       return { points: points ?? (inks ?? kinds).flatMap((each) => each.points), domain: { type: "rectangle", width, height }, note: notes.halftone };
     }
     const { shape } = this.sample;
+    if (this.sample.isSurface) throw new Error("The page measures points in the plane, not on surfaces. Choose another shape in the tab Sample");
     if (!shape || this.sample.isMask) throw new Error("There are no points yet. Make some in the tab Sample");
     const result = this.sample.result ?? (await this.sample.fetch(signal, { onProgress: this.showJob }));
     return { ...windowOf(result), note: notes[result.shape.domain?.type ?? (result.features ? "map" : "polygon")] };

@@ -4,7 +4,7 @@
 import { ask, post } from "./api.js";
 import { chart } from "./chart.js";
 import { CcdtError } from "./connection.js";
-import { acceptDrops, colour, count, make, metres, seconds } from "./dom.js";
+import { acceptDrops, colour, count, make, metres, save, seconds } from "./dom.js";
 import { Drawing } from "./drawing.js";
 import { explain, Fields } from "./fields.js";
 import { countsOf, isGeojson, mayBeDegrees, polygonsOf } from "./geojson.js";
@@ -12,7 +12,7 @@ import { postPatiently } from "./jobs.js";
 import { showing } from "./mask.js";
 import { Panel } from "./panel.js";
 import { Plotter } from "./plotter.js";
-import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields } from "./sample_options.js";
+import { drawingFields, fields, fileFields, formats, masks, methodNamed, moreFields, maxPoints, shapeFields, surfaceFields, surfaces } from "./sample_options.js";
 import { areaOf, boundsOf, firstPolygon, outlineOf, polygonOf, polygonsOfMesh, rectangle, unitTorus } from "./shape.js";
 import { Snippets } from "./snippets.js";
 import { Viewport } from "./viewport.js";
@@ -31,42 +31,64 @@ const maxPast = 100;  // maximum number of polygons kept for undo
 const maxInAddress = 2000;  // maximum number of characters for corners
 const minScale = 4;  // CSS pixels per threshold below which the mask is smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
+const knotName = "knot.obj";
+/** Number of vertices of a surface that is shown, unless the user wants to see the triangulation of the points. */
+const shownVertices = Math.min(10_000, maxPoints);
 const ownShape = "own";  // name in the address for a file of the user, which is not part of the address
 
 let filesTaken = 0;
 
 const bodyMembers = ["density", "exclude", "avoid", "fixed"];  // options that cannot be query parameters
 
-/** Whether a file is sent as the body of a request. Options in `bodyMembers` need a JSON body instead. */
-const isDocument = ({ file }, options) => Boolean(file) && !bodyMembers.some((name) => name in options);
+/**
+ * Whether a file is sent as the body of a request. Options in `bodyMembers` need a JSON body instead, but not with a
+ * mesh, which cannot be part of JSON.
+ */
+const isDocument = ({ file }, options) => Boolean(file) && (Boolean(file.mesh) || !bodyMembers.some((name) => name in options));
+
+/** Returns options as query parameters. Lists are JSON. */
+const queryOf = (options) => new URLSearchParams(Object.entries(options).map(([name, value]) => [name, typeof value === "object" ? JSON.stringify(value) : value]));
 
 /**
  * Returns the request for a shape. If the body is a file, the options are query parameters. Otherwise, shape and
  * options are members of a JSON body.
  */
 function requestOf({ file, json, ...shape }, options) {
-  if (isDocument({ file }, options)) return { path: `/sample?${new URLSearchParams(options)}`, body: file.archive ?? file.text, type: file.archive ? "application/zip" : "application/geo+json", file };
+  if (isDocument({ file }, options)) return { path: `/sample?${queryOf(options)}`, body: file.mesh ?? file.archive ?? file.text, type: file.type ?? "application/geo+json", file };
   const members = file ? { ...options, geometry: json } : { ...options, ...shape };
   return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
+}
+
+/** Whether a file is a mesh, by its name or its first bytes. Only the server reads meshes. */
+async function isMesh(file) {
+  const ending = file.name.split(".").pop().toLowerCase();
+  return surfaces.inputs.some(({ extension }) => extension === ending) || /^(glTF|ply\s|solid\s|OFF\s)/.test(await file.slice(0, 6).text());
 }
 
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
 /**
- * Reads a file: {name, text}, and `archive` for a zipped shapefile. Only the server can read shapefiles, so their
- * outline is the boundary of a triangulation from the server.
+ * Reads a file: {name, text}, with `archive` and its `type` for a zipped shapefile; {name, mesh, type} for a mesh. Only
+ * the server can read shapefiles, so their outline is the boundary of a triangulation from the server.
  */
 async function documentOf(file) {
+  if (await isMesh(file)) return { name: file.name, mesh: file, type: "application/octet-stream" };
   if (!(await isArchive(file))) return { name: file.name, text: await file.text() };
   const mesh = await (await post("/sample?sites=1&iterations=0&mesh=true", file, { type: "application/zip" })).json();
   const json = { type: "MultiPolygon", coordinates: polygonsOfMesh(mesh) };
-  return { name: file.name, text: JSON.stringify(json), archive: file };
+  return { name: file.name, text: JSON.stringify(json), archive: file, type: "application/zip" };
 }
 
 /** Loads the sample map of the page: {name, text, path}. */
 async function loadMap() {
   const path = `/assets/samples/${map.name}`;
   return { name: map.name, text: await (await ask("GET", path)).text(), path };
+}
+
+/** Makes the sample mesh of the page; see `documentOf`. */
+async function loadKnot() {
+  const { sampleMesh } = await import("./surface_view.js");
+  return { ...await documentOf(new File([sampleMesh()], knotName)), isSample: true };
 }
 
 /** Returns the largest number of the form 1, 2 or 5 times a power of ten that is at most `sum / number`. */
@@ -102,6 +124,7 @@ export class Sample extends Panel {
   #past = [];
   #counts = [];
   #own = null;
+  #surfaceView = null;
   #mask = null;
   #isStale = true;
   #isBegun = false;  // false until a shape is restored or requested
@@ -122,6 +145,7 @@ export class Sample extends Panel {
       grasped: () => this.#remember(), changed: (moving) => this.#shapeMoved(moving),
     });
     this.shapeFields = new Fields(this.find(".shape-fields"), shapeFields, () => this.#sidesChanged());
+    this.surfaceFields = new Fields(this.find("form.of-surfaces"), surfaceFields, (draft) => this.refresh(draft));
     this.fields = new Fields(this.find(".fields"), fields, (draft) => this.refresh(draft));
     this.moreFields = new Fields(this.find(".more .of-points"), moreFields, (draft) => this.refresh(draft));
     const noted = (draft) => { this.#offerFields(); if (!draft) this.note(); };
@@ -147,7 +171,7 @@ export class Sample extends Panel {
     const kind = this.shapeChoice.value;
     const corners = kind === "polygon" ? JSON.stringify(this.shape) : "";
     const isDrawn = corners !== "" && corners !== JSON.stringify(firstPolygon) && corners.length <= maxInAddress;
-    const parts = [this.shapeFields, this.fields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.fileFields, this.drawingFields, this.plotter];
+    const parts = [this.shapeFields, this.fields, this.surfaceFields, ...(kind === "file" && this.countFields ? [this.countFields] : []), this.moreFields, this.fileFields, this.drawingFields, this.plotter];
     const others = {
       ...(isDrawn && { corners }),
       ...Object.assign({}, ...parts.map((part) => part.state())),
@@ -161,14 +185,15 @@ export class Sample extends Panel {
 
   get shapeName() {
     const kind = this.shapeChoice.value;
-    if (kind !== "file") return kind;
-    return this.shape?.file.path ? map.name : ownShape;
+    if (kind !== "file" && kind !== "surface") return kind;
+    const { path, isSample } = this.shape?.file ?? {};
+    return path ? map.name : isSample ? knotName : ownShape;
   }
 
   async restore(state) {
     this.#isStale = this.#isBegun = true;
     this.element.dataset.state = "busy";
-    for (const part of [this.shapeFields, this.fields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part.restore(state);
+    for (const part of [this.shapeFields, this.fields, this.surfaceFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part.restore(state);
     this.iteration.value = state.iteration ?? this.iteration.max;
     this.first.value = state.first ?? this.first.max;
     this.mesh.checked = state.mesh === "on";
@@ -181,13 +206,14 @@ export class Sample extends Panel {
 
   /**
    * Restores the shape. If there are no settings, the shape is the sample map; if settings do not name a shape, it is
-   * the polygon. Returns false if the map could not be loaded, or if the user has made another choice in the meantime.
+   * the polygon. Returns false if a sample could not be loaded, or if the user has made another choice in the meantime.
    */
   async #restoreShape({ corners = "", ...state }) {
     const { shape = corners || Object.keys(state).length > 0 ? "polygon" : map.name } = state;
     if (shape === map.name) return this.#takeMap();
+    if (shape === knotName) return this.#takeKnot();
     if (shape === ownShape && this.#own) {
-      this.#takeFileShape(this.#own, []);
+      this.#takeShape(this.#own, []);
       return true;
     }
     this.shapeChoice.value = ["rectangle", "torus", "mask"].includes(shape) ? shape : "polygon";
@@ -213,6 +239,10 @@ export class Sample extends Panel {
     return this.shapeChoice.value === "mask";
   }
 
+  get isSurface() {
+    return this.shapeChoice.value === "surface";
+  }
+
   get #onGlobe() {
     return this.shapeChoice.value === "file" && this.shapeFields.values().coordinates === "lonlat";
   }
@@ -229,7 +259,10 @@ export class Sample extends Panel {
     return { width: bounds.maxX - bounds.minX, height: bounds.maxY - bounds.minY };
   }
 
-  /** Last result: the members of the server's answer, `shape`, `outline`, and the projected points as `places`. */
+  /**
+   * Last result: the members of the server's answer, `shape`, `outline`, the projected points as `places` and, for
+   * points on a surface, the shown surface {vertices, triangles}.
+   */
   get result() {
     return this.#result;
   }
@@ -238,7 +271,9 @@ export class Sample extends Panel {
     this.shapeChoice.addEventListener("change", () => this.#chosen());
     this.find(".draw").addEventListener("click", () => this.#startDrawing(false));
     this.find(".hole").addEventListener("click", () => this.#startDrawing(true));
-    this.find(".map").addEventListener("click", () => this.#chooseMap());
+    this.find(".map").addEventListener("click", () => this.#chooseSample(this.#takeMap()));
+    this.find(".knot").addEventListener("click", () => this.#chooseSample(this.#takeKnot()));
+    this.find(".keep").addEventListener("click", () => save(this.shape.file.mesh, knotName));
     this.find(".undo").addEventListener("click", () => this.#undo());
     this.find(".close").addEventListener("click", () => this.drawing.close());
     this.find(".clear").addEventListener("click", () => { this.drawing.clear(); this.viewport.redraw(); });
@@ -274,17 +309,24 @@ export class Sample extends Panel {
     }
   }
 
-  async #chooseMap() {
-    if (await this.#takeMap()) this.#chosen();
+  async #chooseSample(taken) {
+    if (await taken) this.#chosen();
   }
 
-  /**
-   * Shows employed and unemployed people on the sample map. Returns false if it was not loaded or is not wanted now.
-   */
-  async #takeMap() {
+  /** Shows employed and unemployed people on the sample map; see `#takeSample`. */
+  #takeMap() {
+    return this.#takeSample(loadMap());
+  }
+
+  #takeKnot() {
+    return this.#takeSample(loadKnot());
+  }
+
+  /** Shows a sample of the page. Returns false if it was not loaded or is not wanted now. */
+  async #takeSample(loading) {
     try {
-      const document = await this.loadNewest(loadMap());
-      if (document) this.#takeDocument(document, map.counted);
+      const document = await this.loadNewest(loading);
+      if (document) this.#takeDocument(document, document.path ? map.counted : []);
       return document !== null;
     } catch (problem) {
       this.showProblem(problem);
@@ -293,25 +335,27 @@ export class Sample extends Panel {
   }
 
   /**
-   * Loads a GeoJSON document. Throws if it contains no polygons.
+   * Loads a GeoJSON document or a mesh. Throws if a document contains no polygons.
    *
-   * @param file     {name, text}; also `path` for a file of the server, and `archive` for a shapefile
+   * @param file     result of `documentOf`; also `path` for a file of the server, and `isSample` for a mesh of the page
    * @param counted  names of the properties that points count
    */
   #takeDocument(file, counted = []) {
+    const number = ++filesTaken;
+    if (file.mesh) return this.#takeShape({ file: { ...file, number } }, []);
     const json = JSON.parse(file.text);
     const bounds = boundsOf(polygonsOf(json).flat());
     if (!(bounds.minX <= bounds.maxX)) throw new Error("there are no polygons");
     this.shapeFields.put("coordinates", "lonlat");
-    const shape = { file: { ...file, number: ++filesTaken }, json, mayBeDegrees: mayBeDegrees(bounds) };
-    if (!file.path) this.#own = shape;
-    this.#takeFileShape(shape, counted);
+    this.#takeShape({ file: { ...file, number }, json, mayBeDegrees: mayBeDegrees(bounds) }, counted);
   }
 
-  #takeFileShape(shape, counted) {
-    this.#shapes.file = shape;
-    this.shapeChoice.value = "file";
-    this.#offerCounts(countsOf(shape.json), counted);
+  #takeShape(shape, counted) {
+    const { path, isSample, mesh } = shape.file;
+    if (!path && !isSample) this.#own = shape;
+    this.shapeChoice.value = mesh ? "surface" : "file";
+    this.#shapes[this.shapeChoice.value] = shape;
+    if (!mesh) this.#offerCounts(countsOf(shape.json), counted);
     this.#shapeChosen();
   }
 
@@ -348,6 +392,7 @@ export class Sample extends Panel {
   }
 
   #chosen() {
+    if (this.isSurface && !this.shape) return this.#chooseSample(this.#takeKnot());
     this.#shapeChosen();
     this.note(true);
     this.refresh();
@@ -402,6 +447,9 @@ export class Sample extends Panel {
     this.corners.value = JSON.stringify(this.#shapes.polygon);
     this.#result = this.#mask = null;
     this.element.classList.toggle("of-mask", this.isMask);
+    this.element.classList.toggle("of-surface", this.isSurface);
+    this.#surfaceView?.clear();
+    this.find(".keep").hidden = !this.shape?.file?.isSample;
     this.#tellOfAnswer({});
     this.find(".counts").hidden = kind !== "file";
     this.shapeFields.offer("coordinates", kind === "file" && this.shape?.mayBeDegrees);
@@ -512,7 +560,7 @@ export class Sample extends Panel {
   options(iteration = Number(this.iteration.value)) {
     const { coordinates, format } = this.shapeFields.values();
     if (this.isMask) return { format, ...this.fields.values() };
-    const request = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.moreFields.values() };
+    const request = { ...this.fields.values(), ...(coordinates && { coordinates }), ...this.surfaceFields.values(), ...this.moreFields.values() };
     const { options } = methodNamed(request.method);
     if (!options.includes("quality")) delete request.quality;
     else if (iteration < this.#lastIteration) request.quality = "draft";
@@ -525,7 +573,7 @@ export class Sample extends Panel {
   }
 
   #fileOptions(format) {
-    if (this.isMask) return {};
+    if (this.isMask || this.isSurface) return {};
     if (formats.find(({ name }) => name === format).drawn)
       return { ...this.drawingFields.values(), ...(this.plotter.isOn && this.plotter.options(format)) };
     const { properties, multipoint } = this.fileFields.values();
@@ -536,7 +584,7 @@ export class Sample extends Panel {
   }
 
   async #plot(signal) {
-    if (!this.plotter.isOn) return;
+    if (!this.plotter.isOn || this.isSurface) return;
     const response = await this.#ask({ ...this.options(), ...this.#fileOptions("svg"), format: "svg" }, signal);
     this.plotter.showDrawing(await response.text());
   }
@@ -555,9 +603,13 @@ export class Sample extends Panel {
 
   #offerFields() {
     const isMap = this.#counting().counted.length > 0;
-    for (const name of ["sites", "method"]) this.fields.offer(name, !isMap && !this.isMask);
+    const { isSurface } = this;
+    this.fields.offer("sites", !isMap && !this.isMask);
+    this.fields.offer("method", !isMap && !this.isMask && !isSurface);
+    for (const { name } of surfaceFields) this.surfaceFields.offer(name, isSurface);
     this.fields.offer("quality", !this.isMask);
     if (this.isMask) this.offerDownloads(masks, "mask");
+    else if (isSurface) this.offerDownloads(surfaces.formats, "points", Object.keys(this.options()));
     else this.offerDownloads(formats, "points", Object.keys(this.#fileOptions("svg")));
     this.countFields?.offer("per", isMap);
     this.mesh.disabled = isMap;
@@ -565,14 +617,16 @@ export class Sample extends Panel {
     this.iteration.disabled = !options.includes("iterations");
     this.fields.enable("quality", options.includes("quality"));
     this.fields.limit("sites", most);
-    for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name));
+    for (const name of ["passes", "tolerance"]) this.moreFields.offer(name, options.includes(name) && (name !== "tolerance" || !isSurface));
+    for (const name of ["density", "invalid"]) this.moreFields.offer(name, !isSurface);
+    this.moreFields.allow("order", "path", !isSurface);
     this.moreFields.offer("fixed", options.includes("fixed") && !isMap);
     const isTorus = this.shapeChoice.value === "torus";
     this.fields.allow("quality", "stealthy", isTorus);
     for (const name of ["properties", "multipoint"]) this.fileFields.offer(name, this.shapeChoice.value === "file");
     this.find(".of-files").hidden = this.find(".files-title").hidden = this.shapeChoice.value !== "file";
     for (const name of ["dot", "width_mm", "style"]) this.drawingFields.offer(name, !this.plotter.isOn);
-    for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus);
+    for (const name of ["avoid", "exclude", "buffer"]) this.moreFields.offer(name, !isMap && !isTorus && !isSurface);
   }
 
   #isKept(options) {
@@ -603,7 +657,23 @@ export class Sample extends Panel {
     const options = this.options();
     if (draft && methodNamed(options.method).options.includes("quality") && !this.#isKept(options)) options.quality = "draft";
     const answer = await this.#frame(options, signal, onProgress);
-    return { ...answer, shape, outline, places: answer.points.map(outline.project) };
+    const surface = this.isSurface && (answer.mesh ?? await this.#surface(signal, onProgress));
+    return { ...answer, surface, shape, outline, places: answer.points.map(outline.project) };
+  }
+
+  /** Returns the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
+  async #surface(signal, onProgress) {
+    const { crease } = this.surfaceFields.values();
+    const { mesh } = await this.#frame({ sites: shownVertices, quality: "draft", mesh: true, ...(crease && { crease }) }, signal, onProgress);
+    return mesh;
+  }
+
+  async #showSurface(frame) {
+    const { SurfaceView } = await import("./surface_view.js");
+    if (frame !== this.#result) return;
+    this.#surfaceView ??= new SurfaceView(this.find("canvas.of-surfaces"), this.find(".zoom.of-surfaces"));
+    this.#surfaceView.show(frame.surface, frame, { file: frame.shape.file, hasEdges: this.mesh.checked });
+    this.#showFirst();
   }
 
   refresh(draft = false) {
@@ -612,7 +682,7 @@ export class Sample extends Panel {
     if (!this.shape || this.drawing.ring) return;
     this.#isStale = false;
     this.#offerFields();
-    this.plotter.wait();
+    if (!this.isSurface) this.plotter.wait();
     if (!draft) this.note();
     this.snippets.showSample(requestOf(this.shape, this.options()), this.isMask);
     if (this.isMask) return this.#refreshMask(draft);
@@ -622,6 +692,7 @@ export class Sample extends Panel {
       if (signal.aborted) return;
       this.#result = frame;
       this.viewport.redraw();
+      if (frame.surface) await this.#showSurface(frame);
       this.#tellOfAnswer(frame);
       const apart = frame.pitch_m && !frame.features ? `${metres(frame.pitch_m)} apart, ` : "";
       const summary = `${count(frame.sites)} points, ${apart}variation ${frame.variation.toFixed(3)}, ${seconds(start)}`;
@@ -654,6 +725,7 @@ export class Sample extends Panel {
     const text = hasRank ? count(this.#shownFirst) : "";
     this.find("output[for=first]").textContent = text;
     this.first.setAttribute("aria-valuetext", `the first ${text} points`);
+    this.#surfaceView?.showFirst(hasRank ? this.#shownFirst : Infinity);
     this.viewport.redraw();
   }
 
@@ -661,12 +733,13 @@ export class Sample extends Panel {
     this.#showFirst();
     this.find(".legend").replaceChildren(...classes.map(({ name, color, sites }) =>
       make("li", { textContent: `${name}: ${count(sites)}`, style: `--class: ${color}` })));
-    this.find(".warnings").textContent = warnings.map(({ detail }) => detail).join("; ");
+    const tell = ({ detail, face }) => (face === undefined ? detail : `${detail} (triangle ${count(face)})`);
+    this.find(".warnings").textContent = warnings.map(tell).join("; ");
     const place = this.find(".repairs");
     place.hidden = repaired.length === 0;
-    place.querySelector("summary").textContent = `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
+    place.querySelector("summary").textContent = this.isSurface ? "Repaired" : `Repaired in ${count(repaired.length)} ${repaired.length === 1 ? "place" : "places"}`;
     const left = repaired.length - maxRepairs;
-    const lines = repaired.slice(0, maxRepairs).map(({ detail }) => detail);
+    const lines = repaired.slice(0, maxRepairs).map(tell);
     if (left > 0) lines.push(`and ${count(left)} more`);
     place.querySelector("ul").replaceChildren(...lines.map((textContent) => make("li", { textContent })));
   }
@@ -691,14 +764,15 @@ export class Sample extends Panel {
 
   /**
    * Shows errors beside the shape or the fields. If the body of the request is a file, pointers with a leading slash
-   * refer to the file, other pointers to options.
+   * refer to the file, other pointers to options. If the file is a mesh, pointers that name no option refer to it.
    */
   place(errors) {
     const isBody = this.shape !== null && isDocument(this.shape, this.options());
-    const isAboutShape = ({ pointer }) => (isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
+    const isOption = (pointer) => surfaces.options.includes(pointer.replace(/^\//, "").split("/")[0]);
+    const isAboutShape = ({ pointer }) => (this.isSurface ? !isOption(pointer) : isBody ? pointer === "" || pointer.startsWith("/") : /^\/?(polygon|holes|geometry|domain)/.test(pointer));
     this.#tellOfShape(errors.filter(isAboutShape).map(({ detail }) => detail).join("; "));
     const others = errors.filter((error) => !isAboutShape(error));
-    for (const part of [this.fields, this.shapeFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
+    for (const part of [this.fields, this.shapeFields, this.surfaceFields, this.countFields, this.moreFields, this.fileFields, this.drawingFields, this.plotter]) part?.show(others);
   }
 
   forget() {
@@ -706,11 +780,12 @@ export class Sample extends Panel {
     this.#tellOfAnswer({});
     this.plotter.showDrawing(null);
     this.find(".trace").hidden = true;
+    this.#surfaceView?.clear();
     this.viewport.redraw();
   }
 
   #draw(context) {
-    if (!this.shape) return;
+    if (!this.shape || this.isSurface) return;
     if (this.isMask) return this.#drawMask(context);
     this.#drawOutline(context);
     const result = this.#result;

@@ -3,7 +3,7 @@
 
 import { capabilities } from "./api.js";
 
-export const { formats, masks, methods } = capabilities.sample;
+export const { formats, masks, methods, surfaces } = capabilities.sample;
 export const { max_sites: maxPoints } = capabilities.limits;
 const [standard] = methods;
 
@@ -30,6 +30,14 @@ export const shapeFields = [
   { kind: "choice", name: "format", label: "Thresholds", choices: masks.map(({ name, title }) => [name, title]) },
 ];
 
+/** Fields for the options that only surfaces have. */
+export const surfaceFields = [
+  { kind: "choice", name: "density", label: "Density", standard: "uniform", choices: [["uniform", "uniform"], ["color", "by colour"], ["curvature", "by curvature"]],
+    help: "By colour: points are denser where the vertices of the mesh are darker. By curvature: they are denser where the surface is bent." },
+  { kind: "number", name: "crease", label: "Crease angle", value: 40, min: 5, max: 180, step: 1, auto: true, free: "none",
+    help: "In degrees. Edges whose faces meet at a greater angle are sharp. Points keep the same distance from them as from borders." },
+];
+
 export const moreFields = [
   { kind: "picture", name: "density", label: "Density from a picture",
     help: "Points are denser where the picture is darker. The picture is stretched over the bounding box of the shape." },
@@ -38,7 +46,7 @@ export const moreFields = [
   { kind: "json", name: "avoid", label: "Areas without points",
     help: "GeoJSON polygons, or a list of rings: [[[x, y], ...], ...]." },
   { kind: "json", name: "fixed", label: "Existing points",
-    help: "GeoJSON points, or [[x, y], ...]. New points keep a distance from them." },
+    help: "GeoJSON points, or [[x, y], ...]; on a surface, [[x, y, z], ...]. New points keep a distance from them." },
   { kind: "number", name: "buffer", label: "Distance from border", value: 0.05, min: 0.001, max: 10, log: true, auto: true, free: "none",
     help: "Minimum distance of points from the border: in units of the shape or, if coordinates are degrees, in metres." },
   { kind: "number", name: "passes", label: "Passes", value: 5, min: 1, max: 20, step: 1, standard: 5,

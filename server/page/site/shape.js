@@ -27,8 +27,9 @@ export function polygonOf(json) {
   return { polygon, ...(holes.length > 0 && { holes }) };
 }
 
-/** Returns the parts of a shape, each as a list of rings with the outer ring first. */
+/** Returns the parts of a shape, each as a list of rings with the outer ring first. A surface has a unit square. */
 function partsOf(shape) {
+  if (shape.file?.mesh) return [[boxRing({ width: 1, height: 1 })]];
   if (shape.domain) return [[boxRing(shape.domain)]];
   if (shape.polygon) return [[shape.polygon, ...(shape.holes ?? [])]];
   return polygonsOf(shape.json);

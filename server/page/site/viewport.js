@@ -4,7 +4,16 @@
 import { make } from "./dom.js";
 
 const zoomStep = 1.25;
-const arrows = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const step = 40;  // CSS pixels
+/** Directions of the arrow keys on the screen, whose y axis points down. */
+export const arrows = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/** Creates a button for the bar of a view. */
+export function barButton(text, label, act) {
+  const element = make("button", { type: "button", textContent: text, attributes: { "aria-label": label } });
+  element.addEventListener("click", act);
+  return element;
+}
 
 export class Viewport {
   #canvas;
@@ -89,6 +98,16 @@ export class Viewport {
     this.redraw();
   }
 
+  /** Undoes what the user has done to the view. */
+  reset() {
+    this.fit();
+  }
+
+  /** Moves the view in the direction of an arrow key. */
+  step(x, y) {
+    this.move(-step * x, -step * y);
+  }
+
   toContent({ x, y }) {
     return { x: (x - this.x) / this.scale, y: (y - this.y) / this.scale };
   }
@@ -98,14 +117,17 @@ export class Viewport {
     this.#scheduled = true;
     requestAnimationFrame(() => {
       this.#scheduled = false;
-      const context = this.#canvas.getContext("2d");
-      const ratio = devicePixelRatio;
-      context.resetTransform();
-      context.clearRect(0, 0, this.#canvas.width, this.#canvas.height);
-      context.scale(ratio, ratio);
-      this.#draw(context, this);
+      this.paint(this.#canvas);
       this.percent.textContent = `${Math.round(100 * this.scale / (this.unit ?? this.#fit))} %`;
     });
+  }
+
+  paint(canvas) {
+    const context = canvas.getContext("2d");
+    context.resetTransform();
+    context.clearRect(0, 0, canvas.width, canvas.height);
+    context.scale(devicePixelRatio, devicePixelRatio);
+    this.#draw(context, this);
   }
 
   /** Observes the size of the canvas, in device pixels except in Safari, which does not support this. */
@@ -133,14 +155,9 @@ export class Viewport {
   }
 
   #addButtons(bar) {
-    const button = (text, label, act) => {
-      const element = make("button", { type: "button", textContent: text, attributes: { "aria-label": label } });
-      element.addEventListener("click", act);
-      return element;
-    };
     this.percent = make("output", { attributes: { "aria-label": "Zoom", "aria-live": "off" } });
-    bar.append(button("\u2212", "Zoom out", () => this.zoom(1 / zoomStep)), this.percent,
-      button("+", "Zoom in", () => this.zoom(zoomStep)), button("Fit", "Fit", () => this.fit()));
+    bar.append(barButton("\u2212", "Zoom out", () => this.zoom(1 / zoomStep)), this.percent,
+      barButton("+", "Zoom in", () => this.zoom(zoomStep)), barButton("Fit", "Fit", () => this.reset()));
   }
 
   #listen() {
@@ -189,8 +206,8 @@ export class Viewport {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === "+" || event.key === "=") this.zoom(zoomStep);
     else if (event.key === "-") this.zoom(1 / zoomStep);
-    else if (event.key === "0") this.fit();
-    else if (arrows[event.key]) this.move(...arrows[event.key].map((step) => 40 * step));
+    else if (event.key === "0") this.reset();
+    else if (arrows[event.key]) this.step(...arrows[event.key], event.shiftKey);
     else return;
     event.preventDefault();
   }

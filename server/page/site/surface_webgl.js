@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Draws a surface with its points by WebGL 2.
+
+const surfaceVertex = `#version 300 es
+uniform mat3 turn;
+uniform vec4 place;
+layout(location = 0) in vec3 corner;
+layout(location = 1) in vec3 normal;
+out vec3 facing;
+out vec3 edges;
+void main() {
+  facing = turn * normal;
+  edges = vec3(equal(ivec3(gl_VertexID % 3), ivec3(0, 1, 2)));
+  vec3 at = turn * corner;
+  gl_Position = vec4(place.xy + place.zw * at.xy, -at.z, 1);
+}`;
+
+const surfaceFragment = `#version 300 es
+precision highp float;
+uniform vec3 light;
+uniform vec3 colour;
+uniform vec3 line;
+uniform float lineWidth;
+in vec3 facing;
+in vec3 edges;
+out vec4 result;
+void main() {
+  vec3 normal = normalize(gl_FrontFacing ? facing : -facing);
+  float shade = 0.5 + 0.5 * max(dot(normal, light), 0.0);
+  vec3 shaded = shade * colour * (gl_FrontFacing ? vec3(1) : vec3(1, 0.86, 0.72));
+  vec3 distances = edges / max(fwidth(edges), vec3(1e-6));
+  float nearest = min(distances.x, min(distances.y, distances.z));
+  float share = lineWidth > 0.0 ? 1.0 - smoothstep(0.5 * lineWidth - 0.5, 0.5 * lineWidth + 0.5, nearest) : 0.0;
+  result = vec4(mix(shaded, line, share), 1);
+}`;
+
+// A disc is a square around the point, perpendicular to its normal, whose corners are transparent. It is moved towards
+// the viewer, so that a curved surface does not cover it, but hardly where it would stick out beside the surface.
+const pointVertex = `#version 300 es
+uniform mat3 turn;
+uniform vec4 place;
+uniform float radius;
+layout(location = 0) in vec3 point;
+layout(location = 1) in vec3 normal;
+out vec2 offset;
+void main() {
+  offset = 1.2 * vec2(gl_VertexID % 2 * 2 - 1, gl_VertexID / 2 * 2 - 1);
+  vec3 across = normalize(cross(normal, abs(normal.x) < 0.7 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
+  vec3 at = turn * (point + radius * (offset.x * across + offset.y * cross(normal, across)));
+  float nearer = radius * (0.1 + 0.5 * abs((turn * normal).z));
+  gl_Position = vec4(place.xy + place.zw * at.xy, -at.z - nearer, 1);
+}`;
+
+const pointFragment = `#version 300 es
+precision highp float;
+uniform vec3 ink;
+in vec2 offset;
+out vec4 result;
+void main() {
+  float distance = length(offset);
+  float cover = clamp(0.5 + (1.0 - distance) / max(fwidth(distance), 1e-6), 0.0, 1.0);
+  if (cover == 0.0) discard;
+  result = cover * vec4(ink, 1);
+}`;
+
+/** Compiles a program. Returns it with the places of its uniforms. Losses of the context are noticed when drawing. */
+function programOf(gl, ...sources) {
+  const program = gl.createProgram();
+  [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, i) => {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, sources[i]);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  });
+  gl.linkProgram(program);
+  return { program, at: (name) => gl.getUniformLocation(program, name) };
+}
+
+/** Uploads arrays of vectors as attributes 0 and 1. With `divisor` 1, each instance has one vector. */
+function arrayOf(gl, arrays, divisor) {
+  const array = gl.createVertexArray();
+  gl.bindVertexArray(array);
+  const buffers = arrays.map((values, location) => {
+    const buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(location);
+    gl.vertexAttribPointer(location, 3, gl.FLOAT, false, 0, 0);
+    gl.vertexAttribDivisor(location, divisor);
+    return buffer;
+  });
+  return { array, remove: () => { buffers.forEach((buffer) => gl.deleteBuffer(buffer)); gl.deleteVertexArray(array); } };
+}
+
+export class WebglPainter {
+  #gl;
+  #scene = null;
+  #surfaceArray = null;
+  #pointArray = null;
+
+  constructor(gl) {
+    this.#gl = gl;
+    this.#begin();
+  }
+
+  #begin() {
+    const gl = this.#gl;
+    this.surface = programOf(gl, surfaceVertex, surfaceFragment);
+    this.points = programOf(gl, pointVertex, pointFragment);
+    gl.enable(gl.DEPTH_TEST);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+  }
+
+  /** Begins anew after the browser has lost and restored the context. */
+  restore() {
+    this.#scene = this.#surfaceArray = this.#pointArray = null;
+    this.#begin();
+  }
+
+  #load(scene) {
+    if (this.#scene === scene) return;
+    this.#scene = scene;
+    this.#surfaceArray?.remove();
+    this.#pointArray?.remove();
+    this.#surfaceArray = arrayOf(this.#gl, [scene.corners, scene.normals], 0);
+    this.#pointArray = arrayOf(this.#gl, [scene.points, scene.pointNormals], 1);
+  }
+
+  /**
+   * Draws a scene.
+   * @param scene  result of `sceneOf`
+   * @param view   {turn, x, y, scale, width, height, ratio, radius, first, light, lineWidth, colours}: rotation as nine
+   *               numbers in columns; place of the origin and length of a unit, in CSS pixels; size of the canvas in CSS
+   *               pixels; device pixels per CSS pixel; radius of a disc; number of points to draw; direction to the
+   *               light; width of the edges, 0 for none; and colours as numbers from 0 to 1
+   */
+  draw(scene, { turn, x, y, scale, width, height, ratio, radius, first, light, lineWidth, colours }) {
+    const gl = this.#gl;
+    this.#load(scene);
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const begin = ({ program, at }) => {
+      gl.useProgram(program);
+      gl.uniformMatrix3fv(at("turn"), false, turn);
+      gl.uniform4f(at("place"), (2 * x) / width - 1, 1 - (2 * y) / height, (2 * scale) / width, (2 * scale) / height);
+      return at;
+    };
+    const ofSurface = begin(this.surface);
+    gl.uniform3fv(ofSurface("light"), light);
+    gl.uniform3fv(ofSurface("colour"), colours.surface);
+    gl.uniform3fv(ofSurface("line"), colours.line);
+    gl.uniform1f(ofSurface("lineWidth"), lineWidth * ratio);
+    gl.bindVertexArray(this.#surfaceArray.array);
+    gl.drawArrays(gl.TRIANGLES, 0, scene.corners.length / 3);
+
+    const ofPoints = begin(this.points);
+    gl.uniform1f(ofPoints("radius"), radius);
+    gl.uniform3fv(ofPoints("ink"), colours.ink);
+    gl.enable(gl.BLEND);
+    gl.depthMask(false);  // smooth borders of discs must not hide other discs
+    gl.bindVertexArray(this.#pointArray.array);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, first);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+}
