@@ -381,7 +381,9 @@ TEST(SurfaceCost, BoundsMemoryUsed) {
                                      {300, {{"sites", "10"}, {"density", "curvature"}, {"fixed", "[[1,0,0]]"}}}};
     for (const auto& [columns, options] : cases) {
         const TriangleSoup soup = test::torus_surface(1, 0.3, columns, columns);
-        const SurfaceFile file{{}, {{}, soup.triangles.size(), soup.vertices.size(), 0}};
+        SurfaceFile file;
+        file.header.max_triangles = soup.triangles.size();
+        file.header.max_vertices = soup.vertices.size();
         const auto request = parse_surface(file, options, "", {});
         ASSERT_TRUE(request) << request.error().message;
         Decode decode;

@@ -144,7 +144,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::Bytes input(fuzz::text_of(data, size));
     const auto bits = input.take<std::uint16_t>();
     const TriangleSoup soup = fuzz::take_soup(input, bits);
-    const api::SurfaceFile file{{}, {{}, soup.triangles.size(), soup.vertices.size(), 0}};
+    api::SurfaceFile file;
+    file.header.max_triangles = soup.triangles.size();
+    file.header.max_vertices = soup.vertices.size();
     const auto request = api::parse_surface(file, fuzz::take_options(input, bits, soup), "", fuzz::kLimits);
     if (!request) {
         fuzz::check_error(request.error());
