@@ -7,9 +7,18 @@
 namespace ccdt {
 
 bool TriangleLinks::are_joined(std::uint32_t a, std::uint32_t b) const {
-    bool found = false;
-    for_edges(a, [&](std::uint32_t h) { found = found || target(h) == b || apex(h) == b; });
-    return found;
+    // Both vertices are turned around at once, because one of them may have very many neighbours.
+    const std::array vertices{a, b};
+    std::array edges{edge_of(a), edge_of(b)};
+    if (edges[0] == kNone || edges[1] == kNone) return false;
+    while (true) {
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::uint32_t other = vertices[1 - i];
+            if (target(edges[i]) == other || apex(edges[i]) == other) return true;
+            edges[i] = twin(previous(edges[i]));
+            if (edges[i] == kNone || edges[i] == edge_of(vertices[i])) return false;
+        }
+    }
 }
 
 std::uint32_t TriangleLinks::add(const std::array<std::uint32_t, 3>& corners) {

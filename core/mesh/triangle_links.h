@@ -20,7 +20,7 @@ public:
     /// Whether the triangle was removed.
     bool is_removed(std::uint32_t triangle) const { return triangles_[triangle].corners[0] == kNone; }
 
-    /// Whether an edge joins two vertices.
+    /// Whether an edge joins two vertices. O(neighbours of the vertex that has fewer).
     bool are_joined(std::uint32_t a, std::uint32_t b) const;
 
     /// Adds a triangle without twins, and returns its number, which may be that of a removed triangle.

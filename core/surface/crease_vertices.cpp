@@ -96,8 +96,13 @@ private:
 
     /// Marks the vertices of the simplified chain between two of its vertices (Ramer 1972; Douglas, Peucker 1973).
     void simplify(const std::vector<Step>& chain, std::size_t first, std::size_t last) {
-        constexpr double kTolerance = 0.1;  // in local spacings
-        std::vector<std::pair<std::size_t, std::size_t>> left{{first, last}};
+        constexpr double kTolerance = 0.1;     // in local spacings
+        constexpr std::size_t kStride = 1024;  // bounds the time, which can be quadratic
+        std::vector<std::pair<std::size_t, std::size_t>> left;
+        for (std::size_t begin = first; begin < last; begin += kStride) {
+            if (begin > first) chosen_.corner[chain[begin].from] = 1;
+            left.emplace_back(begin, std::min(begin + kStride, last));
+        }
         while (!left.empty()) {
             const auto [begin, end] = left.back();
             left.pop_back();

@@ -107,6 +107,22 @@ private:
         return spacings;
     }
 
+    /// Returns the factor by which the spacing of vertices on borders and creases is larger than that of the sites. It
+    /// is 1 unless narrow parts would have many more such vertices than sites.
+    double crease_widening(const std::vector<double>& spacings) const {
+        constexpr double kPerSite = 4, kAtLeast = 1000;
+        double count = 0;
+        for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+            const auto corners = surface_.corners(f);
+            for (std::uint32_t i = 0; i < 3; ++i) {
+                const std::uint32_t a = corners[i], b = corners[(i + 1) % 3];
+                if (surface_.is_crease(4 * f + i))
+                    count += length(surface_.vertex(b) - surface_.vertex(a)) / std::min(spacings[a], spacings[b]);
+            }
+        }
+        return std::max(1.0, count / (kPerSite * static_cast<double>(options_.sites) + kAtLeast));
+    }
+
     /// Returns points that are at least `least` apart, relative to the hexagonal distance: each point that is far
     /// enough from the chosen ones before it.
     std::vector<SurfacePoint> apart(const std::vector<SurfacePoint>& points, double least, double capacity) const {

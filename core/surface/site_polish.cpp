@@ -134,6 +134,7 @@ bool SitePolish::is_any_nearer(double least) {
         normals[v] = mesh_.surface().smooth_normal(mesh_.on_surface(v));
     }
     const BasicCellList<Point3> cells(places);
+    constexpr std::size_t kMostFacing = 8;  // pairs of a site; stacked sheets could have any number
     struct Found {
         std::vector<std::array<std::uint32_t, 2>> joined, facing;
     };
@@ -141,14 +142,18 @@ bool SitePolish::is_any_nearer(double least) {
     for_ranges(mesh_.executor(), sites, kSites, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> joined;
         auto& [near_joined, near_facing] = found[begin / kSites];
-        for (auto v = static_cast<std::uint32_t>(begin); v < end; ++v) {
+        for (auto v = static_cast<std::uint32_t>(begin); v < end && !stop_.stop_requested(); ++v) {
+            const std::size_t most = near_facing.size() + kMostFacing;
             joined.clear();
             mesh_.for_edges(v, [&](std::uint32_t h) { joined.push_back(mesh_.target(h)); });
             cells.for_near(places[v], 2 * reach * spacings_[v], [&](Point3, std::uint32_t other) {
                 if (other <= v || !mesh_.is_free(v) || !is_near(v, other, reach)) return;
                 const bool is_joined = std::ranges::find(joined, other) != joined.end();
                 if (!is_joined && !(dot(normals[v], normals[other]) > 0)) return;
-                (is_joined ? near_joined : near_facing).push_back({v, other});
+                if (is_joined)
+                    near_joined.push_back({v, other});
+                else if (near_facing.size() < most)
+                    near_facing.push_back({v, other});
             });
         }
         std::ranges::sort(near_joined);

@@ -220,7 +220,7 @@ void SurfaceTriangulation::insert_sites(std::vector<std::uint32_t> face_of, cons
 }
 
 std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) {
-    constexpr std::size_t kMostPerEdge = 20;
+    constexpr std::size_t kMostPerEdge = 10;
     std::vector<std::uint32_t> stack;
     for (std::uint32_t t = 0; t < links_.triangle_count(); ++t) {
         for (std::uint32_t i = 0; i < 3 && !links_.is_removed(t); ++i) {
@@ -229,13 +229,15 @@ std::size_t SurfaceTriangulation::restore_delaunay(const std::stop_token& stop) 
         }
     }
     if (stop.stop_requested()) return 0;
-    return legalise(stack, kMostPerEdge * 3 * links_.triangle_count());
+    return legalise(stack, kMostPerEdge * links_.triangle_count(), stop);
 }
 
 /// Flips the edges on the stack, and edges around them, until all are Delaunay or the limit on flips is reached.
-std::size_t SurfaceTriangulation::legalise(std::vector<std::uint32_t>& stack, std::size_t most) {
+std::size_t SurfaceTriangulation::legalise(std::vector<std::uint32_t>& stack, std::size_t most,
+                                           const std::stop_token& stop) {
+    constexpr std::size_t kStopStride = 4096;  // flips between polls of the stop token
     std::size_t flips = 0;
-    while (!stack.empty() && flips < most) {
+    while (!stack.empty() && flips < most && (flips % kStopStride != 0 || !stop.stop_requested())) {
         const std::uint32_t h = stack.back(), twin = links_.twin(h);
         stack.pop_back();
         if (links_.is_removed(h / 4) || twin == kNone || links_.is_constrained(h)) continue;
@@ -287,26 +289,30 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
 /// Removes a vertex of the surface. A vertex on a border or crease is merged with the next one along it.
 /// @param stack  memory for edges to be flipped
 bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack) {
+    constexpr std::size_t kMaxCandidates = 32;  // a vertex may have very many neighbours
     if (links_.edge_of(vertex) == kNone) return true;
     std::vector<std::pair<double, std::uint32_t>> edges;
+    std::vector<std::uint32_t> around;
     Point3 normal;
     bool on_crease = false;
     links_.for_edges(vertex, [&](std::uint32_t h) {
         edges.emplace_back(dot(along(h), along(h)), h);
+        around.push_back(h);
         normal = normal + doubled_normal(h / 4);
         on_crease = on_crease || links_.is_constrained(h);
     });
     if (on_crease) std::erase_if(edges, [&](const auto& each) { return !links_.is_constrained(each.second); });
-    std::ranges::sort(edges);
-    for (const auto& [squared, h] : edges) {
-        if (!can_collapse(h, normal)) continue;
-        const std::uint32_t to = links_.target(h);
-        links_.collapse(h);
-        links_.for_edges(to, [&](std::uint32_t e) { stack.insert(stack.end(), {e, Links::next(e)}); });
-        legalise(stack, kMostFlips);
-        return true;
+    const auto last = edges.begin() + static_cast<std::ptrdiff_t>(std::min(edges.size(), kMaxCandidates));
+    std::ranges::partial_sort(edges, last);
+    const auto found =
+        std::find_if(edges.begin(), last, [&](const auto& each) { return can_collapse(each.second, normal); });
+    if (found == last) return false;
+    links_.collapse(found->second);
+    for (const std::uint32_t h : around) {
+        if (!links_.is_removed(h / 4)) stack.insert(stack.end(), {h, Links::next(h), Links::previous(h)});
     }
-    return false;
+    legalise(stack, kMostFlips);
+    return true;
 }
 
 /// Whether merging the origin of an edge with its target keeps the topology, and the orientation of all triangles.
@@ -327,14 +333,11 @@ bool SurfaceTriangulation::can_collapse(std::uint32_t edge, Point3 normal) const
     const auto is_free = [&](std::uint32_t h) {
         // Otherwise the triangle is the only one between its border or crease and the opposite corner.
         if (links_.is_constrained(Links::next(h)) || links_.is_constrained(Links::previous(h))) return false;
-        constexpr std::size_t kFewest = 4;  // neighbours of the opposite corner
-        std::size_t degree = 0;
-        bool on_border = false;
-        links_.for_edges(links_.apex(h), [&](std::uint32_t e) {
-            ++degree;
-            on_border = on_border || links_.twin(e) == kNone;
-        });
-        return on_border || degree >= kFewest;
+        // The opposite corner loses a neighbour. It must keep three, unless it is on a border.
+        const std::uint32_t first = links_.edge_of(links_.apex(h));
+        std::uint32_t fourth = first;
+        for (int i = 0; i < 3 && fourth != kNone; ++i) fourth = links_.twin(Links::previous(fourth));
+        return fourth != first;
     };
     return is_free(edge) && (twin == kNone || is_free(twin));
 }

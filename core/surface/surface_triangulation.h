@@ -84,7 +84,7 @@ public:
     double doubled_area(std::uint32_t triangle) const { return length(doubled_normal(triangle)); }
 
     /// Flips edges until all are Delaunay: the angles opposite to each edge, measured in space, add up to at most 180
-    /// degrees. Leaves creases, and edges whose flip would fold the triangulation. Bounded by 20 flips per edge.
+    /// degrees. Leaves creases, and edges whose flip would fold the triangulation. Bounded by ten flips per triangle.
     /// @returns  the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
@@ -107,7 +107,7 @@ private:
     void remove_corners(const CreaseVertices& creases, const std::stop_token& stop);
     bool remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack);
     bool can_collapse(std::uint32_t edge, Point3 normal) const;
-    std::size_t legalise(std::vector<std::uint32_t>& stack, std::size_t most);
+    std::size_t legalise(std::vector<std::uint32_t>& stack, std::size_t most, const std::stop_token& stop = {});
     bool wants_flip(std::uint32_t edge) const;
     bool allows_flip(std::uint32_t edge) const;
     void renumber();
