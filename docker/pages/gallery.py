@@ -241,11 +241,11 @@ SECTIONS = (
                     before=("camera.jpg", "The photograph of the man with the camera")),
             Exhibit("A spiral in each dot. Here the pen is thinner than the spirals need, to show the strokes.",
                     "The man with the camera drawn by spirals",
-                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 1800 --width-mm 180 -o spiral.svg",
+                    "ccdt halftone camera.jpg --style spiral --pen 0.8 --sites 1800 --width-mm 130 -o spiral.svg",
                     draw=draw_thinner),
             Exhibit("Concentric circles, one pen for each ink, also thinner than needed.",
                     "The astronaut drawn by concentric circles in four colours",
-                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 2500 --width-mm 180 "
+                    "ccdt halftone astronaut.jpg --style circles --pen 1 --color cmyk --sites 2500 --width-mm 130 "
                     "-o circles.svg", draw=draw_thinner),
             Exhibit("G-code: touches of the pen, and in blue its way between them.",
                     "The path of a plotter that draws the man with the camera: dots, and blue lines between them",
