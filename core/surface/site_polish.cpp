@@ -170,7 +170,7 @@ bool SitePolish::is_any_nearer(double least) {
 
 /// Returns triangles between free sites near a site, those with the largest capacities first.
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
-    constexpr std::size_t kVisited = 400;  // about the triangles within eight spacings
+    constexpr std::size_t kVisited = 300;  // about the triangles within seven spacings
     constexpr std::size_t kMost = 16;
     std::vector<std::uint32_t> visited;
     mesh_.for_edges(site, [&](std::uint32_t h) { visited.push_back(h / 4); });
@@ -194,12 +194,15 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
 
 void SitePolish::separate(double least) {
     constexpr double kStuck = 0.85;  // share of the least distance; pushes move other pairs apart
+    // Largest number of pairs, which few surfaces exceed: those that are too rough for the spacing of the sites.
+    const std::size_t most = 16 + mesh_.site_count() / 256;
     auto pairs = joined_;
     pairs.insert(pairs.end(), facing_.begin(), facing_.end());
+    std::erase_if(pairs,
+                  [&](const auto& pair) { return !is_near(pair[0], pair[1], kStuck * least * hexagonal_spacing(1)); });
     std::vector<std::uint8_t> is_relocated(mesh_.site_count(), 0);
-    for (const auto& [a, b] : pairs) {
+    for (const auto& [a, b] : std::span(pairs).first(std::min(pairs.size(), most))) {
         if (is_relocated[a] != 0 || is_relocated[b] != 0) continue;
-        if (!is_near(a, b, kStuck * least * hexagonal_spacing(1))) continue;
         for (const std::uint32_t site : {a, b}) {
             if (!mesh_.is_free(site) || !mesh_.relocate(site, wide_triangles(site))) continue;
             is_relocated[site] = 1;
