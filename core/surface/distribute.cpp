@@ -84,7 +84,9 @@ private:
         sites.insert(sites.end(), fixed.begin(), fixed.end());
         if (stopping()) return;
         const std::vector<double> spacings = spacings_at_vertices();
-        const auto creases = choose_crease_vertices(surface_, [&](std::uint32_t vertex) { return spacings[vertex]; });
+        const double widening = crease_widening(spacings);
+        const auto creases =
+            choose_crease_vertices(surface_, [&](std::uint32_t vertex) { return widening * spacings[vertex]; });
         mesh_.emplace(surface_, std::move(sites), fixed.size(), creases, *control_.executor, control_.stop);
     }
 

@@ -203,8 +203,8 @@ TEST(DistributeOnSurface, KeepsFixedPointsFree) {
 }
 
 TEST(DistributeOnSurface, AcceptsFewSites) {
-    for (const TriangleSoup& soup : {sphere_surface(0), sphere_surface(3), cube_surface(), square_surface(1),
-                                     torus_surface(2, 0.7, 20, 10)}) {
+    for (const TriangleSoup& soup :
+         {sphere_surface(0), sphere_surface(3), cube_surface(), square_surface(1), torus_surface(2, 0.7, 20, 10)}) {
         const Surface surface = surface_of(soup);
         for (std::size_t sites = 1; sites < 12; ++sites) {
             const auto dots = distributed(surface, {.sites = sites, .keep_mesh = true});
