@@ -90,7 +90,7 @@ Result<Answer> run_surface_analyze(const SurfaceAnalyzeRequest& request, const D
 Cost cost_of(const SurfaceAnalyzeRequest& request) {
     // Measured peaks of resident memory and times, for surfaces of 3,000 to 50,000 vertices and 100 to 400 modes.
     constexpr Estimate kTriangle{1'500, 5 * kMicrosecond};  // the surface, its search tree, and its matrices
-    constexpr Estimate kPoint{200, 4 * kMicrosecond};
+    constexpr Estimate kPoint{200, 13 * kMicrosecond};
     constexpr double kModeValue = 42;                     // bytes of a mode at a vertex, with the basis
     constexpr double kSolution = 0.4 * kMicrosecond;      // for a mode and a vertex
     constexpr double kOrthogonal = 0.006 * kMicrosecond;  // for two modes and a vertex

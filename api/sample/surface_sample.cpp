@@ -153,6 +153,7 @@ Cost cost_of(const SurfaceRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond}, kVertex{60, 0};
     constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to project fixed points
+    constexpr Estimate kProjection{0, 10 * kMicrosecond};                      // of a fixed point near the surface
     constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
     constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site
     constexpr Estimate kPolish{0, 17 * kMicrosecond};                          // standard quality, of a site
@@ -170,6 +171,7 @@ Cost cost_of(const SurfaceRequest& request) {
     const Estimate surface =
         triangle * static_cast<double>(header.max_triangles) + kVertex * static_cast<double>(header.max_vertices);
     const Estimate points = site * static_cast<double>(run.sites + run.fixed.size()) +
+                            kProjection * static_cast<double>(run.fixed.size()) +
                             request.format->per_site * static_cast<double>(run.sites);
     Cost cost = total_cost(then(read, surface + points));
     cost.answer = run.sites * request.format->least;

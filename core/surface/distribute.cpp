@@ -149,7 +149,10 @@ private:
 
     std::vector<SurfacePoint> thinned_fixed(double capacity) const {
         std::vector<SurfacePoint> points;
-        for (const Point3& each : options_.fixed) points.push_back(surface_.nearest(surface_.from_input(each)));
+        for (const Point3& each : options_.fixed) {
+            if (stopping()) break;
+            points.push_back(surface_.nearest(surface_.from_input(each)));
+        }
         return apart(points, kSameFixed, capacity);
     }
 

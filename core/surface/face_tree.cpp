@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/surface/face_tree.h"
 
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Simple_cartesian.h>
+
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -10,7 +13,7 @@ namespace ccdt {
 
 namespace {
 
-constexpr std::uint32_t kLeafSize = 4;  ///< largest number of triangles in a node without children
+using Kernel = CGAL::Simple_cartesian<double>;
 
 double squared(Point3 p) {
     return dot(p, p);
@@ -42,90 +45,76 @@ std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& tri
     return weights;
 }
 
-Point3 least(Point3 a, Point3 b) {
-    return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
+Point3 combination(const std::array<double, 3>& weights, const std::array<Point3, 3>& triangle) {
+    return weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2];
 }
-Point3 most(Point3 a, Point3 b) {
-    return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
+
+Kernel::Point_3 to_cgal(Point3 p) {
+    return {p.x, p.y, p.z};
 }
+Point3 from_cgal(const Kernel::Point_3& p) {
+    return {p.x(), p.y(), p.z()};
+}
+
+/// A triangle of a tree, which holds only its number: CGAL's concept AABBPrimitiveWithSharedData.
+class Primitive {
+public:
+    using Id = std::uint32_t;
+    using Point = Kernel::Point_3;
+    using Datum = Kernel::Triangle_3;
+    using Datum_reference = Datum;
+    using Point_reference = Point;
+    using Shared_data = const FaceTree::Corners*;
+
+    Primitive(std::span<const Id>::iterator face, Shared_data) : face_(*face) {}
+
+    static Shared_data construct_shared_data(Shared_data corners) { return corners; }
+    Id id() const { return face_; }
+    Datum datum(Shared_data corners) const {
+        const auto [a, b, c] = (*corners)(face_);
+        return {to_cgal(a), to_cgal(b), to_cgal(c)};
+    }
+    Point reference_point(Shared_data corners) const {
+        return to_cgal(combination({1. / 3, 1. / 3, 1. / 3}, (*corners)(face_)));
+    }
+
+private:
+    Id face_;
+};
+
+/// The traits of the tree. The projection of CGAL's kernels is inaccurate for thin triangles.
+struct Traits : CGAL::AABB_traits<Kernel, Primitive> {
+    auto closest_point_object() const {
+        return [this](const Point_3& query, const Primitive& primitive, const Point_3& bound) {
+            const Point3 p = from_cgal(query);
+            const auto triangle = (*shared_data())(primitive.id());
+            const Point3 closest = combination(nearest_weights(p, triangle), triangle);
+            return squared(closest - p) < squared(from_cgal(bound) - p) ? to_cgal(closest) : bound;
+        };
+    }
+};
 
 }  // namespace
 
-FaceTree::FaceTree(std::vector<std::uint32_t> faces, Corners corners)
-    : faces_(std::move(faces)), corners_(std::move(corners)) {
-    std::vector<Centre> centres(faces_.size());
-    std::transform(faces_.begin(), faces_.end(), centres.begin(), [this](std::uint32_t face) {
-        const auto [a, b, c] = corners_(face);
-        return Centre{a + b + c, face};
-    });
-    build(centres, {0, static_cast<std::uint32_t>(faces_.size())});
-}
-
-/// Adds a node for a range of faces, and sorts the centres of the range by node.
-void FaceTree::build(std::span<Centre> centres, Range range) {
-    const std::size_t number = nodes_.size();
-    nodes_.emplace_back();
-    if (range.end - range.begin <= kLeafSize) {
-        for (std::uint32_t i = range.begin; i < range.end; ++i) {
-            faces_[i] = centres[i].face;
-            for (const Point3& p : corners_(faces_[i])) nodes_[number].include(p, p);
-        }
-        return;
+struct FaceTree::Tree {
+    Tree(std::span<const std::uint32_t> faces, Corners function)
+        : corners(std::move(function)), boxes(faces.begin(), faces.end(), &corners) {
+        boxes.build();
+        boxes.accelerate_distance_queries();  // otherwise, the first query would do it
     }
-    Node spread;
-    for (const Centre& centre : centres.subspan(range.begin, range.end - range.begin)) {
-        spread.include(centre.place, centre.place);
-    }
-    const Point3 size = spread.max - spread.min;
-    const auto axis = size.x >= std::max(size.y, size.z) ? &Point3::x : size.y >= size.z ? &Point3::y : &Point3::z;
-    std::nth_element(centres.begin() + range.begin, centres.begin() + range.middle(), centres.begin() + range.end,
-                     [axis](const Centre& a, const Centre& b) {
-                         const double first = a.place.*axis, second = b.place.*axis;
-                         return first != second ? first < second : a.face < b.face;
-                     });
-    build(centres, {range.begin, range.middle()});
-    const std::size_t second = nodes_.size();
-    nodes_[number].second = static_cast<std::uint32_t>(second);
-    build(centres, {range.middle(), range.end});
-    nodes_[number].include(nodes_[number + 1].min, nodes_[number + 1].max);
-    nodes_[number].include(nodes_[second].min, nodes_[second].max);
-}
 
-void FaceTree::Node::include(Point3 from, Point3 to) {
-    min = least(min, from);
-    max = most(max, to);
-}
+    Corners corners;
+    CGAL::AABB_tree<Traits> boxes;
+};
+
+FaceTree::FaceTree(std::span<const std::uint32_t> faces, Corners corners)
+    : tree_(std::make_unique<Tree>(faces, std::move(corners))) {}
+
+FaceTree::~FaceTree() = default;
 
 FaceTree::Nearest FaceTree::nearest(Point3 p) const {
-    Nearest found{.squared = kInfinity};
-    search(0, {0, static_cast<std::uint32_t>(faces_.size())}, p, found);
-    return found;
-}
-
-/// Searches a node for a point that is nearer than the one found.
-void FaceTree::search(std::uint32_t number, Range range, Point3 p, Nearest& found) const {
-    const std::uint32_t second = nodes_[number].second;
-    if (second == 0) {
-        for (std::uint32_t i = range.begin; i < range.end; ++i) {
-            const auto triangle = corners_(faces_[i]);
-            const auto weights = nearest_weights(p, triangle);
-            const double distance =
-                squared(weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2] - p);
-            if (distance < found.squared) found = {faces_[i], weights, distance};
-        }
-        return;
-    }
-    const auto distance = [this, p](std::uint32_t child) {
-        const Node& node = nodes_[child];
-        return squared(most(node.min, least(p, node.max)) - p);
-    };
-    const double to_first = distance(number + 1), to_second = distance(second);
-    const auto search_first = [&] {
-        if (to_first < found.squared) search(number + 1, {range.begin, range.middle()}, p, found);
-    };
-    if (to_first <= to_second) search_first();
-    if (to_second < found.squared) search(second, {range.middle(), range.end}, p, found);
-    if (to_first > to_second) search_first();
+    const std::uint32_t face = tree_->boxes.closest_point_and_primitive(to_cgal(p)).second;
+    return {face, nearest_weights(p, tree_->corners(face))};
 }
 
 }  // namespace ccdt

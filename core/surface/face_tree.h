@@ -4,18 +4,14 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <limits>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "core/geometry/point3.h"
 
 namespace ccdt {
 
-/// Finds nearest points of triangles by a tree of bounding boxes.
-///
-/// CGAL's AABB_tree does not visit the nearer box first. On a torus of a million triangles, it took 8 us for points
-/// near the surface and 100 us for distant points, with six times the memory.
+/// Finds nearest points of triangles by CGAL's AABB_tree, which only face_tree.cpp includes.
 class FaceTree {
 public:
     using Corners = std::function<std::array<Point3, 3>(std::uint32_t face)>;
@@ -24,46 +20,25 @@ public:
     struct Nearest {
         std::uint32_t face = 0;
         std::array<double, 3> weights{};  ///< barycentric coordinates
-        double squared = 0;               ///< squared distance
     };
 
     /// @param faces    numbers of the triangles, at least one
     /// @param corners  returns the corners of a triangle, which differ; called during the life of the tree, also by
     ///                 several threads at once
     ///
-    /// O(n log n), with about 60 bytes per triangle, and 32 bytes during the construction.
-    FaceTree(std::vector<std::uint32_t> faces, Corners corners);
+    /// O(n log n). For a million triangles: 1 s, 130 bytes per triangle, and 90 bytes during the construction.
+    FaceTree(std::span<const std::uint32_t> faces, Corners corners);
+    ~FaceTree();
 
-    /// Returns the nearest point of all triangles, up to rounding. Several threads may call it at once. O(log n),
-    /// typically.
+    /// Returns the nearest point of all triangles, up to rounding. Several threads may call it at once. O(log n) for
+    /// points near the triangles. In a torus of a million triangles: 10 us for a point near them, 300 us for a distant
+    /// point.
     Nearest nearest(Point3 p) const;
 
 private:
-    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    struct Tree;
 
-    /// A box around the triangles of a range of faces_. Its first child is the next node.
-    struct Node {
-        Point3 min{kInfinity, kInfinity, kInfinity}, max{-kInfinity, -kInfinity, -kInfinity};
-        std::uint32_t second = 0;  ///< second child; 0 if there are no children
-
-        void include(Point3 from, Point3 to);
-    };
-    struct Centre {
-        Point3 place;  ///< three times the centre of a triangle
-        std::uint32_t face = 0;
-    };
-    struct Range {
-        std::uint32_t begin, end;
-
-        std::uint32_t middle() const { return begin + (end - begin) / 2; }
-    };
-
-    void build(std::span<Centre> centres, Range range);
-    void search(std::uint32_t number, Range range, Point3 p, Nearest& found) const;
-
-    std::vector<std::uint32_t> faces_;
-    Corners corners_;
-    std::vector<Node> nodes_;
+    std::unique_ptr<const Tree> tree_;
 };
 
 }  // namespace ccdt

@@ -385,7 +385,7 @@ SurfacePoint Surface::nearest(Point3 p) const {
             if (!faces_[f].flat) solid.push_back(f);
         }
         // The surface may move, but its vertices and faces stay in place.
-        tree_->faces.emplace(std::move(solid), [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
+        tree_->faces.emplace(solid, [vertices = vertices_.data(), faces = faces_.data()](std::uint32_t f) {
             const auto& [a, b, c] = faces[f].corners;
             return std::array{vertices[a], vertices[b], vertices[c]};
         });
