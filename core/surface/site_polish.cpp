@@ -163,7 +163,7 @@ bool SitePolish::is_any_nearer(double least) {
     return !joined_.empty() || !facing_.empty();
 }
 
-/// Returns triangles between free sites near a site, those with the largest capacities first.
+/// Returns triangles between free sites near a site, in descending order of capacity.
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
     constexpr std::size_t kVisited = 400;  // about the triangles within eight spacings
     constexpr std::size_t kMost = 16;
@@ -188,7 +188,7 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
 }
 
 void SitePolish::separate(double least) {
-    constexpr double kStuck = 0.85;  // share of the least distance; pushes move other pairs apart
+    constexpr double kStuck = 0.85;  // share of the least distance; pushes can move pairs apart that are less near
     auto pairs = joined_;
     pairs.insert(pairs.end(), facing_.begin(), facing_.end());
     std::vector<std::uint8_t> is_relocated(mesh_.site_count(), 0);
