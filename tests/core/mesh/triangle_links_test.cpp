@@ -19,7 +19,8 @@ constexpr std::uint32_t kNone = Links::kNone;
 void join_all(Links& links) {
     for (std::uint32_t h = 0; h < 4 * links.triangle_count(); ++h) {
         for (std::uint32_t k = 0; k < h && h % 4 != 3; ++k) {
-            if (k % 4 != 3 && links.origin(h) == links.target(k) && links.target(h) == links.origin(k)) links.join(h, k);
+            if (k % 4 != 3 && links.origin(h) == links.target(k) && links.target(h) == links.origin(k))
+                links.join(h, k);
         }
     }
     for (std::uint32_t h = 0; h < 4 * links.triangle_count(); ++h) {
@@ -142,7 +143,9 @@ TEST(TriangleLinks, KeepsTheTopologyInRandomSequences) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         Links links = octahedron();
         Random random(seed, 0);
-        const auto any = [&](std::size_t count) { return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(count)); };
+        const auto any = [&](std::size_t count) {
+            return static_cast<std::uint32_t>(random.uniform() * static_cast<double>(count));
+        };
         for (std::uint32_t v = 6; v < 60; ++v) {
             links.add_vertices(1);
             if (random.uniform() < 0.5) {
