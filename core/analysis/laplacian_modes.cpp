@@ -60,8 +60,7 @@ Matrices assemble(std::span<const Point3> vertices, std::span<const std::array<s
     return matrices;
 }
 
-/// Returns a shift of the magnitude of the lowest eigenvalue. As it is negative, the shifted matrix is positive
-/// definite.
+/// Returns a negative shift whose magnitude is that of the lowest eigenvalue. The shifted matrix is positive definite.
 double find_shift(std::span<const Point3> vertices) {
     double reach = 0;
     for (const Point3& p : vertices) reach = std::max(reach, length(p - vertices.front()));

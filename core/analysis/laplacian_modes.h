@@ -14,15 +14,15 @@
 // Matrices by Eigen, which only laplacian_modes.cpp includes.
 namespace ccdt {
 
-/// Eigenvectors of Laplace's operator with the lowest eigenvalues, other than the constant. They are orthogonal, and
-/// the mean of each one's square over the area is 1.
+/// Eigenvectors of the Laplace-Beltrami operator with the lowest eigenvalues, without the constant one. They are
+/// orthogonal, and the mean square of each over the area is 1.
 struct LaplacianModes {
     std::vector<double> eigenvalues;  ///< [modes] ascending, per squared unit of length
     std::vector<double> values;       ///< [modes][vertices]
 };
 
 /// Computes modes by linear finite elements: the stiffness matrix contains the cotangents of angles. Borders are free,
-/// that is, derivatives across them are 0. Every component has a mode of eigenvalue 0, except for one.
+/// that is, derivatives across them are 0. If there are c components, c - 1 modes have the eigenvalue 0.
 ///
 /// @param vertices   [n] each one belongs to a triangle
 /// @param triangles  with corners at different positions

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
-/// Coordinates of a site on one axis. Axes are numbered from 0.
+/// Coordinate of a site on one axis. Axes are numbered from 0.
 double along(Point p, std::size_t axis) {
     return axis == 0 ? p.x : p.y;
 }
 
-/// A point of a surface.
+/// A point of a surface, with the normal there.
 struct Oriented {
     Point3 point;
     Point3 normal;
@@ -108,7 +108,7 @@ private:
 
 using PlaneTree = Tree<Point, 2>;
 
-/// Searches from the periodic copies of a site. Returns the squared distance of its nearest neighbour.
+/// Searches from the periodic copies of a site. Returns the squared distance of the nearest neighbour, at most `best`.
 double search_around(const PlaneTree& tree, std::size_t index, Point sides, double best) {
     for (const double right : {-1, 0, 1}) {
         for (const double up : {-1, 0, 1}) {
@@ -121,6 +121,7 @@ double search_around(const PlaneTree& tree, std::size_t index, Point sides, doub
     return best;
 }
 
+/// Returns the least and the mean distance of the points that have a neighbour.
 /// @param nearest  function from the number of a point to the squared distance of its nearest neighbour
 template <class Nearest>
 Spacing summarise(std::size_t count, const std::stop_token& stop, Nearest&& nearest) {

@@ -24,8 +24,8 @@ struct Spacing {
 /// A stop ends the measurement early; the result must not be used then. O(n log n).
 Spacing measure_spacing(std::span<const Point> points, Point sides, bool periodic, const std::stop_token& stop);
 
-/// Measures the distances of nearest neighbours on a surface, along straight lines. Points whose normals are opposed
-/// are on different sides of a thin part, so they are not neighbours.
+/// Measures the distances of nearest neighbours on a surface, along straight lines. Points whose normals are more than
+/// 90 degrees apart are on different sides of a thin plate, so they are not neighbours.
 ///
 /// @param points   [n], n >= 2
 /// @param normals  [n] normals of the surface

@@ -156,6 +156,7 @@ struct Aims {
     std::vector<TriangleGoal> goals;       ///< goals of these triangles; all other triangles have target and share 1
 };
 
+/// Returns the sums over all triangles, and the goals of the triangles with a corner that is not a free site.
 /// @param reached_by, weight_of  return the capacity and the weight of a triangle, in units of half a site's capacity
 template <class Mesh, class ReachedBy, class WeightOf>
 Aims find_aims(const Mesh& mesh, ReachedBy&& reached_by, const WeightOf& weight_of) {

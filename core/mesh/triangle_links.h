@@ -28,10 +28,10 @@ public:
     void add_vertices(std::size_t count) { edge_of_.resize(edge_of_.size() + count, kNone); }
     /// Splits a triangle into three at a vertex.
     void divide(std::uint32_t vertex, std::uint32_t triangle);
-    /// Splits an edge into two at a vertex, and the triangles on both sides, too.
+    /// Splits an edge into two at a vertex, and each triangle beside the edge into two.
     void split(std::uint32_t vertex, std::uint32_t edge);
-    /// Removes the origin of an edge by merging it with the target. Removes the triangles beside the edge. The two
-    /// vertices must have exactly one common neighbour on each side of the edge.
+    /// Merges the origin of an edge with the target, and removes the triangles beside the edge. The two vertices must
+    /// have one common neighbour for each of these triangles, and no other.
     void collapse(std::uint32_t edge);
 
     /// Renumbers the triangles, without the removed ones, in the order of their smallest corners.

@@ -29,7 +29,8 @@ struct Shift {
     }
 };
 
-/// A triangle of a domain, or outside of it during the construction. Constraints are cleared by trim().
+/// A triangle of a Triangulation, which can lie outside the domain during the construction. trim() clears the
+/// constraints.
 struct PlaneTriangle : LinkedTriangle {
     std::array<Shift, 3> shifts{};  ///< shifts along the edges
 
@@ -146,8 +147,8 @@ public:
 
     // The following members are for the algorithms of this folder.
 
-    /// First triangle of the border. The triangles of the sites, two for each, come before it. They are near their site
-    /// in the plane.
+    /// First triangle of the border. The triangles of the sites come before it: two for each site, near the site in the
+    /// plane.
     std::uint32_t border_triangle() const { return static_cast<std::uint32_t>(2 * sites_); }
 
     /// Splits a triangle into three at a site.

@@ -46,9 +46,9 @@ constexpr float kSurplusWeight = 0.5F;
 /// Distance of the grid nodes on which the surplus is smoothed (see Surplus), relative to the hexagonal distance.
 constexpr double kNodeDistance = 3;
 
-/// Factor of the spline weights in space, relative to the plane. Along the normal of a surface, points spread their
-/// weights over the nodes of a line, and read them there. The sum of the squared weights is 11/20 on average. With this
-/// factor, a flat surface has the same surplus as in the plane.
+/// Factor of the spline weights in space, relative to the plane. Along the normal of a surface, each point adds its
+/// weights to the nodes of a line, and reads them with the same weights. The sum of the squared weights is 11/20 on
+/// average. With this factor, points on a flat surface have the same surplus as in the plane.
 constexpr float kSpaceFactor = 1.3484F;  // 1 / sqrt(11/20)
 
 /// Ratio of reference points (see Surplus) to remaining points above which the remaining points become the reference.
@@ -75,7 +75,8 @@ constexpr std::size_t kAxes = std::tuple_size_v<decltype(coordinates(P{}))>;
 template <class P>
 constexpr bool kInSpace = kAxes<P> == 3;
 
-/// The box in which points lie: from the origin to `sides`, each of which is > 0. A surface is in space.
+/// The box in which points lie: from the origin to `sides`, each of which is > 0. It is in space for points on a
+/// surface.
 template <class P>
 struct Frame {
     P sides;
@@ -92,7 +93,7 @@ struct Frame {
     }
 };
 
-/// Points in the plane, or points on a surface with its normals there.
+/// Points in the plane, or points on a surface with the surface's normals.
 template <class P>
 struct Points {
     std::vector<P> places;
@@ -100,7 +101,7 @@ struct Points {
 
     std::size_t size() const { return places.size(); }
 
-    /// Whether two points are on opposite sides of a thin sheet, so that they are no neighbours.
+    /// Whether two points are on opposite sides of a thin plate, so that they are not neighbours.
     bool are_opposed(std::uint32_t i, std::uint32_t j) const {
         if constexpr (kInSpace<P>) return dot(normals[i], normals[j]) < 0;
         return false;
@@ -262,7 +263,7 @@ private:
 
 /// Measures the surplus of points around a point: the actual number minus the wanted number, both smoothed by quadratic
 /// B-splines on the nodes of a square grid. The surplus suppresses long waves, which the distances of neighbours do not
-/// reveal. In space the grid is cubic, and the two sides of a thin sheet have a common surplus.
+/// reveal. In space the grid is cubic, and the two sides of a thin plate have a common surplus.
 template <class P>
 class Surplus {
 public:
@@ -334,8 +335,8 @@ private:
     };
     struct Nothing {};
 
-    /// The nine or 27 nodes around a position. `column` and `row` are those of the node at the lower left. `x` and `y`
-    /// are the offset of the position in the cell of the middle node, in [0, 1].
+    /// The nodes around a position: nine in the plane, 27 in space. `column` and `row` are those of the node at the
+    /// lower left. `x` and `y` are the offset of the position in the cell of the middle node, in [0, 1].
     struct Around {
         std::uint32_t column, row;
         float x, y;
@@ -355,8 +356,8 @@ private:
         return at;
     }
 
-    /// Calls function(node, share) for each layer of nodes around a position. `node` is the first of nine nodes of the
-    /// layer.
+    /// Calls function(node, share) for each layer of nodes around a position. `node` is the first of the nine nodes in
+    /// the layer.
     template <class Function>
     CCDT_INLINE void for_layers(const Around& at, Function&& function) const {
         const std::size_t first = at.row * x_.nodes + at.column;
@@ -802,7 +803,8 @@ double clamped(double coordinate) {
 /// Length of a vector added to the sum of the points' directions, so that points all over the globe do not cancel out.
 constexpr double kTilt = 1e-6;
 
-constexpr double kMinSide = 1e-9;  ///< least side of the box around points, needed if they coincide or are in a plane
+/// Least side of the box around points, which is needed if they coincide or lie on a line or in a plane.
+constexpr double kMinSide = 1e-9;
 
 /// Orders points of a frame progressively.
 template <class P>

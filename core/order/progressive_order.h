@@ -49,7 +49,7 @@ std::vector<std::uint32_t> progressive_order_on_globe(std::span<const Point> poi
                                                       Executor& executor = inline_executor());
 
 /// Orders points on a surface progressively, like points in the plane. Distances are those in space. Points whose
-/// normals are more than 90 degrees apart do not count as neighbours: they are on opposite sides of a thin sheet.
+/// normals are more than 90 degrees apart are not neighbours: they are on opposite sides of a thin plate.
 /// @param points   [n] may coincide
 /// @param normals  [n] normals of the surface at the points, of unit length
 /// @param area     area of the surface

@@ -38,7 +38,7 @@ public:
 
     /// @param places  [n >= 1], anywhere in space
     ///
-    /// O(points), multiplied by the depth of nested grids, which is small for points on a surface, too.
+    /// O(points), multiplied by the depth of nested grids, which is small even for points on a surface.
     explicit BasicCellList(std::span<const P> places);
 
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
@@ -169,13 +169,13 @@ private:
     void divide(P min, P max, std::uint32_t begin, std::uint32_t end, int depth);
 
     bool torus_;
-    P sides_;                     ///< of a torus
+    P sides_;                     ///< sides of a torus
     std::vector<Grid> grids_;     ///< the first one covers the domain
     std::vector<Cell> cells_;     ///< cells of each grid, each followed by a cell that marks the end
     std::vector<Listed> sorted_;  ///< sorted by cell
 };
 
-// The first constructor exists in the plane only, the second one in space only.
+// The first constructor exists only in the plane, the second one only in space.
 template <>
 BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places);
 template <>

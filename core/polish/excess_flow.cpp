@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::uint32_t kUnknown = ~std::uint32_t{0};
 
-/// Numbers the connected components and returns the number of each vertex' component [vertices].
+/// Numbers the connected components and returns the number of each vertex's component [vertices].
 std::vector<std::uint32_t> connected_parts(const GraphSolver& graph) {
     std::vector<std::uint32_t> part_of(graph.size(), kUnknown), reached;
     std::uint32_t parts = 0;

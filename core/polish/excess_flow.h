@@ -26,7 +26,7 @@ public:
     std::span<double> errors() { return error_; }
 
     /// Finds the potentials that drive the excess away. Limits the errors and subtracts the mean error of each
-    /// connected component, because the measure smooths across gaps in the domain. Overwrites the errors.
+    /// connected component, because the measure of the errors smooths across gaps in the domain. Overwrites the errors.
     /// @returns  false after a stop; moves() must not be called then
     bool solve(const std::stop_token& stop);
 

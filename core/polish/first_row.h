@@ -13,8 +13,8 @@ namespace ccdt {
 /// grid, 0.47 spacings.
 inline constexpr double kFirstRow = 0.45;
 
-/// The first row: the sites that share an edge with a vertex of the border. A mesh is a Triangulation, trimmed and not
-/// of a torus, or a SurfaceTriangulation.
+/// The first row: the sites that share an edge with a vertex of the border. On a surface, creases count as borders. A
+/// mesh is a Triangulation, trimmed and not of a torus, or a SurfaceTriangulation.
 class FirstRow {
 public:
     /// Finds the first row. Must be called again after edges change. O(triangles).

@@ -117,7 +117,7 @@ PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, b
 PolishSettings surface_settings(Quality quality) {
     assert(quality != Quality::Draft);
     PolishSettings settings = quality == Quality::Best ? kPolygon.best : kPolygon.standard;
-    // Sites that face each other in a fold are not joined by an edge; only these pushes move them apart.
+    // No edge joins two sites that face each other in a fold. Only the search for sites nearer than this finds them.
     settings.least = 0.8;
     return settings;
 }

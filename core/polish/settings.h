@@ -58,6 +58,7 @@ struct PolishSettings {
 PolishSettings polish_settings(Quality quality, std::size_t inks, bool smooth, bool in_box = true);
 
 /// Returns the schedule for a surface.
+/// @param quality  Standard or Best
 PolishSettings surface_settings(Quality quality);
 
 /// Returns the schedule for a dot map of one class with a smooth density.

@@ -12,8 +12,8 @@
 #include "core/parallel/executor.h"
 #include "core/polish/graph_solver.h"
 
-// The graph of a mesh on which an excess of sites can flow. A mesh is a Triangulation, trimmed and not of a torus, or a
-// SurfaceTriangulation.
+// The graph on which an excess of sites flows. Its edges are those of a mesh: a Triangulation, trimmed and not of a
+// torus, or a SurfaceTriangulation.
 namespace ccdt {
 
 /// Area of the parallelogram with the sides a and b; in the plane, negative if b is clockwise from a.
@@ -24,9 +24,9 @@ inline double parallelogram_area(Point3 a, Point3 b) {
     return length(cross(a, b));
 }
 
-/// Returns the site with which each vertex is merged [vertices]. A site is merged with itself. A border vertex is
-/// merged with the nearest site that an edge joins to it, or else with the site of an adjacent border vertex. In a part
-/// without sites, the entry is kNone.
+/// Returns the site with which each vertex is merged [vertices]. A site is merged with itself. A border vertex, which
+/// is any other vertex, is merged with the nearest site that an edge joins to it, or else with the site of an adjacent
+/// border vertex. In a part without sites, the entry is kNone.
 template <class Mesh>
 std::vector<std::uint32_t> owners(const Mesh& mesh) {
     struct Half {

@@ -56,8 +56,8 @@ public:
         }
         if (settings_) {
             SitePolish polish(*mesh_, density_, capacity_, relaxation, control_.stop);
-            // Where the surface is folded, pushes cannot move all pairs apart. The rounds of the polish then remove the
-            // error of density that the relocation causes.
+            // Where the surface is folded, pushes cannot move all pairs apart, so sites are relocated. The rounds of
+            // the polish then remove the error of density that the relocation causes.
             if (polish.is_any_nearer(settings_->least)) polish.separate(settings_->least);
             run_schedule(*settings_, polish, control_.stop, [this] { ++round_, report(); });
             mesh_->restore_delaunay(control_.stop);
@@ -77,7 +77,7 @@ private:
             settings_ = surface_settings(options_.quality);
         const double all = static_cast<double>(options_.sites + options_.fixed.size());
         auto fixed = thinned_fixed(mass / all);
-        // Clusters of fixed points share the area of a site, so that the others get theirs.
+        // A cluster of fixed points has the area of one site, so that it leaves the other sites their areas.
         const std::size_t shares = options_.sites + apart(fixed, kClusteredFixed, mass / all).size();
         capacity_ = mass / static_cast<double>(shares);
         auto sites = without_nearest(initial_sites(surface_, density_, shares, options_.seed), fixed);
@@ -156,7 +156,7 @@ private:
         return apart(points, kSameFixed, capacity);
     }
 
-    /// Removes initial sites until the wanted number is left: those nearest to fixed points, one for each.
+    /// Removes the initial site that is nearest to each fixed point, until the wanted number of sites is left.
     std::vector<SurfacePoint> without_nearest(std::vector<SurfacePoint> sites,
                                               const std::vector<SurfacePoint>& fixed) const {
         if (sites.size() == options_.sites) return sites;

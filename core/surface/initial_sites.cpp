@@ -22,7 +22,7 @@ std::uint64_t spread(std::uint64_t bits) {
     return (bits | bits << 2) & 0x1249249249249249;
 }
 
-/// Returns the faces by component, and within a component along the curve.
+/// Returns the faces, sorted by component and, within each component, along the space-filling curve.
 std::vector<std::uint32_t> faces_along_curve(const Surface& surface) {
     std::vector<std::uint64_t> keys(surface.face_count());
     for (std::uint32_t f = 0; f < keys.size(); ++f) {
@@ -46,7 +46,7 @@ public:
         // The additive recurrence of the plastic number: Roberts 2018, "The unreasonable effectiveness of
         // quasirandom sequences".
         constexpr double kFirst = 0.7548776662466927, kSecond = 0.5698402909980532;
-        constexpr int kAttempts = 64;  // per point, on average; then the density is ignored
+        constexpr int kAttempts = 64;  // per point, on average; after them, the density is ignored
         Random random(seed_, std::uint64_t{1} << 32 | face);
         double u = random.uniform(), v = random.uniform();
         const double highest =

@@ -12,12 +12,12 @@ namespace ccdt {
 
 /// Draws the initial sites on a surface. Faces are visited along a space-filling curve, and every face gets its share
 /// of the sites, by systematic sampling of the density. Within a face, sites follow a low-discrepancy sequence. Each
-/// component gets the number of sites nearest to its share; the total is exact.
+/// component gets its share of the sites, rounded up or down; the total is exact.
 ///
 /// @param sites  number of sites
 /// @returns      [sites] numbered along the space-filling curve; empty if the density is 0 everywhere
 ///
-/// Deterministic. O((faces + sites) log).
+/// Deterministic. O(n log n) for n = faces + sites.
 std::vector<SurfacePoint> initial_sites(const Surface& surface, const SurfaceDensity& density, std::size_t sites,
                                         std::uint64_t seed);
 

@@ -32,8 +32,8 @@ SiteMasses::SiteMasses(const Surface& surface, const SurfaceDensity& density, do
     }
 }
 
-/// Chooses the triangle at which the first search for each piece begins: one at a site on the nearest face that has
-/// sites. Distances between faces are counted in edges that are not creases.
+/// Chooses the triangle at which the first search for each piece begins: a triangle at a site on the nearest face that
+/// has sites. Distances between faces are counted in edges that are not creases.
 void SiteMasses::find_first(const SurfaceTriangulation& mesh) {
     const Surface& surface = mesh.surface();
     std::vector<std::uint32_t> near(surface.face_count(), kNone), reached;

@@ -15,16 +15,17 @@ namespace ccdt {
 /// Assigns the mass of a surface, the integral of the density, to the vertices of a triangulation. The surface is
 /// divided into small pieces. The mass of each piece is divided among the corners of the triangle above it, by
 /// barycentric coordinates. So for a function that is linear in the triangles, the sum over the vertices, weighted by
-/// their masses, equals the integral over the surface. Areas of the triangles themselves would not do: they cut off
-/// bends.
+/// their masses, equals the integral over the surface. A vertex on a border or crease passes its shares to the sites of
+/// the same triangle, if there are any. The areas of the triangles are no substitute, because triangles cut off bends.
 class SiteMasses {
 public:
-    /// @param capacity  mass that belongs to each site; pieces have at most a third of it
+    /// @param capacity  mass that belongs to each site; the pieces of a face have at most a third of it on average
     /// O(faces + sites).
     SiteMasses(const Surface& surface, const SurfaceDensity& density, double capacity);
 
     /// Returns the mass of each vertex [vertices], in units of `capacity`. Remembers the triangle above each piece,
-    /// where the next search begins: successive meshes must have the same triangles, apart from flips and small moves.
+    /// where the next search begins. So successive meshes must have the same triangles, apart from flips and small
+    /// moves.
     /// O(faces + sites).
     std::vector<double> measure(const SurfaceTriangulation& mesh);
 
@@ -36,7 +37,7 @@ private:
         Point3 place;
         double mass = 0;
         std::uint32_t face = 0;
-        std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< none in a component without sites
+        std::uint32_t triangle = SurfaceTriangulation::kNone;  ///< kNone in a component without sites
     };
 
     void find_first(const SurfaceTriangulation& mesh);

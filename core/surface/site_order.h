@@ -8,12 +8,13 @@
 
 namespace ccdt {
 
-/// An order in which the free sites of a mesh can be moved one after another, with many moves in parallel. The result
-/// does not depend on the number of threads. Sites are moved by blocks of successive numbers; first the sites of small
-/// blocks all of whose neighbours are in the same block, then the others, by larger blocks.
+/// An order in which the free sites of a mesh are moved, many of them in parallel. The result does not depend on the
+/// number of threads. Each site belongs to the smallest block that contains it and its free neighbours. The sites
+/// of a block are moved one after another, the blocks of a level in parallel, and the levels from small blocks to large
+/// ones.
 class SiteOrder {
 public:
-    /// Must be made again after edges change. O(sites).
+    /// Computes the order, which is valid until edges change. O(sites).
     explicit SiteOrder(const SurfaceTriangulation& mesh) : executor_(mesh.executor()) {
         const SiteBlocks& blocks = mesh.blocks();
         for (int level = 0; level < blocks.levels(); ++level) levels_.emplace_back(blocks.count(level));
@@ -30,7 +31,7 @@ public:
         }
     }
 
-    /// Calls function(site) for each free site. The function may move the site; it may read the site's neighbours.
+    /// Calls function(site) for each free site. The function may move the site and read its neighbours.
     template <class Function>
     void for_sites(Function&& function) const {
         for (const auto& blocks : levels_) {

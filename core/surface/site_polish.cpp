@@ -168,7 +168,7 @@ bool SitePolish::is_any_nearer(double least) {
     return !joined_.empty() || !facing_.empty();
 }
 
-/// Returns triangles between free sites near a site, those with the largest capacities first.
+/// Returns triangles between free sites near a site, in descending order of capacity.
 std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const {
     constexpr std::size_t kVisited = 300;  // about the triangles within seven spacings
     constexpr std::size_t kMost = 16;

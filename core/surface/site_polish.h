@@ -31,11 +31,12 @@ public:
     void even_out();
     void even_out_together() {}  // there is only one ink
     void restore() { mesh_.restore_delaunay(stop_); }
-    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. Finds sites
-    /// that no edge joins, too, unless they are on different sides of a thin plate. The next pushes move these apart.
+    /// Whether any two sites are nearer to each other than `least`, relative to the hexagonal distance. Also finds
+    /// sites that no edge joins, unless they are on different sides of a thin plate. Pushes move such sites apart, too,
+    /// until separate() is called.
     bool is_any_nearer(double least);
-    /// Relocates one site of each pair that is_any_nearer() found and that pushes have not moved apart, to a triangle
-    /// with a large capacity nearby.
+    /// Relocates one site of each pair that is_any_nearer() found and that is still much nearer than `least`. The new
+    /// place is a nearby triangle with a large capacity.
     void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}

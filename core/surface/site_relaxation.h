@@ -23,12 +23,12 @@ public:
     /// @param capacity       integral of the density that belongs to each site
     SiteRelaxation(SurfaceTriangulation& mesh, const SurfaceDensity& density, double capacity);
 
-    /// Makes the mesh Delaunay, then moves every free site `passes` times. Moves in parallel; the result does not
-    /// depend on the number of threads. O(sites * passes).
+    /// Makes the mesh Delaunay, then moves every free site `passes` times. Sites are moved in parallel; the result does
+    /// not depend on the number of threads. O(sites * passes).
     /// @param stop  polled in each pass
     void iterate(int passes, const std::stop_token& stop);
 
-    /// Returns the capacity variation, as set_goals() does.
+    /// Returns the capacity variation of the current mesh. O(triangles).
     double variation();
 
 private:

@@ -22,7 +22,7 @@ constexpr double kMinExtent = 1e-140, kMaxExtent = 1e140;
 constexpr double kMinSize = 1e-9;
 // Adding and subtracting it rounds to multiples of 2^-36.
 constexpr double kRounder = 0x1p16;
-// Share of the centroid in points that are moved slightly into their face.
+// Share of the way to the centroid by which points on an edge are moved into their face.
 constexpr double kInset = 1e-9;
 
 constexpr std::uint32_t next(std::uint32_t side) {
@@ -74,7 +74,8 @@ Result<Extent> find_extent(const TriangleSoup& soup) {
     const double size = extent.size();
     if (size == 0) return failure(ErrorCode::Unusable, "no triangle has an area");
     if (size >= kMinExtent && size <= kMaxExtent && size >= kMinSize * extent.magnitude()) return extent;
-    return failure(ErrorCode::Unusable, "the extent is too large, or too small for the coordinates");
+    return failure(ErrorCode::Unusable,
+                   "the extent must be from 1e-140 to 1e140, and at least 1e-9 times the largest coordinate");
 }
 
 double squared(Point3 p) {
@@ -98,8 +99,8 @@ std::array<double, 3> inset(const std::array<double, 3>& weights, double share) 
 
 }  // namespace
 
-/// A line of trace() in one face. Coordinates in the face have their origin at the first corner of an edge, and the x
-/// axis along this edge. In the first face, it is edge 0, and later the edge where the line enters.
+/// The part of a traced line in one face. Coordinates in the face have their origin at the first corner of an edge, and
+/// the x axis along this edge: edge 0 in the first face, and in later faces the edge where the line enters.
 struct Surface::Walk {
     /// The smallest component of a direction that counts as different from 0.
     static constexpr double kLeastComponent = 1e-12;
@@ -124,7 +125,7 @@ struct Surface::Walk {
 
 struct Surface::Tree {
     std::once_flag once;
-    std::optional<FaceTree> faces;  ///< made when it is needed first
+    std::optional<FaceTree> faces;  ///< built by the first call of nearest()
 };
 
 Surface::Surface() = default;
@@ -175,7 +176,7 @@ Result<Surface::Made> Surface::create(const TriangleSoup& soup, std::optional<do
     return Made{std::move(surface), std::move(connected->repairs), {}};
 }
 
-/// Computes areas and normals. The normals of flat faces come from their neighbours at the longest edge.
+/// Computes areas and normals. Flat faces get the normals of the faces that face_beside() finds.
 void Surface::measure_faces() {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         const auto face = static_cast<std::uint32_t>(f);
@@ -192,8 +193,8 @@ void Surface::measure_faces() {
     }
 }
 
-/// Returns the first face that is not flat on a way from a flat face over longest edges, or the last face before a
-/// border.
+/// Walks from a flat face across longest edges. Returns the first face that is not flat, or the last face of the walk
+/// if it ends at a border or after kMaxFaces steps.
 std::uint32_t Surface::face_beside(std::uint32_t face) const {
     constexpr int kMaxFaces = 100;
     std::uint32_t entry = kNone;

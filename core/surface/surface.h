@@ -28,7 +28,8 @@ struct SurfacePoint {
 /// A surface made of triangles: every edge belongs to one or two triangles, and the triangles around each vertex form
 /// one fan. Neighbouring triangles have the same orientation. A surface may have borders and several components.
 /// Coordinates are in the unit frame: translated and scaled such that the longest side of the bounding box is 1, and
-/// rounded to multiples of 2^-36. Thus, no edge is shorter, and seams close whose sides differ by rounding errors.
+/// rounded to multiples of 2^-36. So no edge is shorter than 2^-36, and vertices whose positions differ only by
+/// rounding errors of double precision nearly always have the same position.
 ///
 /// Half-edge h is edge h % 4 (0, 1 or 2) of face h / 4, as in Triangulation: it runs from corner h % 4 to the next one.
 class Surface {
@@ -36,16 +37,16 @@ public:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
     static constexpr int kMaxSteps = 1 << 14;  ///< largest number of edges that trace() crosses
 
-    struct Made;  ///< a surface, with the repairs that were necessary
+    struct Made;  ///< a surface, with the repairs and warnings that users should know
 
-    /// Makes a surface of triangles, repaired by connect_triangles(). Vertices that no triangle uses are ignored.
+    /// Makes a surface from triangles, repaired by connect_triangles(). Vertices that no triangle uses are ignored.
     /// @param crease  angle between the normals of two faces, in radians, above which their common edge counts as a
     ///                crease; none: no edge does
     /// @param stop    polled regularly
     ///
     /// Errors: Unusable if a coordinate is not finite (the field is "vertices/N"), if no triangle has an area, or if
-    /// the extent is too large, or so small relative to the coordinates that positions coincide; LimitExceeded if there
-    /// are more than 2^30 triangles; Stopped. Deterministic. O(n log n).
+    /// the longest side of the bounding box is not from 1e-140 to 1e140 or is less than 1e-9 times the largest
+    /// coordinate; LimitExceeded if there are more than 2^30 triangles; Stopped. Deterministic. O(n log n).
     static Result<Made> create(const TriangleSoup& soup, std::optional<double> crease,
                                const std::stop_token& stop = {});
 
@@ -68,11 +69,11 @@ public:
     }
     double area(std::uint32_t face) const { return faces_[face].area; }
     double total_area() const { return total_area_; }
-    /// Normal of unit length. Faces without area have the normal of the neighbour at their longest edge.
+    /// Normal of unit length. A face without area has the normal of the next face with an area across longest edges.
     Point3 normal(std::uint32_t face) const { return faces_[face].normal; }
     /// Mean normal of the faces around a vertex, weighted by their angles. Unit length.
     Point3 vertex_normal(std::uint32_t vertex) const { return normals_[vertex]; }
-    /// Connected component of a face: faces are connected by edges that are neither borders nor creases.
+    /// Number of a face's component. Faces are connected by edges that are neither borders nor creases.
     std::uint32_t component(std::uint32_t face) const { return faces_[face].component; }
     std::size_t component_count() const { return components_; }
 
@@ -93,9 +94,11 @@ public:
     double scale() const { return scale_; }
 
     /// Follows a straight line on the surface, over edges as if the faces were unfolded into a plane. The line ends
-    /// after the length of `move`, or at a border or crease, slightly inside the last face.
-    /// @param move  vector in space; its component perpendicular to the face does not count, but the line has its
-    ///              length
+    /// after the length of `move`. At a border or crease, or after kMaxSteps edges, it ends earlier, slightly inside
+    /// the last face.
+    /// @param move  vector in space. The line begins in the direction of its projection to the face, and has the length
+    ///              of the whole vector. If the vector is zero, not finite or perpendicular to the face, `from` is
+    ///              returned
     ///
     /// O(faces crossed), at most kMaxSteps.
     SurfacePoint trace(const SurfacePoint& from, Point3 move) const;
@@ -128,8 +131,8 @@ private:
         const auto& corners = faces_[face].corners;
         return vertices_[corners[side == 2 ? 0 : side + 1]] - vertices_[corners[side]];
     }
-    /// Height of a face over a side with a given length. The height of flat faces is not computed, because rounding
-    /// errors would move points along them.
+    /// Height of a face over a side with a given length; 0 for flat faces, because rounding errors in their height
+    /// would move points along them.
     double height(std::uint32_t face, double base) const {
         return faces_[face].flat ? 0 : 2 * faces_[face].area / base;
     }

@@ -16,13 +16,13 @@ namespace ccdt {
 /// Laplace-Beltrami operator. They are the waves of the surface, as sines and cosines are the waves of a torus.
 struct SurfaceAnalysis {
     std::vector<double> eigenvalues;  ///< [modes] ascending, in the coordinates of the soup; without the constant mode
-    std::vector<double> frequency;    ///< [modes] square root of the eigenvalue / 2 pi, in units of sqrt(n / area)
+    std::vector<double> frequency;    ///< [modes] sqrt(eigenvalue) / (2 pi), in units of sqrt(n / area)
     std::vector<double> power;        ///< [modes] |sum over points of phi|^2 / n; random points have power 1
 
-    /// Mean power of the modes whose frequency is below 0.5; none if there are no such modes.
+    /// Mean power of the modes whose frequency is below 0.5; empty if there are no such modes.
     std::optional<double> low_frequency_power;
 
-    /// Least and mean distance of points to their nearest neighbours, as measure_spacing() measures them on surfaces.
+    /// Least and mean distance of points from their nearest neighbours, by measure_spacing() with normals.
     /// The unit is the hexagonal distance for n points on this area.
     double min_distance = 0;
     double mean_distance = 0;
@@ -45,7 +45,7 @@ std::size_t count_mode_vertices(const Surface& surface, std::size_t modes);
 /// Errors: Malformed for a number of modes out of range ("modes"); LimitExceeded if the modes would have more than
 /// kMaxModeValues values ("modes"); Unusable for too few points ("points"), or if no point has a neighbour; those of
 /// find_laplacian_modes(). Deterministic. If several modes have the same eigenvalue, only the sum of their powers has a
-/// meaning. The costs are those of find_laplacian_modes(), and O(n (modes + log n)).
+/// meaning. Takes the time of find_laplacian_modes() and O(n (modes + log n)).
 /// Source: Lagae and Dutre 2008, for the units. Departure: modes of the surface replace Fourier's.
 Result<SurfaceAnalysis> analyse_surface(const Surface& surface, std::span<const SurfacePoint> points, std::size_t modes,
                                         const std::stop_token& stop = {});

@@ -14,9 +14,10 @@ class SurfaceDensity {
 public:
     static SurfaceDensity uniform() { return {}; }
 
+    /// Density with given values at the vertices.
     /// @param values  [vertices of the soup] densities, >= 0 and finite
-    /// Errors: Malformed if the number of values is wrong or a value is negative or not finite ("density/N"); Unusable
-    /// if the density is 0 all over the surface.
+    /// Errors: Malformed if the number of values is wrong ("density"), or a value is negative or not finite
+    /// ("density/N"); Unusable if the density is 0 all over the surface.
     static Result<SurfaceDensity> of_vertices(const Surface& surface, const TriangleSoup& soup,
                                               std::span<const double> values);
 
@@ -30,10 +31,11 @@ public:
     /// @param spacing   mean distance of points, in the unit frame; curvature at smaller scales is smoothed
     /// @param contrast  >= 1
     ///
-    /// c is the squared gradient of the normal: vertex normals are smoothed by an implicit step of diffusion and linear
-    /// in each face. O(faces) per step of conjugate gradients; about spacing / length of edges steps, at most 100.
-    /// Source: Desbrun, Meyer, Schroeder, Barr, Implicit fairing of irregular meshes using diffusion and curvature flow
-    /// (1999), for the diffusion; here it smooths normals instead of positions.
+    /// c is the squared gradient of the normal. For it, vertex normals are smoothed by one implicit step of diffusion
+    /// and interpolated linearly in each face. O(faces) per step of conjugate gradients, of which there are about
+    /// spacing divided by the length of edges, and at most 100. Source: Desbrun, Meyer, Schroeder, Barr, Implicit
+    /// fairing of irregular meshes using diffusion and curvature flow (1999), for the diffusion; here it smooths
+    /// normals instead of positions.
     static SurfaceDensity of_curvature(const Surface& surface, double spacing, double contrast = 8);
 
     bool is_uniform() const { return values_.empty(); }

@@ -8,7 +8,7 @@
 
 namespace ccdt {
 
-/// A change that made triangles a surface, or a property of the triangles that users should know.
+/// A repair of the given triangles, or a property of them that users should know.
 struct SurfaceNote {
     std::string detail;                          ///< what was changed or found, and how often
     std::size_t count = 0;                       ///< number of triangles, vertices or edges concerned

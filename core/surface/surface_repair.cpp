@@ -53,9 +53,9 @@ public:
     Result<ConnectedTriangles> run(std::span<const Corners> triangles);
 
 private:
-    /// A half-edge, at the lower of its vertices.
+    /// A half-edge, listed at the end with the lower number.
     struct Side {
-        std::uint32_t high;      ///< the higher vertex of the edge
+        std::uint32_t high;      ///< the other end, with the higher number
         std::uint32_t opposite;  ///< third vertex of the triangle
         std::uint32_t edge;
 
@@ -64,7 +64,7 @@ private:
         }
     };
 
-    /// A half-edge, with the direction of its face around the edge.
+    /// A half-edge, with the angle of its face around the edge.
     struct Angle {
         double angle;
         std::uint32_t edge;
@@ -114,7 +114,7 @@ private:
     std::vector<std::uint8_t> removed_;      ///< [faces]
     std::vector<std::uint8_t> visited_;      ///< [faces]
     std::vector<std::uint8_t> on_cut_;       ///< [positions] whether the vertex is an end of a cut edge
-    std::vector<std::uint32_t> first_side_;  ///< [positions + 1] start of each vertex' sides
+    std::vector<std::uint32_t> first_side_;  ///< [positions + 2] start of each vertex's sides
     std::vector<Side> sides_;
     std::vector<Angle> group_;              ///< sides of the current edge
     std::vector<std::uint32_t> component_;  ///< faces of the current component
@@ -177,7 +177,7 @@ void Connector::take_triangles(std::span<const Corners> triangles) {
     removed_.resize(result_.faces.size());
 }
 
-/// Lists the sides of all faces by their lower vertices, and pairs sides of the same edge.
+/// Lists the sides of all faces by their lower vertices, and pairs the sides of each edge.
 void Connector::pair_edges() {
     first_side_.assign(positions_.size() + 2, 0);
     const auto for_sides = [this](auto&& function) {

@@ -24,7 +24,7 @@ struct ConnectedTriangles {
     struct Face {
         std::array<std::uint32_t, 3> corners{};
         std::array<std::uint32_t, 3> twins{kNone, kNone, kNone};  ///< half-edges, as in Surface
-        std::uint32_t triangle = 0;                               ///< index of the triangle
+        std::uint32_t triangle = 0;                               ///< index of the given triangle
         bool turned = false;                                      ///< whether the last two corners were swapped
         bool flat = false;                                        ///< whether is_flat()
     };
@@ -33,27 +33,29 @@ struct ConnectedTriangles {
     std::vector<Face> faces;  ///< in the order of the triangles
     std::vector<SurfaceNote> repairs;
 
-    /// Returns a normal of a triangle whose length is twice the area.
+    /// Returns the normal of a triangle, with twice the triangle's area as its length.
     static Point3 doubled_area(const std::array<Point3, 3>& triangle);
     /// Whether the corners of a triangle are on one line, up to rounding.
     static bool is_flat(const std::array<Point3, 3>& triangle);
 };
 
-/// Makes a surface of triangles. Vertices at the same position become one vertex. Triangles with fewer than three
-/// positions disappear, so that their neighbours become adjacent. Flat triangles with three positions remain as faces,
-/// because cracks would replace them, except where more than two triangles share one of their edges, where their
-/// longest edge is on a border, and where all connected triangles are flat. Of repeated triangles, the first remains.
-/// If more than two triangles share an edge, the pairs that bound the inside remain connected, or none if the
-/// orientations contradict each other. The surface is also cut along edges that prevent a consistent orientation. Then
-/// the connected triangles are turned such that a closed surface encloses a positive volume; on a surface with borders,
-/// the fewer triangles are turned. A vertex with several fans becomes several vertices.
+/// Makes a surface from triangles. Vertices at the same position become one vertex. Triangles whose corners have fewer
+/// than three positions are removed, so that their neighbours become adjacent. Flat triangles with three positions
+/// remain as faces, because their removal would leave cracks. They are removed only if more than two triangles share
+/// one of their edges, if their longest edge is on a border, or if all connected triangles are flat. Of repeated
+/// triangles, the first remains.
+/// If more than two triangles share an edge, the pairs that bound the inside remain connected. If the orientations
+/// contradict each other, none of these triangles remain connected, and the edge becomes a border. The surface is also
+/// cut along edges that prevent a consistent orientation. Then the connected triangles are turned such that a closed
+/// surface encloses a positive volume; on a surface with borders, the fewer triangles are turned. A vertex with several
+/// fans becomes several vertices.
 ///
 /// CGAL's orient_polygon_soup() is similar, but its time is quadratic in the number of triangles at a vertex, and it
 /// does not report all cuts.
 /// @param positions  multiples of 2^-36 in [0, 1], so that differences are exact
 /// @param triangles  every index is valid; at most kMaxTriangles
 ///
-/// Errors: Stopped. There may be no face. Deterministic. O(n log n), with about 130 bytes per triangle.
+/// Errors: Stopped. The result may have no faces. Deterministic. O(n log n), with about 130 bytes per triangle.
 Result<ConnectedTriangles> connect_triangles(std::span<const Point3> positions,
                                              std::span<const std::array<std::uint32_t, 3>> triangles,
                                              const std::stop_token& stop);

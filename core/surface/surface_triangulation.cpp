@@ -26,10 +26,12 @@ public:
     FaceInsertion(TriangleLinks& links, std::vector<std::uint32_t> face_of, std::vector<Point>& flat)
         : links_(links), flat_(flat), face_of_(std::move(face_of)) {}
 
-    /// Begins with a face. Calls function(vertex) for the vertices of its triangles, to get their coordinates.
+    /// Begins the insertion into a face. Calls flatten(vertex) for the vertices of its triangles, to get their
+    /// coordinates.
     template <class Flatten>
     void begin(std::uint32_t face, Flatten&& flatten) {
-        // The face has a triangle of the same number, and its other triangles are next to each other.
+        // The triangle with the number of the face lies in the face, and the other triangles of the face are connected
+        // to it.
         stack_.assign(1, face);
         seen_.resize(face_of_.size(), 0);
         for (std::size_t i = 0; i < stack_.size(); ++i) {
@@ -286,8 +288,10 @@ void SurfaceTriangulation::remove_corners(const CreaseVertices& creases, const s
         std::erase_if(left, [&](std::uint32_t v) { return stop.stop_requested() || remove(v, stack); });
 }
 
-/// Removes a vertex of the surface. A vertex on a border or crease is merged with the next one along it.
+/// Removes a vertex by collapsing one of its edges. A vertex on a border or crease is merged with an adjacent one along
+/// it.
 /// @param stack  memory for edges to be flipped
+/// @returns      false, without any change, if no edge can be collapsed
 bool SurfaceTriangulation::remove(std::uint32_t vertex, std::vector<std::uint32_t>& stack) {
     constexpr std::size_t kMaxCandidates = 32;  // a vertex may have very many neighbours
     if (links_.edge_of(vertex) == kNone) return true;
@@ -380,10 +384,10 @@ void SurfaceTriangulation::move(std::uint32_t vertex, Point3 by) {
     }
 }
 
-/// Returns the point of the surface at the middle of a triangle; none if it would fold the triangles around it, or if
-/// the triangle does not follow the surface, as triangles across folds.
+/// Returns the point of the surface at the middle of a triangle. Returns none if the triangles around the point would
+/// be folded, or if the triangle does not follow the surface, as at a fold.
 std::optional<SurfacePoint> SurfaceTriangulation::middle(std::uint32_t triangle) const {
-    constexpr double kMaxTilt = 0.9;     // cosine of the angle between the triangle and the surface
+    constexpr double kMaxTilt = 0.9;     // least cosine of the angle between the triangle and the surface
     constexpr double kMaxOffset = 0.15;  // distance from the surface, relative to the root of the doubled area
     const auto [a, b, c] = places(triangle);
     const Point3 along = 1.0 / 3 * (b - a + c - a), normal = doubled_normal(triangle);

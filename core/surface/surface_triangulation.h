@@ -20,19 +20,19 @@ namespace ccdt {
 
 /// A triangulation of sites on a surface. Its vertices lie on the surface, and its edges are straight in space.
 /// Vertices [0, sites) are sites, of which the last ones may be fixed. Further vertices lie on borders and creases, or
-/// are vertices of the surface without which the triangulation would not have the surface's topology.
+/// are vertices of the surface whose removal would change the topology or fold the triangulation.
 class SurfaceTriangulation {
 public:
     static constexpr std::uint32_t kNone = TriangleLinks::kNone;
 
     /// Triangulates the sites: inserts them into the faces, makes the triangulation Delaunay, and removes the vertices
-    /// of the surface, as far as the topology allows.
+    /// of the surface, unless a removal would change the topology or fold the triangulation.
     /// @param surface  must outlive this object
     /// @param sites    numbered along a space-filling curve; followed by fixed sites
     /// @param fixed    number of fixed sites
     /// @param creases  vertices along borders and creases
     /// @param stop     polled regularly; after a stop the object must not be used
-    /// O((sites + faces) log).
+    /// O(n log n) for n = sites + faces.
     SurfaceTriangulation(const Surface& surface, std::vector<SurfacePoint> sites, std::size_t fixed,
                          const CreaseVertices& creases, Executor& executor, const std::stop_token& stop = {});
 
@@ -70,7 +70,8 @@ public:
         return {places_[a], places_[b], places_[c]};
     }
     Point3 along(std::uint32_t edge) const { return places_[target(edge)] - places_[origin(edge)]; }
-    /// Vector perpendicular to the edge, of the same length, in the plane of the edge's triangle and into it.
+    /// Vector perpendicular to the edge, of the same length, that points into the edge's triangle in its plane; 0 if
+    /// the triangle has no area.
     Point3 inward(std::uint32_t edge) const {
         const Point3 normal = doubled_normal(edge / 4);
         const double area = length(normal);
@@ -84,19 +85,20 @@ public:
     double doubled_area(std::uint32_t triangle) const { return length(doubled_normal(triangle)); }
 
     /// Flips edges until all are Delaunay: the angles opposite to each edge, measured in space, add up to at most 180
-    /// degrees. Leaves creases, and edges whose flip would fold the triangulation. Bounded by ten flips per triangle.
+    /// degrees. Does not flip creases, nor edges whose flip would fold the triangulation or join two vertices twice.
+    /// Makes at most ten flips per triangle.
     /// @returns  the number of flips
     std::size_t restore_delaunay(const std::stop_token& stop = {});
 
-    /// Moves a vertex along the surface. Halves the move until all triangles around the vertex keep their orientation
-    /// and a part of their area; leaves the vertex where it is if that does not suffice. Calls for vertices without
-    /// common neighbours may run in parallel.
+    /// Moves a vertex along the surface. Halves the move, up to three times, until all triangles around the vertex keep
+    /// their orientation and a part of their area. If that does not suffice, the vertex does not move. Calls for
+    /// vertices without common neighbours may run in parallel.
     void move(std::uint32_t vertex, Point3 by);
 
-    /// Takes a site out of the triangulation and inserts it in the middle of the first of several triangles that can
-    /// take it.
-    /// @returns  false, without any change, if the site's neighbours do not allow it to be taken out, or if no triangle
-    ///           can take it
+    /// Removes a site from the triangulation and inserts it again in the middle of the first of several triangles that
+    /// is suitable.
+    /// @returns  false, without any change, if the site's neighbours do not allow its removal, or if no triangle is
+    ///           suitable
     bool relocate(std::uint32_t site, std::span<const std::uint32_t> triangles);
 
 private:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 
-// Measures a triangulation of the vertices that a surface was sampled with, and that of CGAL's isotropic remeshing with
-// as many vertices. Usage: ccdt_mesh_quality SURFACE MESH CREASE. Both are files of a format that CGAL reads, such as
-// OBJ. Edges whose faces form a greater angle than CREASE, in degrees, are creases, which the remeshing preserves.
+// Measures MESH, a new mesh of a surface, and a mesh with about as many vertices that CGAL's isotropic remeshing makes
+// of SURFACE. Usage: ccdt_mesh_quality SURFACE MESH CREASE. SURFACE and MESH are files of a format that CGAL reads,
+// such as OBJ. Edges whose faces have normals more than CREASE degrees apart are creases, which the remeshing
+// preserves.
 #include <CGAL/Polygon_mesh_processing/IO/polygon_mesh_io.h>
 #include <CGAL/Polygon_mesh_processing/bbox.h>
 #include <CGAL/Polygon_mesh_processing/detect_features.h>

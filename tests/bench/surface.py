@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the points that a server places on surfaces, and prints them as a Markdown table.
+"""Measures the points that a server places on surfaces, and prints the results as a Markdown table.
 
     surface.py http://localhost:8080 16384 sphere bunny.obj --quality standard best --cycodebase PATH --mesh PROGRAM
 
@@ -130,7 +130,8 @@ def table_of_meshes(meshes, options):
             query += f"&crease={options.crease}" if options.crease else ""
             files[0].write_bytes(mesh)
             files[1].write_bytes(ask(options.url + query, mesh, "model/obj"))
-            done = subprocess.run([options.mesh, *files, str(options.crease or 180)], stdout=subprocess.PIPE, check=False, timeout=3600)
+            done = subprocess.run([options.mesh, *files, str(options.crease or 180)], stdout=subprocess.PIPE,
+                                  check=False, timeout=3600)
         for found in map(json.loads, done.stdout.splitlines()):
             kind = options.quality[-1] if found["name"] == "given" else found["name"]
             print(f"| {name}, {kind} | {found['vertices']:,} | {100 * found['area_variation']:.1f} % | "

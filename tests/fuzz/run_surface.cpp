@@ -138,7 +138,7 @@ void check_points(const api::SurfaceRequest& request, const TriangleSoup& soup, 
 }  // namespace
 }  // namespace ccdt::fuzz
 
-/// Parses, estimates and answers a request for points on a surface, whose numbers are at the ends of their ranges.
+/// Parses, estimates and answers a request for points on a surface. Its numbers are often at the ends of their ranges.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace ccdt;
     fuzz::Bytes input(fuzz::text_of(data, size));

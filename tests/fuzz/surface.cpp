@@ -17,11 +17,11 @@ namespace {
 constexpr unsigned kMaxVertices = 32, kMaxTriangles = 64;
 constexpr int kMaxMoves = 16;
 
-/// Encoding of a vertex, given by the last two bits of the byte before it.
+/// Encoding of a vertex, given by the lowest two bits of its first byte.
 enum class Vertex { Grid, Neighbour, Fine, Any };
 
-/// Reads a vertex. Vertices on the small grid coincide often, and their triangles overlap. Neighbour yields a vertex
-/// near an earlier one.
+/// Reads a vertex. Vertices on the small grid often coincide, and their triangles overlap. Neighbour yields a vertex
+/// near `before`, the preceding one.
 Point3 read_vertex(Bytes& input, Point3 before) {
     const auto first = input.take<std::uint8_t>();
     switch (static_cast<Vertex>(first % 4U)) {

@@ -26,7 +26,7 @@ inline std::string binary_stl(const std::vector<float>& coordinates) {
     return file;
 }
 
-/// Returns a GLB with a JSON part and a binary part.
+/// Returns a GLB with a JSON chunk and a binary chunk.
 inline std::string glb(std::string json, std::string binary) {
     json.resize((json.size() + 3) / 4 * 4, ' ');
     binary.resize((binary.size() + 3) / 4 * 4, '\0');
@@ -40,7 +40,8 @@ inline std::string glb(std::string json, std::string binary) {
     return file;
 }
 
-/// Positions of the corners of a unit square in the plane z = 0, and the indices of its two triangles.
+/// Returns the positions of the corners of a unit square in the plane z = 0, followed by the indices of its two
+/// triangles.
 inline std::string square_buffer() {
     std::string buffer;
     for (const float value : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.F}) append_bytes(buffer, value);
@@ -48,7 +49,7 @@ inline std::string square_buffer() {
     return buffer;
 }
 
-/// Returns the JSON part of a glTF with square_buffer().
+/// Returns the JSON of a glTF whose buffer is square_buffer().
 /// @param nodes   the array of nodes; mesh 0 is the square, and node 0 is in the scene
 /// @param buffer  further members of the buffer
 inline std::string square_gltf(std::string_view nodes = R"([{"mesh":0}])", std::string_view buffer = "") {

@@ -37,9 +37,9 @@ std::string fault_at(const Surface& surface, std::uint32_t edge) {
     if (tail(surface, edge) >= surface.vertex_count()) return "a corner is not a vertex";
     if (tail(surface, edge) == tail(surface, side_after(edge, 1))) return "an edge is a loop";
     const std::uint32_t twin = surface.twin(edge);
-    if (twin == Surface::kNone) return surface.is_crease(edge) ? "" : "a border is no crease";
+    if (twin == Surface::kNone) return surface.is_crease(edge) ? "" : "a border edge does not count as a crease";
     if (surface.twin(twin) != edge) return "twins differ";
-    if (surface.is_crease(twin) != surface.is_crease(edge)) return "a crease has one side";
+    if (surface.is_crease(twin) != surface.is_crease(edge)) return "an edge is a crease on one side only";
     if (tail(surface, twin) != tail(surface, side_after(edge, 1)) ||
         tail(surface, edge) != tail(surface, side_after(twin, 1))) {
         return "neighbours differ in orientation";
@@ -50,7 +50,7 @@ std::string fault_at(const Surface& surface, std::uint32_t edge) {
     return "";
 }
 
-/// Returns the number of corners that one reaches by rotating around a corner, at most `limit`.
+/// Returns the number of corners in the fan around a corner's vertex; more than `limit` if the fan does not end.
 std::size_t fan_size(const Surface& surface, std::uint32_t corner, std::size_t limit) {
     std::size_t size = 0;
     std::uint32_t at = corner;
@@ -165,7 +165,7 @@ std::string fault_in(const Surface& surface) {
     std::vector<std::size_t> corners_at(surface.vertex_count());
     double area = 0;
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-        if (!is_unit(surface.normal(f))) return "a normal has no unit length";
+        if (!is_unit(surface.normal(f))) return "a normal does not have unit length";
         if (surface.component(f) >= surface.component_count()) return "a component has a wrong number";
         for (std::uint32_t k = 0; k < 3; ++k) {
             if (std::string fault = fault_at(surface, 4 * f + k); !fault.empty()) return fault;
@@ -181,7 +181,7 @@ std::string fault_in(const Surface& surface) {
     }
     for (std::uint32_t v = 0; v < surface.vertex_count(); ++v) {
         const Point3 p = surface.vertex(v);
-        if (!is_unit(surface.vertex_normal(v))) return "the normal of a vertex has no unit length";
+        if (!is_unit(surface.vertex_normal(v))) return "the normal of a vertex does not have unit length";
         if (!(std::min({p.x, p.y, p.z}) >= 0 && std::max({p.x, p.y, p.z}) <= 1)) return "a vertex is out of range";
     }
     return "";

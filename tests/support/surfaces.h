@@ -10,8 +10,8 @@
 namespace ccdt::test {
 
 /// Returns a grid of columns x rows quadrilaterals, each made of two triangles, whose vertices have the positions that
-/// a function gives for coordinates in [0, 1] x [0, 1]. Sides of the grid that have the same positions are closed only
-/// by merging vertices.
+/// a function gives for coordinates in [0, 1] x [0, 1]. Where two sides of the grid have the same positions, they have
+/// different vertices, which Surface merges.
 TriangleSoup grid_surface(int columns, int rows, const std::function<Point3(double, double)>& position);
 
 /// Returns the unit square with z = 0, oriented upwards.
@@ -20,20 +20,20 @@ TriangleSoup square_surface(int cells);
 /// Returns an axis-parallel cube, oriented outwards.
 TriangleSoup cube_surface(Point3 corner = {}, double side = 1);
 
-/// Returns an icosahedron whose triangles are divided into four `levels` times, with its vertices on the unit sphere.
+/// Returns an icosahedron whose triangles are each divided into four, `levels` times. All vertices are on the unit
+/// sphere.
 TriangleSoup sphere_surface(int levels);
 
 /// Returns a torus around the z axis, oriented outwards.
 TriangleSoup torus_surface(double major, double minor, int columns, int rows);
 
-/// Returns a strip with an odd number of half turns.
+/// Returns a strip with one half turn around a circle of radius 1.
 TriangleSoup moebius_strip(int columns, int rows);
 
 /// Returns the triangles of two soups without colours.
 TriangleSoup joined(TriangleSoup a, const TriangleSoup& b);
 
-/// Returns which property of a surface does not hold; empty if its edges, vertices, normals and components are as
-/// documented.
+/// Returns the first fault of a surface; empty if its edges, vertices, normals and components are as documented.
 std::string fault_in(const Surface& surface);
 
 /// Whether a point is in a face of a surface.

@@ -265,7 +265,7 @@ TEST(ProgressiveOrderOnSurface, SuppressesLongWaves) {
     EXPECT_LT(power, 0.038);
 }
 
-TEST(ProgressiveOrderOnSurface, SeparatesTheSidesOfThinSheets) {
+TEST(ProgressiveOrderOnSurface, SeparatesTheSidesOfThinPlates) {
     const SurfacePoints points = plate(Density::uniform(), 2'048);
     const auto order = points.order(false);
     for (std::size_t k = 4'096; k >= 64; k /= 2) {

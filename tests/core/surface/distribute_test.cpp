@@ -86,7 +86,8 @@ TEST(DistributeOnSurface, SpreadsSitesEvenlyOnASphere) {
         EXPECT_GT(spacing.least, 0.77) << seed;
         EXPECT_GT(spacing.mean, 0.87) << seed;
         EXPECT_LT(dots.variation(), 0.05) << seed;
-        // The centre of mass measures the longest waves. Random points would be off by about sqrt(1 / 12 / 2000).
+        // The centre of mass measures the longest waves. With random points, its standard deviation would be
+        // sqrt(1 / 12 / 2000) in each coordinate.
         Point3 sum;
         for (const Point3& p : points) sum = sum + (p - Point3{0.5, 0.5, 0.5});
         EXPECT_LT(length(1.0 / 2000 * sum), 5e-4) << seed;
@@ -143,7 +144,7 @@ TEST(DistributeOnSurface, KeepsHalfARowFromABorder) {
     }
     EXPECT_GT(least, 0.35 * row);
     EXPECT_LT(least, 0.6 * row);
-    // The area within a row of the border has this number of sites, on average.
+    // The expected number of sites in the area within a row of the border.
     EXPECT_NEAR(first_row, 1000 * (1 - std::pow(1 - 2 * row, 2)), 12);
     EXPECT_GT(spacing_of(surface, places(surface, dots)).least, 0.74);
     double area = 0;
@@ -187,7 +188,7 @@ TEST(DistributeOnSurface, FollowsADensity) {
     }
 }
 
-TEST(DistributeOnSurface, KeepsFixedPointsFree) {
+TEST(DistributeOnSurface, KeepsSitesAwayFromFixedPoints) {
     const Surface surface = surface_of(sphere_surface(4));
     SurfaceOptions options{.sites = 500};
     options.fixed = {{1, 0, 0}, {0, 1.2, 0}, {0, 0, -0.5}, {0.999, 0.001, 0}};

@@ -71,7 +71,7 @@ TEST(SurfaceAnalysis, MeasuresALatticeOnASquare) {
     EXPECT_NEAR(found->frequency[0], 0.5 / kRows, 1e-3);
 }
 
-TEST(SurfaceAnalysis, IgnoresTheOtherSideOfAPlate) {
+TEST(SurfaceAnalysis, IgnoresTheOtherSideOfAThinPlate) {
     TriangleSoup plate = test::cube_surface();
     for (Point3& p : plate.vertices) p.z *= 1e-4;
     const Surface surface = surface_of(plate);
@@ -130,7 +130,7 @@ TEST(SurfaceAnalysis, ScalesEigenvaluesWithTheInput) {
     EXPECT_NEAR(a->eigenvalues[0], 0.25, 0.03);
 }
 
-TEST(SurfaceAnalysis, RefusesWhatItCannotMeasure) {
+TEST(SurfaceAnalysis, RejectsTooFewPointsAndModesOutOfRange) {
     const Surface cube = surface_of(test::cube_surface());
     const auto points = random_points(cube, 10, 1);
     const auto error_of = [&](std::size_t count, std::size_t modes) {

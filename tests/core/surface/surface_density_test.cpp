@@ -42,7 +42,7 @@ TEST(SurfaceDensity, IsUniformByDefault) {
 
 TEST(SurfaceDensity, IsLinearBetweenValuesAtVertices) {
     TriangleSoup soup = test::square_surface(4);
-    std::swap(soup.triangles[5][0], soup.triangles[5][1]);  // is turned over
+    std::swap(soup.triangles[5][0], soup.triangles[5][1]);  // this triangle will be turned over
     std::vector<double> values;
     for (const Point3& p : soup.vertices) values.push_back(4e300 * (p.x + 2 * p.y));
     const Surface surface = made(soup);
@@ -89,7 +89,7 @@ TEST(SurfaceDensity, FollowsTheDarknessOfColours) {
     EXPECT_EQ(SurfaceDensity::of_colours(surface, soup).error().code, ErrorCode::Unusable);
 }
 
-TEST(SurfaceDensity, IsUniformWhereCurvatureIs) {
+TEST(SurfaceDensity, IsUniformOnPlanesAndSpheres) {
     const Surface square = made(test::square_surface(10));
     const SurfaceDensity flat = SurfaceDensity::of_curvature(square, 0.1);
     EXPECT_NEAR(total_mass(square, flat), 1, 1e-9);

@@ -166,7 +166,7 @@ TEST(Surface, TurnsTrianglesOver) {
     EXPECT_DOUBLE_EQ(volume(made(soup).surface), 1);
 }
 
-TEST(Surface, TurnsTheFewerTrianglesOfAnOpenSurface) {
+TEST(Surface, TurnsTheMinorityOfTheTrianglesOfAnOpenSurface) {
     TriangleSoup soup = square_surface(3);
     std::swap(soup.triangles[0][0], soup.triangles[0][1]);
     const auto square = made(soup);
@@ -229,7 +229,7 @@ TEST(Surface, HasNoCracksAtTrianglesWithoutArea) {
 
 TEST(Surface, RemovesTrianglesWithCoincidentCorners) {
     TriangleSoup soup = square_surface(2);
-    // Two triangles have a side of length 0, which is between two vertices at the same position.
+    // Two triangles have a side of length 0, between two vertices at the same position.
     soup.vertices[4] = soup.vertices[5];
     const auto square = made(soup);
     expect_valid(square.surface);
@@ -269,7 +269,7 @@ TEST(Surface, RejectsUnusableTriangles) {
     EXPECT_EQ(error({{0, 0, 0}, {1, 1, 0}, {3, 4, 0}, {nan, huge, -huge}}).message, "");
 }
 
-TEST(Surface, TakesExtentsNearTheLimits) {
+TEST(Surface, AcceptsExtentsNearTheLimits) {
     for (const double scale : {1e-130, 1e130}) {
         const Surface surface = made(cube_surface({-scale, scale, 0}, scale)).surface;
         expect_valid(surface);
@@ -305,7 +305,7 @@ TEST(Surface, EndsTracesAtBordersAndCreases) {
     }
 }
 
-TEST(Surface, IgnoresMovesThatAreNoneOrNotFinite) {
+TEST(Surface, IgnoresMovesThatAreZeroPerpendicularOrNotFinite) {
     const Surface cube = made(cube_surface()).surface;
     const SurfacePoint start{2, {0.2, 0.3, 0.5}};
     const double infinity = std::numeric_limits<double>::infinity();
