@@ -24,9 +24,9 @@ namespace ccdt::api {
 /// of NPY, or the JSON Pointer; LimitExceeded for more than limits.max_sites points. Error::field is empty.
 Result<std::vector<Point>> read_point_file(std::string_view file, const Limits& limits);
 
-/// Reads the points of a file, which have a third coordinate: the third column of an array, the column `z`, or the
-/// third number of a position. JSON must be a list of positions, or the member `points` of an object. Otherwise as
-/// read_point_file().
+/// Reads the points in space of a file. The formats and errors are those of read_point_file(), with a third coordinate:
+/// the third column of an array, the column `z`, or the third number of a position. JSON must be a list of positions,
+/// or the member `points` of an object; GeoJSON is not accepted.
 Result<std::vector<Point3>> read_space_point_file(std::string_view file, const Limits& limits);
 
 }  // namespace ccdt::api

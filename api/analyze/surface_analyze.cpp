@@ -97,7 +97,8 @@ Cost cost_of(const SurfaceAnalyzeRequest& request) {
     const SurfaceHeader& header = request.file.header;
     const auto modes = static_cast<double>(request.modes);
     const auto triangles = static_cast<double>(header.max_triangles);
-    // A division into four may quadruple the least number of vertices.
+    // count_mode_vertices() divides a coarse mesh until it has 20 vertices per mode. The last division quadruples their
+    // number.
     const double divided = 4 * 20 * modes;
     const double most = std::min(std::max(static_cast<double>(header.max_vertices), divided) * modes,
                                  static_cast<double>(kMaxModeValues));

@@ -18,7 +18,7 @@ namespace ccdt::api {
 /// Request to /analyze for points on the surface of a mesh.
 struct SurfaceAnalyzeRequest {
     SurfaceFile file;
-    std::vector<Point3> points;  ///< in the coordinates of the file; the nearest points of the surface are measured
+    std::vector<Point3> points;  ///< in the coordinates of the file; projected to the nearest points of the surface
     std::size_t modes = 100;
 };
 
@@ -28,11 +28,12 @@ struct SurfaceAnalyzeRequest {
 /// @param options  options in the order of the request
 /// @param accept   the Accept header, empty if there is none
 /// Errors: those of `file` and of read_space_point_file(); Malformed for an unknown or repeated option, and for a value
-/// out of range; NotAcceptable if the client does not accept JSON. Error::field is an option's name.
+/// out of range, or if `points` is missing; NotAcceptable if the client does not accept JSON. Error::field is an
+/// option's name.
 Result<SurfaceAnalyzeRequest> parse_surface_analyze(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                                     std::string_view accept, const Limits& limits);
 
-/// Analyses the points, and writes JSON.
+/// Reads the mesh, analyses the points on its surface, and writes JSON.
 ///
 /// Errors: those of `decode`, Surface::create() and analyse_surface(). The same request gives the same bytes.
 Result<Answer> run_surface_analyze(const SurfaceAnalyzeRequest& request, const Decode& decode, const Control& control,

@@ -22,6 +22,7 @@
 #include "api/output/formats.h"
 #include "api/run/options.h"
 #include "api/sample/pixel_formats.h"
+#include "api/sample/surface_formats.h"
 #include "api/text/text.h"
 #include "core/library/conversion.h"
 
@@ -100,6 +101,7 @@ std::vector<const api::FileFormat*> formats_of(Operation operation) {
         case Operation::Sample:
             add(api::sample_formats());
             add(api::pixel_formats());
+            add(api::surface_formats());
             break;
         case Operation::Analyze:
             add(api::analyze_formats());

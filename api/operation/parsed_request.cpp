@@ -102,7 +102,7 @@ Result<ParsedPointer> pack(Result<Request> request, const Limits& limits) {
     return std::make_unique<const Parsed<Request>>(*std::move(request), limits);
 }
 
-/// Reads the header of a mesh; none for bodies that are not meshes.
+/// Reads the header of a mesh; returns none for a body that is not a mesh.
 std::optional<Result<SurfaceFile>> find_surface(std::string_view body, std::string_view media_type,
                                                 const Limits& limits) {
     const auto format = recognise_surface(body, media_type);
@@ -140,7 +140,8 @@ Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::ve
                                             std::string_view media_type) {
     if (auto file = find_surface(body, media_type, limits))
         return pack(parse_surface_analyze(*std::move(file), options, accept, limits), limits);
-    if (!options.empty()) return failure(ErrorCode::Malformed, "the options of this path are members of the JSON body");
+    if (!options.empty())
+        return failure(ErrorCode::Malformed, "the body is not a mesh, so the options must be members of its JSON");
     return pack(parse_analyze(body, accept, limits), limits);
 }
 

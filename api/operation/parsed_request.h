@@ -50,17 +50,17 @@ Result<ParsedPointer> parse_halftone_request(std::string_view body, HalftoneBody
                                              const std::vector<TextOption>& options, std::string_view accept,
                                              const Limits& limits);
 
-/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, or a mesh, which is
-/// recognised by its content. The other parameters are those of parse_halftone_request().
+/// Parses a request for points, for a threshold mask, or for pixels of a raster. The body is JSON, or a mesh, which
+/// recognise_surface() recognises. The other parameters are those of parse_halftone_request().
 /// @param media_type  media type of the body, in lower case and without parameters; empty: unknown
 /// Errors: those of parse_sample(), parse_pixels() and parse_surface().
 Result<ParsedPointer> parse_sample_request(std::string_view body, const std::vector<TextOption>& options,
                                            std::string_view accept, const Limits& limits,
                                            std::string_view media_type = {});
 
-/// Parses a request for an analysis of points. The body is JSON without further options, or a mesh, on whose surface
-/// the points of the option `points` lie. The other parameters are those of parse_sample_request(). Errors: those of
-/// parse_analyze() and parse_surface_analyze(); Malformed for options beside JSON.
+/// Parses a request for an analysis of points. The body is JSON without further options, or a mesh; the option `points`
+/// then has the points on its surface. The other parameters are those of parse_sample_request(). Errors: those of
+/// parse_analyze() and parse_surface_analyze(); Malformed for options beside a body that is not a mesh.
 Result<ParsedPointer> parse_analyze_request(std::string_view body, const std::vector<TextOption>& options,
                                             std::string_view accept, const Limits& limits,
                                             std::string_view media_type = {});

@@ -60,7 +60,7 @@ void write_list(Body& body, std::span<const Element> list, AppendElement append_
         body, list.size(), [&](std::string& out, std::size_t i) { append_element(out, list[i]); }, stop);
 }
 
-/// Writes `,"rank":[...]` if points have ranks.
+/// Writes `,"rank":[...]`, or nothing if there are no ranks.
 void write_ranks(Body& body, std::span<const std::uint32_t> ranks, const std::stop_token& stop);
 
 /// Appends `,"name":value`.
@@ -70,7 +70,7 @@ void append_member(std::string& out, std::string_view name, Number value) {
     append_number(out, value);
 }
 
-/// Appends the variation after each iteration.
+/// Appends an array with the number of each iteration and the variation after it.
 void append_trace(std::string& out, std::span<const double> trace);
 
 /// Appends `,"low_frequency_power":value`; null without a value.

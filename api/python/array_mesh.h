@@ -8,12 +8,12 @@
 
 namespace ccdt::python {
 
-/// Makes triangles of arrays.
+/// Converts arrays to triangles.
 /// @param arrays  vertices as float64 [n, 3], triangles as int64 [m, 3], sRGB colours as float64 [n, 3] with values
 ///                from 0 to 1, and texture coordinates as float64 [n, 2]. The last two may have no rows. All are in C
 ///                order.
-/// Errors: Malformed for an index that is not that of a vertex, and for a colour out of range, with the row as
-/// Error::field.
+/// Errors: Malformed for an index that is not that of a vertex, and for a colour out of range. Error::field names the
+/// row: `triangles/3`.
 Result<TriangleSoup> soup_of(const pybind11::tuple& arrays);
 
 }  // namespace ccdt::python

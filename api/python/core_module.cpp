@@ -257,10 +257,10 @@ public:
 private:
     py::object mesh_;  ///< owns the bytes to which requests refer
     api::SurfaceHeader header_;
-    api::Decode decode_;  ///< without functions for a file
+    api::Decode decode_;  ///< returns the triangles of arrays; empty for a file
 };
 
-/// Points that are placed on a mesh, with the request that asked for them.
+/// Points that are placed on a mesh, with their request.
 class SurfaceSample {
 public:
     SurfaceSample(py::object mesh, const OptionList& options, const Running& running)

@@ -65,7 +65,7 @@ std::string ply_header(std::size_t vertices) {
     return "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(vertices) + "\n";
 }
 
-/// Appends an array of a glTF: `,"name":[...]`.
+/// Appends `,"name":[x,y,z]`, with numbers rounded to 32-bit floats.
 void append_triple_member(std::string& out, std::string_view name, const Point3& p) {
     out.append(",\"").append(name).append("\":[");
     for (const double ordinate : {p.x, p.y, p.z}) {
@@ -116,8 +116,8 @@ private:
 struct GlbArray {
     std::string_view attribute;  ///< name of the vertex attribute; empty for the indices of triangles
     std::string_view type;       ///< type of the elements
-    std::size_t elements;
-    std::size_t bytes;  ///< size of an element, a multiple of 4
+    std::size_t elements;        ///< number of vertices or triangles
+    std::size_t bytes;           ///< size of an element, a multiple of 4
 };
 
 constexpr GlbArray kPosition{"POSITION", "VEC3", 0, 12};

@@ -9,8 +9,9 @@
 
 namespace ccdt::api {
 
-// Writers of mesh files. Binary numbers are little endian. write_*_mesh() writes the triangulation of the points, which
-// must have been kept. All writers have the parameters and errors of WriteSurface in surface_formats.h.
+// Writers of mesh files. Binary numbers are little endian. The functions write_*_mesh() write the triangulation of the
+// points, SurfaceDistribution::mesh, which must not be empty. All writers have the parameters and errors of
+// WriteSurface in surface_formats.h.
 
 /// Writes points as the element `vertex` of a binary PLY file, with the properties x, y, z (double); nx, ny, nz
 /// (float); red, green, blue (uchar, sRGB) and s, t (float) if the file has colours and texture coordinates; face
@@ -22,8 +23,8 @@ Result<void> write_ply_mesh(const PlacedSurface& placed, Body& body, const std::
 /// Writes points as a glTF 2.0 primitive of the mode POINTS, with the attributes POSITION, NORMAL, COLOR_0 (linear) and
 /// TEXCOORD_0 if the file has colours and texture coordinates, _FACE and _BARYCENTRIC. All are 32-bit floats, so _FACE
 /// is exact up to 2^24. If the mesh is far from the origin, positions are relative to the translation of the node.
-/// Errors: LimitExceeded above 4 GiB; Unusable for coordinates beyond the range of floats. Source: glTF 2.0 (ISO/IEC
-/// 12113).
+/// Errors: LimitExceeded if the file would exceed 4 GiB; Unusable for coordinates beyond the range of floats. Source:
+/// glTF 2.0 (ISO/IEC 12113).
 Result<void> write_glb_points(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 Result<void> write_glb_mesh(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 

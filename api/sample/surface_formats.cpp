@@ -85,7 +85,7 @@ void append_triple(std::string& out, const Point3& p) {
     append_numbers(out, std::array{p.x, p.y, p.z});
 }
 
-/// Writes the columns of the points that depend on the file.
+/// Writes the lists of colours and texture coordinates if the file has them.
 void write_properties(const PlacedSurface& placed, Body& body, const std::stop_token& stop) {
     std::string& text = body.text();
     if (placed.has_colours()) {
@@ -144,14 +144,14 @@ Result<void> write_json(const PlacedSurface& placed, Body& body, const std::stop
     return {};
 }
 
-// Costs of a point; a triangulation has about two triangles per point.
+// Costs of writing a point, or a vertex and two triangles of a triangulation.
 constexpr Estimate kTextCost{330, 1.5 * kMicrosecond};
 constexpr Estimate kBinaryCost{100, 0.2 * kMicrosecond};
 
 constexpr SurfacePointFormat kJsonPoints{kJson, 24, kTextCost, false, write_json, nullptr};
 constexpr SurfacePointFormat kCsvPoints{kCsv, 20, kTextCost, true, write_csv, nullptr};
 constexpr SurfacePointFormat kNpyPoints{kNpy, 10 * sizeof(double), kBinaryCost, true, write_npy, nullptr};
-// PLY has no registered media type.
+// `model/ply` is common, but not registered.
 constexpr SurfacePointFormat kPlyFile{
     {"ply", "PLY", "ply", "model/ply", ""}, 24, kBinaryCost, true, write_ply_points, write_ply_mesh};
 constexpr SurfacePointFormat kGlbFile{

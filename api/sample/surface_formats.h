@@ -18,17 +18,17 @@ namespace ccdt::api {
 /// Unusable if the format cannot hold the points.
 using WriteSurface = Result<void>(const PlacedSurface& placed, Body& body, const std::stop_token& stop);
 
-/// Format of an answer with points on a surface: a row of the table in surface_formats.cpp. Same points, same bytes,
-/// unless the output contains the computing time.
+/// Format of an answer with points on a surface: a row of the table in surface_formats.cpp. The same points give the
+/// same bytes, unless the output contains the computing time.
 struct SurfacePointFormat {
     FileFormat file;
-    std::size_t least;    ///< minimum number of bytes that a point takes in the output
-    Estimate per_site;    ///< cost of writing a point, or the part of a triangulation that belongs to it
-    bool repeats = true;  ///< whether the same points always give the same bytes
+    std::size_t least;                     ///< minimum number of bytes that a point takes in the output
+    Estimate per_site;                     ///< cost of writing a point, or its share of a triangulation
+    bool repeats = true;                   ///< whether the same points always give the same bytes
     WriteSurface* write_points = nullptr;  ///< null: the format is only for triangulations
-    WriteSurface* write_mesh = nullptr;    ///< null: the format has no triangulations, or has them beside the points
+    WriteSurface* write_mesh = nullptr;    ///< null: write_points also writes the triangulation, or omits it
 
-    /// Function that writes the answer to a request.
+    /// Function that writes the answer to a request; null if the format needs the triangulation, and `mesh` is false.
     /// @param mesh  whether the triangulation was requested
     WriteSurface* writer(bool mesh) const { return mesh && write_mesh != nullptr ? write_mesh : write_points; }
 };

@@ -13,7 +13,9 @@ namespace ccdt::api {
 /// Returns the names of the options.
 std::vector<std::string_view> surface_options();
 
-/// Checks that a format can be written with or without the triangulation. Errors: Malformed.
+/// Checks that the triangulation is available if a format needs it.
+/// @param mesh  whether the triangulation was requested
+/// Errors: Malformed ("mesh").
 Result<void> check_mesh(const SurfacePointFormat& format, bool mesh);
 
 /// Reads a request for points on a surface.
@@ -21,9 +23,10 @@ Result<void> check_mesh(const SurfacePointFormat& format, bool mesh);
 /// @param file     the mesh, or the error of its header
 /// @param options  options in the order of the request
 /// @param accept   the Accept header, empty if there is none; the option `format` takes precedence
-/// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, and for a format of
-/// meshes without `mesh`; LimitExceeded for too many sites; NotAcceptable if the client accepts none of the formats.
-/// Error::field is an option's name, for a list followed by the index of the faulty element: `density/3`.
+/// Errors: those of `file`; Malformed for an unknown or repeated option, for a value out of range, if `sites` is
+/// missing, and for a format of meshes without `mesh`; LimitExceeded for too many sites or fixed points; NotAcceptable
+/// if the client accepts none of the formats. Error::field is the name of an option; for a list, the index of the
+/// faulty element follows: `density/3`.
 Result<SurfaceRequest> parse_surface(Result<SurfaceFile> file, const std::vector<TextOption>& options,
                                      std::string_view accept, const Limits& limits);
 

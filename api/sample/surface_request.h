@@ -20,9 +20,9 @@ enum class SurfaceDensityKind { Uniform, Colour, Curvature };
 struct SurfaceRequest {
     SurfaceFile file;
     SurfaceOptions run;
-    /// The vector has a density for each vertex of the file.
+    /// The vector has a density for each vertex of the triangles that read_surface() returns.
     std::variant<SurfaceDensityKind, std::vector<double>> density = SurfaceDensityKind::Uniform;
-    std::optional<double> crease;         ///< smallest angle of creases, radians; none: there are no creases
+    std::optional<double> crease;         ///< angle above which an edge is a crease, radians; none: no creases
     PointOrder order = PointOrder::None;  ///< not Path
     OnStop on_deadline = OnStop::Error;
     const SurfacePointFormat* format = nullptr;  ///< never null in a parsed request

@@ -42,7 +42,7 @@ Result<SurfaceDensity> make_density(const SurfaceRequest& request, const Surface
     return SurfaceDensity::uniform();
 }
 
-/// Removes colours and texture coordinates from triangles if some are not usable, and reports it.
+/// Removes all colours or texture coordinates if some of them are invalid, and adds a warning.
 void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     const auto all = [](const auto& rows, auto is_valid) {
         return std::ranges::all_of(rows, [&](const auto& row) { return std::ranges::all_of(row, is_valid); });
@@ -57,7 +57,7 @@ void drop_invalid(TriangleSoup& soup, std::vector<SurfaceNote>& warnings) {
     }
 }
 
-/// Whether points have the same density everywhere on the surface, which has no border.
+/// Whether the density is the same everywhere, and neither borders nor fixed points disturb the points.
 bool is_even(const SurfaceRequest& request, const Surface& surface, const SurfaceDensity& density) {
     if (!density.is_uniform() || !request.run.fixed.empty()) return false;
     for (std::uint32_t edge = 0; edge < 4 * surface.face_count(); ++edge) {
@@ -152,7 +152,7 @@ Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, 
 Cost cost_of(const SurfaceRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kTriangle{300, 3.2 * kMicrosecond}, kVertex{60, 0};
-    constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to project fixed points
+    constexpr Estimate kTree{250, kMicrosecond};                               // of a triangle, to place fixed points
     constexpr Estimate kProjection{0, 10 * kMicrosecond};                      // of a fixed point near the surface
     constexpr Estimate kSite{700, 2 * kMicrosecond};                           // initial sites and their triangulation
     constexpr Estimate kPass{0, 0.45 * kMicrosecond};                          // pass of an iteration, of a site

@@ -13,8 +13,8 @@
 
 namespace ccdt::api {
 
-/// Reads the mesh, makes a surface of its triangles, and distributes points on it. Errors: those of run_surface(),
-/// except for errors of writing.
+/// Reads the mesh, makes a surface of its triangles, and distributes points on it. Errors: those of run_surface()
+/// except errors of writing.
 Result<PlacedSurface> place_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
                                     Timings& timings);
 
@@ -34,11 +34,10 @@ Result<Answer> write_answer(const SurfaceRequest& request, const PlacedSurface& 
 /// @param sink     receives the body in pieces if the body is larger than Body::kMaxInMemory; null: the answer contains
 ///                 the whole body
 /// @returns        the answer; without its body if the sink received the body
-/// Errors: those of `decode`; Unusable if the triangles have no area or a coordinate is not finite, if the density is
-/// zero everywhere, if `density=color` is requested for a mesh without colours, and if the format cannot hold the
-/// coordinates; Malformed if the number of densities is not that of the vertices; LimitExceeded if the answer is too
-/// large for the format; Stopped, unless the request accepts a partial result. The same request gives the same bytes,
-/// except for `elapsed_ms` in JSON.
+/// Errors: those of `decode` and Surface::create(); Unusable if the density is zero everywhere, if the density follows
+/// the colours of a mesh without colours, and if the format cannot hold the coordinates; Malformed if the number of
+/// densities is not that of the vertices; LimitExceeded if the answer is too large for the format; Stopped, unless the
+/// request accepts a partial result. The same request gives the same bytes, except for `elapsed_ms` in JSON.
 Result<Answer> run_surface(const SurfaceRequest& request, const Decode& decode, const Control& control,
                            Timings& timings, BodySink* sink = nullptr);
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
-/// Removes the next line that is not empty, without its comment and surrounding blanks.
+/// Removes the next line that is not empty from a text. Returns it without its comment and surrounding blanks.
 std::string_view take_line(std::string_view& text) {
     std::string_view line;
     while (line.empty() && !text.empty()) {
@@ -37,7 +37,7 @@ std::optional<OffHeader> read_keyword(std::string_view word) {
     return header;
 }
 
-/// Returns the type of the colours of vertices: whole numbers up to 255, or shares.
+/// Returns the type of the colours of vertices: `uchar` for integers from 0 to 255, `float` for numbers from 0 to 1.
 std::string_view type_of_colours(const OffHeader& header) {
     std::string_view data = header.data;
     return take_line(data).find('.') == std::string_view::npos || !header.has_colours ? "uchar" : "float";
@@ -80,7 +80,7 @@ Result<std::string> ply_of_off(std::string_view text) {
     add("float", "x y z");
     if (header->has_normals) add("float", "nx ny nz");
     if (header->has_colours) add(type_of_colours(*header), "red green blue");
-    // After colours, the position of texture coordinates is not known: alpha is optional.
+    // After colours, texture coordinates are not read: their column is unknown, because alpha is optional.
     if (header->has_texture && !header->has_colours) add("float", "s t");
     ply += "element face " + std::to_string(header->faces) + "\nproperty list int int vertex_indices\nend_header\n";
     for (std::string_view data = header->data; !data.empty();) ply.append(take_line(data)) += '\n';

@@ -25,15 +25,17 @@ struct OffHeader {
     }
 };
 
-/// Whether a file begins with a keyword of the format.
+/// Whether a text begins with a keyword of the format, such as OFF or COFF.
 bool is_off(std::string_view text);
 
-/// Errors: Unusable if the keyword or a number is missing. Vertices with four coordinates are not supported.
+/// Reads the keyword and the numbers of vertices and faces. Errors: Unusable if one of these is missing. Vertices with
+/// four coordinates and binary files are not supported.
 /// Source: Geomview, OFF(5).
 Result<OffHeader> read_off_header(std::string_view text);
 
-/// Rewrites an OFF as a text PLY. The lines of the two formats are the same, and the mesh library's reader of PLY has
-/// fewer faults: its reader of OFF omits polygons with more than 9 corners.
+/// Rewrites an OFF as a text PLY, whose lines for vertices and faces are the same. The mesh library's reader of PLY has
+/// fewer faults than its reader of OFF, which omits polygons with more than 9 corners. Errors: those of
+/// read_off_header().
 Result<std::string> ply_of_off(std::string_view text);
 
 }  // namespace ccdt::api

@@ -47,15 +47,15 @@ std::string_view take_word(std::string_view& text, std::string_view blanks = kBl
     return word;
 }
 
-/// Number of triangles and vertices that a file may contain.
+/// Upper bounds of the numbers of triangles and vertices in a file.
 struct Bounds {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     std::uint64_t faces = 0;  ///< number of faces that the file must have
-    bool is_exact = false;    ///< whether there are exactly `triangles` triangles
+    bool is_exact = false;    ///< whether `triangles` is the number of triangles, not only a bound
 };
 
-/// A number of list entries bounds the number of triangles into which polygons are divided.
+/// Returns the largest number of triangles into which polygons with a total number of corners can be divided.
 std::uint64_t triangles_of(std::uint64_t corners, std::uint64_t polygons) {
     return corners > 2 * polygons ? corners - 2 * polygons : 0;
 }
@@ -106,7 +106,7 @@ Bounds bounds_of_obj(std::string_view text) {
             line = trim(take_until(text, "\n"), kBlanks);
             corners += count_words(line);
         }
-        bounds.vertices += 2 * corners;  // each corner of a line belongs to two segments
+        bounds.vertices += 2 * corners;  // the library makes segments of a line, so most corners become two vertices
         if (statement != "f") continue;
         bounds.vertices -= corners;
         bounds.triangles += triangles_of(corners, 1);
@@ -121,7 +121,7 @@ struct PlyElement {
     std::string_view name;
     std::uint64_t count = 0;
     std::uint64_t size = 0;  ///< size if all lists are empty
-    std::uint64_t item = 0;  ///< size of the smallest list entry; 0 without lists
+    std::uint64_t item = 0;  ///< smallest size of an entry of a list; 0 without lists
 };
 
 struct PlyHeader {
@@ -428,7 +428,7 @@ Result<Bounds> bounds_of(std::string_view bytes, SurfaceFormat format) {
     return bounds_of_gltf(bytes, format);
 }
 
-/// Returns the memory for reading a file, measured with files of a million faces and doubled.
+/// Returns the memory for reading a file: twice the memory measured with files of a million faces.
 std::uint64_t decoder_bytes_of(const SurfaceHeader& header, std::size_t file) {
     constexpr std::uint64_t kBase = std::uint64_t{48} << 20;
     const std::uint64_t per_triangle = header.format == SurfaceFormat::Obj ? 300 : 60;
@@ -493,7 +493,7 @@ Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat 
     const auto bounds = bounds_of(bytes, format);
     if (!bounds) return tl::unexpected(bounds.error());
     if (bounds->triangles == 0) return unusable_surface(name_of(format), "it has no triangles or polygons");
-    // A file with unlimited vertices for few faces could need unlimited memory.
+    // Vertices are limited, too, because a file with few faces may have any number of them.
     const std::uint64_t least = bounds->is_exact ? bounds->triangles : bounds->faces;
     if (least > max_faces || bounds->vertices / 3 > max_faces) return too_many_faces(max_faces);
     SurfaceHeader header{format, bounds->faces, std::min<std::uint64_t>(bounds->triangles, max_faces),

@@ -16,8 +16,8 @@ enum class SurfaceFormat : std::uint32_t { StlText, StlBinary, Obj, Ply, Off, Gl
 /// Returns the name of a format, such as "STL".
 std::string_view name_of(SurfaceFormat format);
 
-/// Properties of a mesh file that can be determined without the mesh library. The library has faults, and only a
-/// confined process uses it.
+/// Properties of a mesh file that can be determined without the mesh library. The library has faults, so only a
+/// sandboxed process uses it.
 struct SurfaceHeader {
     SurfaceFormat format = SurfaceFormat::StlText;
     std::uint64_t min_faces = 0;      ///< number of faces that the file must have, at least
@@ -37,13 +37,15 @@ struct SurfaceFile {
 /// @returns  none for other files
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type = {});
 
-/// Checks the counts in a mesh file against its size, and estimates what its triangles need.
+/// Checks the counts in a mesh file against its size, and determines upper bounds of its triangles, vertices and
+/// memory.
 ///
-/// Polygons are counted as triangles. The file is not validated: it may still turn out to be damaged.
-/// Errors: Unusable for a damaged header, for a file that is shorter than its header requires, for a glTF whose data is
-/// in other files, and for versions and encodings that are not supported; LimitExceeded for more than `max_faces`
-/// faces. O(size of the file). Sources: glTF 2.0 (ISO/IEC 12113), 3.6 and 5; Turk, The PLY Polygon File Format;
-/// Geomview, OFF(5); Wavefront, Advanced Visualizer, appendix B1.
+/// A polygon with n corners counts as n - 2 triangles. The file is not validated: it may still turn out to be damaged.
+/// Errors: Unusable for a damaged header, for a file that is shorter than its header requires, for a file without
+/// faces, for a glTF whose data is in other files, and for versions and encodings that are not supported; LimitExceeded
+/// for more than `max_faces` triangles, or more than three times as many vertices. O(size of the file). Sources:
+/// glTF 2.0 (ISO/IEC 12113), 3.6 and 5; Turk, The PLY Polygon File Format; Geomview, OFF(5); Wavefront, Advanced
+/// Visualizer, appendix B1.
 Result<SurfaceHeader> read_surface_header(std::string_view bytes, SurfaceFormat format, std::size_t max_faces);
 
 /// Returns the error of a mesh that exceeds the limit on faces.

@@ -26,7 +26,7 @@
 namespace ccdt::api {
 namespace {
 
-/// Maximum number of corners of a polygon. The library needs 1 s to divide the largest one.
+/// Maximum number of corners of a polygon. The library divides a polygon of this size in 1 s.
 constexpr unsigned kMaxCorners = 10'000;
 
 using Matrix = aiMatrix4x4t<double>;
@@ -79,8 +79,8 @@ void keep_reader(Assimp::Importer& importer, SurfaceFormat format) {
     }
 }
 
-/// Makes comments of the statements of an OBJ that divide it into objects, groups and materials. The library would
-/// otherwise sort the faces by them.
+/// Turns the statements of an OBJ that begin objects, groups and materials into comments. Otherwise, the library would
+/// sort the faces by them.
 std::string without_groups(std::string_view bytes) {
     constexpr auto kGroups = std::to_array<std::string_view>({"o", "g", "s", "mg", "usemtl", "mtllib"});
     std::string text(bytes);
@@ -95,7 +95,7 @@ std::string without_groups(std::string_view bytes) {
     return text;
 }
 
-/// A mesh of a scene, in the coordinates of the scene.
+/// A mesh of a scene, with the matrix that transforms it into the coordinates of the scene.
 struct PlacedMesh {
     const aiMesh* mesh;
     Matrix matrix;
@@ -121,7 +121,7 @@ std::vector<PlacedMesh> place_meshes(const aiScene& scene) {
     return placed;
 }
 
-/// Appends a mesh, whose faces are triangles, lines and points.
+/// Joins meshes, whose faces are triangles, lines and points.
 class SoupBuilder {
 public:
     SoupBuilder(SurfaceFormat format, std::span<const PlacedMesh> meshes) : format_(format) {
@@ -193,8 +193,8 @@ private:
     SurfaceContents contents_;
 };
 
-/// Checks all indices and polygons, because further steps of the library do not. Checks that the triangles into which
-/// the faces are divided, and the vertices, do not exceed the upper bounds, and that no face is missing.
+/// Checks all indices and polygons, because further steps of the library do not. Also checks that the numbers of
+/// triangles and vertices do not exceed the upper bounds of the header, and that no face is missing.
 Result<void> check(std::span<const PlacedMesh> meshes, const SurfaceHeader& header) {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;

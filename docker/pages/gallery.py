@@ -126,8 +126,8 @@ def draw_globe(file, _):
 
 
 def draw_surface(file, _, first=None):
-    """Draws points on the surface of the mesh or, if the answer contains a triangulation, on that. `first` is the number
-    of points that are black; the others are white.
+    """Draws points on the surface of the mesh or, if the answer contains a triangulation, on the triangulation. `first`
+    is the number of black points; the others are white.
     """
     answer = json.loads(file.read_text())
     drawing = file.with_suffix(".webp")

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draws answers of /sample to a mesh side by side: points as discs on the shaded mesh or, if an answer contains a
-triangulation, on that with its edges: surface.py FILE.obj ANSWER.json... -o PICTURE
+"""Draws answers of /sample for a mesh side by side: points as discs on the shaded mesh or, if an answer contains a
+triangulation, on the triangulation with its edges: surface.py FILE.obj ANSWER.json... -o PICTURE
 """
 
 import argparse
@@ -12,8 +12,8 @@ import numpy
 from PIL import Image
 
 SIDE = 480  # pixels of the picture of an answer
-FINER = 2  # the picture is drawn this many times as large
-TURN = 145  # degrees
+FINER = 2  # the picture is first drawn this many times as large
+TURN = 145  # degrees; rotation around the vertical axis
 MARGIN = 0.04  # share of the picture on each side
 DISC = 0.3  # radius of a disc, in mean distances of points; with edges, it is half as large
 EDGE = 1.1  # pixels; half the width of an edge
@@ -36,7 +36,7 @@ def read_obj(path):
 
 
 def rotation(degrees):
-    """Returns the rotation around the vertical axis, and then slightly towards the viewer."""
+    """Returns the matrix of a rotation around the vertical axis, and then slightly towards the viewer."""
     a, b = numpy.radians(degrees), numpy.radians(18)
     around = numpy.array([[numpy.cos(a), 0, numpy.sin(a)], [0, 1, 0], [-numpy.sin(a), 0, numpy.cos(a)]])
     down = numpy.array([[1, 0, 0], [0, numpy.cos(b), -numpy.sin(b)], [0, numpy.sin(b), numpy.cos(b)]])
@@ -59,7 +59,7 @@ class Canvas:
         return part, x, y
 
     def paint(self, part, covered, depth, colour):
-        """Paints the pixels of a part that are covered and nearer than what is there."""
+        """Paints the covered pixels of a part, except where something nearer is already painted."""
         nearer = covered & (depth > self.depths[part])
         self.depths[part][nearer] = depth[nearer]
         self.colours[part][nearer] = colour[nearer] if colour.ndim > 1 else colour
@@ -83,7 +83,9 @@ class Canvas:
         self.paint(part, weights.min(axis=-1) >= 0, weights @ corners[:, 2], colour)
 
     def disc(self, centre, normal, radius, colour):
-        """Paints a disc perpendicular to a normal, slightly nearer than it is."""
+        """Paints a disc perpendicular to a normal. It is moved slightly towards the viewer, so that the surface does not
+        hide it.
+        """
         if normal[2] < 0.05:
             return
         part, x, y = self.box(centre - radius, centre + radius)
@@ -95,8 +97,8 @@ class Canvas:
 def draw(answer, mesh, first=None):
     """Returns a picture of an answer of `/sample`.
 
-    `mesh` is (vertices, triangles). If `first` is given, only the points whose rank is less are black, and the others
-    white.
+    `mesh` is (vertices, triangles). If `first` is given, the points whose rank is less are black, and the others are
+    white. Otherwise, all points are black.
     """
     has_edges = "mesh" in answer
     if has_edges:

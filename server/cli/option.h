@@ -25,7 +25,7 @@ struct Option {
 
     bool is_flag() const { return value.empty(); }
 
-    /// Whether values are words or JSON, so that the value may also be a file.
+    /// Whether all values are JSON or one of `words`, so that `@` and the name of a file may also be the value.
     bool is_json() const { return takes_json && !takes_number && !takes_text; }
 };
 

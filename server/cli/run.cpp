@@ -250,7 +250,8 @@ private:
         return answer;
     }
 
-    /// Prints all warnings, and one line about repairs, of which there may be many. Those of a mesh have no pointer.
+    /// Prints all warnings, and one line about repairs, of which there may be many. Repairs of a mesh have an empty
+    /// pointer.
     /// @param warnings, repairs  lists of objects with the member `detail`, as JSON; empty if there are none
     void report_notes(const std::string& input, const std::string& warnings, const std::string& repairs) {
         if (const auto list = api::JsonDocument::parse(warnings)) {

@@ -31,8 +31,8 @@ DecoderLimits decoder_limits(std::string_view file, std::size_t max_pixels);
 /// @param max_bytes  see api::ShapefileReading
 DecoderLimits shapefile_limits(std::size_t max_bytes);
 
-/// Returns the limits for reading a mesh file: the memory in its header, and a processor time that suffices on a slow
-/// machine.
+/// Returns the limits for reading a mesh file: the memory that SurfaceHeader states, and a processor time that suffices
+/// on a slow machine.
 DecoderLimits surface_limits(std::string_view file, const api::SurfaceHeader& header);
 
 /// Sends pictures, shapefiles and mesh files to a DecoderSupervisor, which may belong to another process, and returns

@@ -102,7 +102,7 @@ auto arrays_of(Soup& soup) {
     return std::tie(soup.vertices, soup.colours, soup.texture, soup.triangles);
 }
 
-/// Whether the arrays of a mesh fit together and all indices are valid.
+/// Whether the arrays of a mesh have matching sizes and all indices are valid.
 bool is_consistent(const TriangleSoup& soup) {
     const std::size_t vertices = soup.vertices.size();
     const auto may_have = [vertices](const auto& array) { return array.empty() || array.size() == vertices; };

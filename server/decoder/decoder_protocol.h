@@ -143,7 +143,7 @@ private:
 /// A child's reply that is a mesh, in memory shared with the server.
 class ReplySurface {
 public:
-    /// Returns the largest size of the arrays of a mesh, in bytes.
+    /// Returns the maximum total size of the arrays of a mesh, in bytes.
     static std::size_t max_bytes(const api::SurfaceHeader& header);
 
     /// Creates the shared memory, like ReplyMemory::make_file.

@@ -15,8 +15,8 @@ namespace ccdt::server {
 
 struct Order;
 
-/// Decodes untrusted pictures and shapefiles in separate processes. A process that crashes, hangs or exceeds its memory
-/// affects only its own file.
+/// Decodes untrusted pictures, shapefiles and mesh files in separate processes. A process that crashes, hangs or
+/// exceeds its memory affects only its own file.
 ///
 /// A helper process forks a child for each file. If the helper ends, it is restarted. DecoderClient creates the orders.
 /// decoder_helper.h describes the processes; decoder_confinement.h and decoder_sandbox.h describe their confinement.

@@ -26,7 +26,7 @@ bool is_boundary(std::string_view text) {
            std::ranges::all_of(text, is_allowed);
 }
 
-/// Finds the name, and whether there is a file name, in the Content-Disposition of a part.
+/// Reads the name from the Content-Disposition of a part, and whether there is a file name.
 HttpResult<FormPart> part_name(std::string_view headers) {
     std::optional<std::string> name;
     bool is_file = false;

@@ -9,7 +9,7 @@
 namespace ccdt::server {
 namespace {
 
-constexpr std::string_view kFile = "file";  ///< name of a field that is the body, whatever its kind
+constexpr std::string_view kFile = "file";  ///< name of the field that is the body at every endpoint
 
 bool is_form(const ComputeRequest& request) {
     return media_type(request.content_type) == "multipart/form-data";

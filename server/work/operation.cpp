@@ -38,7 +38,7 @@ bool holds_json(const ComputeRequest& request) {
     return is_json(type) || (may_hold_json(type) && api::trim(request.body, " \t\r\n").starts_with('{'));
 }
 
-/// Whether the body may be a mesh, according to its content type alone.
+/// Whether a content type is that of a mesh.
 bool is_mesh(std::string_view type) {
     return api::recognise_surface({}, type).has_value();
 }
@@ -74,9 +74,9 @@ Result<void> check(const Operation& operation, const ComputeRequest& request) {
     if (may_hold_json(type) || type == "multipart/form-data" || (operation.takes_shapefiles && is_zip(type)) ||
         (operation.takes_meshes && is_mesh(type)))
         return {};
-    return failure(ErrorCode::Unsupported, "the body must be application/json, " +
+    return failure(ErrorCode::Unsupported, "the type of the body must be application/json, " +
                                                std::string(operation.takes_shapefiles ? "application/zip, " : "") +
-                                               "the type of a mesh, such as model/obj, or multipart/form-data, not " +
+                                               "multipart/form-data, or that of a mesh, such as model/obj, not " +
                                                type);
 }
 

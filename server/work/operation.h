@@ -49,8 +49,8 @@ Result<void> check(const Operation& operation, const ComputeRequest& request);
 /// Whether the body is a zipped shapefile. Only the decoder process may read such a body.
 bool holds_shapefile(const Operation& operation, const ComputeRequest& request);
 
-/// Whether the thread of a connection may parse the request without a noticeable delay: JSON or a mesh of up to 8 KiB,
-/// with its options, or a picture.
+/// Whether the thread of a connection may parse the request without a noticeable delay: JSON or a mesh, of up to 8 KiB
+/// together with the query, or a picture.
 bool is_quickly_parsed(const Operation& operation, const ComputeRequest& request);
 
 /// Estimates the cost of parsing.

@@ -136,7 +136,7 @@ class Points(SurfaceCase):
         numpy.testing.assert_allclose(numpy.linalg.norm(normals, axis=1), 1, atol=1e-9)
         self.assertGreater((normals * points).sum(axis=1).min(), 0.9)  # outwards
 
-    def test_have_equal_shares_of_equal_areas(self):
+    def test_are_distributed_in_proportion_to_area(self):
         points = self.table("sites=2000")[:, :3]
         for axis in range(3):
             self.assertAlmostEqual((points[:, axis] > 0).mean(), 0.5, delta=0.05)
@@ -215,7 +215,7 @@ class Meshes(SurfaceCase):
 
 
 class Requests(SurfaceCase):
-    def test_come_as_bodies_and_forms(self):
+    def test_may_be_bodies_or_forms(self):
         body = HOUSE.read_bytes()
         expected = self.post("sites=60&seed=3&format=csv", body).body
         for kind in ("model/obj", "application/octet-stream", "text/plain"):
@@ -232,7 +232,7 @@ class Requests(SurfaceCase):
         for kind in ("model/ply", "model/gltf-binary", "application/x-npy"):
             self.assertEqual(self.post("sites=9", SPHERE, "-H", f"Accept: {kind}").type, kind)
 
-    def test_are_cached_and_named(self):
+    def test_have_entity_tags(self):
         first = self.post("sites=70&format=ply")
         again = self.ask("/sample?sites=70&format=ply", "-H", "If-None-Match: " + first.headers["etag"], data=SPHERE)
         self.assertEqual((again.status, again.body), (304, b""))
@@ -253,7 +253,7 @@ class Requests(SurfaceCase):
         headers = self.post("sites=20&format=csv", turned).headers
         self.assertEqual(json.loads(headers["x-repaired"]), answer["repaired"])
 
-    def test_name_what_is_wrong(self):
+    def test_have_errors_that_name_the_option(self):
         cases = (("sites=5&width=3", 400, "width", "unknown option"), ("sites=5&order=path", 400, "order", "plane"),
                  ("sites=5&format=obj", 400, "mesh", "mesh=true"), ("crease=1", 400, "sites", "missing"),
                  ("sites=5&crease=0", 400, "crease", "180"), ("sites=5&density=%5B1%5D", 400, "density", "1"),

@@ -342,6 +342,7 @@ class Case(unittest.TestCase):
             ("sample", countries, "map.csv", {"sites": "70"}, "text/csv"),
             ("sample", torus, "tile.npy", {}, "application/x-npy"),
             ("analyze", points, "spectrum.svg", {}, "image/svg+xml"),
+            ("sample", POLYGONS.parent / "meshes" / "house.obj", "house.ply", {"sites": "60"}, "model/ply"),
         )
         for number, (operation, source, name, options, media_type) in enumerate(cases):
             with self.subTest(operation=operation, name=name):

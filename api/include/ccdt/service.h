@@ -7,10 +7,10 @@
 ///
 ///     ccdt::halftone_file("photo.jpg", "dots.png", {{"sites", "20000"}, {"color", "cmyk"}});
 ///
-/// Unlike the service, the library decodes pictures and maps in the calling process, without a sandbox. Do not use it
-/// for untrusted files. If the program itself uses OpenImageIO, note that decoding sets the attributes `threads` to
-/// 1 and `try_all_readers` to 0 for the whole process. ccdt/ccdt.h describes the compatibility of versions and the use
-/// of threads.
+/// Unlike the service, the library decodes pictures, maps and meshes in the calling process, without a sandbox. Do not
+/// use it for untrusted files. If the program itself uses OpenImageIO, note that decoding sets the attributes `threads`
+/// to 1 and `try_all_readers` to 0 for the whole process. ccdt/ccdt.h describes the compatibility of versions and the
+/// use of threads.
 
 #include <cstddef>
 #include <filesystem>
@@ -46,9 +46,9 @@ struct Limits {
 /// A request to the service.
 struct Request {
     Operation operation = Operation::Halftone;
-    /// Bytes as they are sent to the service: a picture, JSON, GeoJSON, TopoJSON or a zipped shapefile. Their first
-    /// bytes determine the format. A map and a picture take their options from `options`, and a JSON request has them
-    /// as members. A JSON request for a halftone takes both.
+    /// Bytes as they are sent to the service: a picture, JSON, GeoJSON, TopoJSON, a zipped shapefile or a mesh. The
+    /// content determines the format. Pictures, maps and meshes take their options from `options`, and a JSON request
+    /// has them as members. A JSON request for a halftone takes both.
     std::string_view body;
     std::vector<Option> options = {};
     std::string_view accept = {};  ///< wanted media types, as in an Accept header; the option `format` takes precedence
@@ -59,9 +59,9 @@ struct Request {
 struct Answer {
     std::string media_type;  ///< such as image/png
     std::string body;
-    std::string warnings;  ///< JSON array of objects with `pointer` and `detail`; empty if there are none or if the
-                           ///< body contains them
-    std::string repairs;   ///< repairs of polygons, as `warnings`
+    std::string warnings;  ///< JSON array of objects with `pointer`, `detail` and, for meshes, `face`; empty if there
+                           ///< are none or if the body contains them
+    std::string repairs;   ///< repairs of polygons or meshes, as `warnings`
     bool partial = false;  ///< whether a stop ended the computation early; only with the option on_deadline=partial
 };
 
@@ -75,7 +75,7 @@ CCDT_EXPORT Answer answer(const Request& request, const Control& control = {});
 /// Answers a request whose body is a file, and writes the body of the answer to another file.
 ///
 /// @param operation  kind of the request
-/// @param input      file with a picture or JSON for Halftone, a map or JSON for Sample, and JSON for Analyze
+/// @param input      file with a picture or JSON for Halftone; a map, a mesh or JSON for Sample; JSON for Analyze
 /// @param output     file to be written or replaced. Its suffix selects the format, unless the option or the member
 ///                   `format` is given. The file appears when it is complete; after an error it is unchanged.
 /// @returns          the answer, whose body has been moved to the file
@@ -90,7 +90,7 @@ CCDT_EXPORT Answer answer_file(Operation operation, const std::filesystem::path&
 CCDT_EXPORT Answer halftone_file(const std::filesystem::path& picture, const std::filesystem::path& output,
                                  const std::vector<Option>& options = {}, const Control& control = {});
 
-/// Distributes points in the polygons of a file, as answer_file() does.
+/// Distributes points in the polygons or on the mesh of a file, as answer_file() does.
 CCDT_EXPORT Answer sample_file(const std::filesystem::path& domain, const std::filesystem::path& output,
                                const std::vector<Option>& options = {}, const Control& control = {});
 

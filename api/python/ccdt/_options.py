@@ -154,7 +154,7 @@ def mesh_texts(options: Mapping[str, object], write_list: Callable[[Any, str], s
     """Writes the options of a request with a mesh as in the query of a URL.
 
     Args:
-        write_list: function that writes the value of an option, given its name, as a list in JSON.
+        write_list: function that takes the value and the name of an option, and writes the value as a list in JSON.
     """
     lists = {name: write_list(options[name], name) for name in ("density", "fixed")
              if options.get(name) is not None and not isinstance(options[name], str)}

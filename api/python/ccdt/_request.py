@@ -148,7 +148,7 @@ def sample_body(domain: Any, members: Mapping[str, Any]) -> Tuple[str, bool]:
 
 
 def surface_request(domain: Any, members: Mapping[str, Any]) -> Tuple[Any, Dict[str, str]]:
-    """Converts a request for points on a mesh for the extension module: the mesh, and the options as text."""
+    """Returns the arguments of the extension module for points on a mesh: the mesh, and the options as text."""
     options = mesh_texts(members, array_json)
     if not isinstance(domain, Mesh):
         return read_file(domain, "domain"), options

@@ -163,12 +163,12 @@ class SurfacePoints(Points):
 
     @property
     def vertices(self) -> Optional[Floats]:
-        """Vertices of the triangulation, float64 [m, 3], the points first, with ``mesh=True``; else None."""
+        """Vertices of the triangulation, float64 [m, 3], beginning with the points; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["vertices"], dtype=np.float64) if "mesh" in self.info else None
 
     @property
     def triangles(self) -> Optional[npt.NDArray[np.uint32]]:
-        """Indices of each triangle's vertices, uint32 [t, 3], with ``mesh=True``; else None."""
+        """Indices of each triangle's vertices, uint32 [t, 3]; None without ``mesh=True``."""
         return np.array(self.info["mesh"]["triangles"], dtype=np.uint32) if "mesh" in self.info else None
 
     def _repr_png_(self) -> Optional[bytes]:
@@ -199,7 +199,7 @@ def sample(domain: Any, sites: Any = None, *, density: Any = None, seed: int = 0
         density: array [rows, columns] of values of at least 0, stretched over the bounding box of the area, with the
             first row at the smallest y (for pixels, at the top); or the file of a picture, in which dark is dense, as
             a path, bytes, or an open file. For a surface, ``"color"``, ``"curvature"``, or an array [n] of values at
-            the vertices. Uniform by default.
+            the vertices; for STL and OBJ files, at the corners of all faces. Uniform by default.
         seed: integer from 0 to 2^53 - 1. The same arguments give the same points.
         threads: number of threads; by default all processors. Results do not depend on it.
         progress: function that receives the completed share of the work, 0 to 1.

@@ -172,14 +172,14 @@ class Client:
         return self._compute(_halftone(picture, {"sites": sites, **options}), progress)
 
     def sample(self, domain: Any, sites: Any = None, *, progress: Progress = None, **options: Any) -> Answer:
-        """Spreads points evenly over an area.
+        """Spreads points evenly over an area or a surface.
 
         Args:
             domain: as for :func:`ccdt.sample`: corners of a polygon, GeoJSON, an object with ``__geo_interface__``,
-                a torus, a rectangle or a raster of pixels, or the file of a mesh.
+                a torus, a rectangle or a raster of pixels, or the file of a mesh. A :class:`ccdt.Mesh` is not accepted.
             sites: exact number of points.
             progress: as for :meth:`halftone`.
-            **options: members of the body of ``POST /sample``, such as ``format="csv"``.
+            **options: members of the body of ``POST /sample``, such as ``format="csv"``; for a mesh, its options.
         """
         return self._compute(_sample(domain, {"sites": sites, **options}), progress)
 

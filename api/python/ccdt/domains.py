@@ -41,9 +41,10 @@ class Mesh:
 
     Attributes:
         vertices: positions [n, 3].
-        triangles: indices of the vertices of each triangle [m, 3]. Triangles need not be oriented alike.
-        colors: sRGB colours of the vertices [n, 3], as uint8, or as floats from 0 to 1; None without colours.
-        texture: texture coordinates of the vertices [n, 2]; None if there are none.
+        triangles: indices of the vertices of each triangle [m, 3]. Triangles need not have the same orientation.
+        colors: sRGB colours of the vertices [n, 3], as integers from 0 to 255 or as floats from 0 to 1; None without
+            colours.
+        texture: texture coordinates of the vertices [n, 2]; None without texture coordinates.
     """
 
     vertices: Any
@@ -56,7 +57,7 @@ MESH_SUFFIXES = (".stl", ".obj", ".ply", ".off", ".gltf", ".glb")
 
 
 def is_mesh_file(domain: Any) -> bool:
-    """Returns whether a domain is the file of a mesh: a path with a suffix of meshes, bytes, or an open file."""
+    """Returns whether a domain is the file of a mesh: a path with one of MESH_SUFFIXES, bytes, or an open file."""
     if isinstance(domain, (str, os.PathLike)):
         return os.path.splitext(os.fspath(domain))[1].lower() in MESH_SUFFIXES
     return isinstance(domain, (bytes, bytearray, memoryview)) or hasattr(domain, "read")

@@ -56,7 +56,7 @@ export class Client extends Connection {
     return this.#compute("sample", { body }, call);
   }
 
-  /** Spreads points on the surface of a mesh from a file: STL, OBJ, PLY, OFF, GLB or glTF. The default format is JSON. */
+  /** Spreads points on the surface of a mesh in a file: STL, OBJ, PLY, OFF, GLB or glTF. The default format is JSON. */
   async sampleMesh<F extends SurfaceFormat = "json", C extends Call = {}>(
     mesh: FileInput, options: SurfaceOptions & { format?: F }, call?: C): Outcome<Answer<"/sample", F>, C> {
     const body = new FormData();

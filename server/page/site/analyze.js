@@ -17,7 +17,7 @@ const whitest = 2.5;  // power at and above which pixels are white
 /**
  * Returns the points to measure and their domain: for a rectangle or a torus, all points; for other shapes, the
  * projected points in the largest square inside the shape, relative to its lower left corner. For points on a surface,
- * returns its mesh instead of a domain.
+ * returns the file of the mesh instead of a domain.
  */
 function windowOf({ points, shape, outline, places }) {
   if (shape.file?.mesh) return { points, mesh: shape.file.mesh };

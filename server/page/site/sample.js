@@ -32,7 +32,7 @@ const maxInAddress = 2000;  // maximum number of characters for corners
 const minScale = 4;  // CSS pixels per threshold below which the mask is smoothed
 const map = { name: "texas.geojson", counted: ["employed", "unemployed"] };
 const knotName = "knot.obj";
-/** Number of vertices of a surface that is shown, unless the user wants to see the triangulation of the points. */
+/** Number of vertices of the shown surface, unless the user selects the triangulation of the points. */
 const shownVertices = Math.min(10_000, maxPoints);
 const ownShape = "own";  // name in the address for a file of the user, which is not part of the address
 
@@ -41,8 +41,8 @@ let filesTaken = 0;
 const bodyMembers = ["density", "exclude", "avoid", "fixed"];  // options that cannot be query parameters
 
 /**
- * Whether a file is sent as the body of a request. Options in `bodyMembers` need a JSON body instead, but not with a
- * mesh, which cannot be part of JSON.
+ * Whether a file is sent as the body of a request. A mesh always is, because it cannot be part of JSON. With other files,
+ * options in `bodyMembers` need a JSON body instead.
  */
 const isDocument = ({ file }, options) => Boolean(file) && (Boolean(file.mesh) || !bodyMembers.some((name) => name in options));
 
@@ -59,7 +59,7 @@ function requestOf({ file, json, ...shape }, options) {
   return { path: "/sample", body: JSON.stringify(members), type: "application/json" };
 }
 
-/** Whether a file is a mesh, by its name or its first bytes. Only the server reads meshes. */
+/** Returns whether a file is a mesh, according to its name or its first bytes. Only the server reads meshes. */
 async function isMesh(file) {
   const ending = file.name.split(".").pop().toLowerCase();
   return surfaces.inputs.some(({ extension }) => extension === ending) || /^(glTF|ply\s|solid\s|OFF\s)/.test(await file.slice(0, 6).text());
@@ -68,8 +68,8 @@ async function isMesh(file) {
 const isArchive = async (file) => (await file.slice(0, 4).text()) === "PK\u0003\u0004";
 
 /**
- * Reads a file: {name, text}, with `archive` and its `type` for a zipped shapefile; {name, mesh, type} for a mesh. Only
- * the server can read shapefiles, so their outline is the boundary of a triangulation from the server.
+ * Reads a file. Returns {name, text}, with `archive` and its `type` for a zipped shapefile, or {name, mesh, type} for a
+ * mesh. Only the server can read shapefiles, so their outline is the boundary of a triangulation from the server.
  */
 async function documentOf(file) {
   if (await isMesh(file)) return { name: file.name, mesh: file, type: "application/octet-stream" };
@@ -85,7 +85,7 @@ async function loadMap() {
   return { name: map.name, text: await (await ask("GET", path)).text(), path };
 }
 
-/** Makes the sample mesh of the page; see `documentOf`. */
+/** Makes the sample mesh of the page. Returns the result of `documentOf` with `isSample`. */
 async function loadKnot() {
   const { sampleMesh } = await import("./surface_view.js");
   return { ...await documentOf(new File([sampleMesh()], knotName)), isSample: true };
@@ -335,7 +335,7 @@ export class Sample extends Panel {
   }
 
   /**
-   * Loads a GeoJSON document or a mesh. Throws if a document contains no polygons.
+   * Shows a GeoJSON document or a mesh. Throws if a document contains no polygons.
    *
    * @param file     result of `documentOf`; also `path` for a file of the server, and `isSample` for a mesh of the page
    * @param counted  names of the properties that points count
@@ -661,7 +661,7 @@ export class Sample extends Panel {
     return { ...answer, surface, shape, outline, places: answer.points.map(outline.project) };
   }
 
-  /** Returns the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
+  /** Requests the surface to show: a triangulation of evenly spread points, because the page cannot read meshes. */
   async #surface(signal, onProgress) {
     const { crease } = this.surfaceFields.values();
     const { mesh } = await this.#frame({ sites: shownVertices, quality: "draft", mesh: true, ...(crease && { crease }) }, signal, onProgress);

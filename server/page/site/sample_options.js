@@ -35,7 +35,7 @@ export const surfaceFields = [
   { kind: "choice", name: "density", label: "Density", standard: "uniform", choices: [["uniform", "uniform"], ["color", "by colour"], ["curvature", "by curvature"]],
     help: "By colour: points are denser where the vertices of the mesh are darker. By curvature: they are denser where the surface is bent." },
   { kind: "number", name: "crease", label: "Crease angle", value: 40, min: 5, max: 180, step: 1, auto: true, free: "none",
-    help: "In degrees. Edges whose faces meet at a greater angle are sharp. Points keep the same distance from them as from borders." },
+    help: "In degrees. An edge is a crease if the normals of its two faces form a greater angle. Points keep the same distance from creases as from borders." },
 ];
 
 export const moreFields = [

@@ -103,7 +103,7 @@ const writtenOut = (body) => ({
 
 function sampleSnippets({ path, body, file }, isMask) {
   const source = file ? sourceOf(file, "shape") : writtenOut(body);
-  const inFile = file?.mesh ? "new Blob([shape])" : "shape";  // browsers know wrong types of meshes, which are left out
+  const inFile = file?.mesh ? "new Blob([shape])" : "shape";  // without a media type, because that of the browser may be wrong
   const script = file ? inFile : `JSON.stringify(${body})`;
   return snippetsOf(location.origin + path, source, { name: "body", script }, isMask ? toFile("mask.png") : toPoints);
 }

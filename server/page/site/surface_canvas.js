@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Draws a surface with its points on a 2-D canvas, for browsers without WebGL 2: from the farthest part to the nearest.
+// Draws a surface with its points on a 2-D canvas, for browsers without WebGL 2. The farthest parts are drawn first.
 
-/** Returns the vectors of a flat array, turned by a rotation. */
+/** Applies a rotation to the vectors of a flat array. */
 function turned(values, turn) {
   const result = new Float32Array(values.length);
   for (let i = 0; i < values.length; i += 3) {

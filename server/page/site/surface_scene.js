@@ -30,7 +30,10 @@ function facesAround(triangles, number) {
   return around;
 }
 
-/** Returns the normal at each corner of each triangle: the mean over those faces of the corner without a visible edge. */
+/**
+ * Returns the normal at each corner of each triangle: the mean normal of the triangles around the corner, without those
+ * that differ in direction by more than the angle of a visible edge.
+ */
 function cornerNormals(triangles, normals, around) {
   return triangles.flatMap((triangle, face) => {
     const own = unit(normals[face]);
@@ -47,8 +50,8 @@ function cornerNormals(triangles, normals, around) {
 }
 
 /**
- * Returns a function that finds the triangle nearest to a position, approximately: of the triangles around the nearest
- * vertex, the one with the nearest centre. Returns undefined if there is no vertex within a distance.
+ * Returns a function that finds the triangle nearest to a position, approximately: among the triangles around the nearest
+ * vertex, the one with the nearest centre. The function returns undefined if no vertex lies within the distance.
  */
 function nearestFace(places, triangles, around, distance) {
   const cells = new Map();
@@ -79,8 +82,8 @@ function nearestFace(places, triangles, around, distance) {
  *
  * @param mesh     {vertices, triangles}
  * @param answer   {points, normals, rank, mesh}: points in the coordinates of the mesh, with the normal of the surface
- *                 at each point; `rank` is optional. Without `mesh`, each disc lies in the nearest triangle, because the
- *                 normals of the answer are smooth across sharp edges
+ *                 at each point; `rank` is optional. Without `mesh`, each disc has the normal of the nearest triangle,
+ *                 because the normals of the answer are smooth across sharp edges
  * @returns        {corners, normals, points, pointNormals, pitch}: flat arrays of coordinates, three corners for each
  *                 triangle, points in the sequence of their ranks; and the mean distance between points
  */

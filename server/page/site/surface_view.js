@@ -52,11 +52,11 @@ export class SurfaceView extends Viewport {
   }
 
   /**
-   * Shows points on a surface. Keeps the rotation, unless the file is another one.
+   * Shows points on a surface. Keeps the rotation if the file is the same as before.
    *
    * @param mesh      {vertices, triangles}
    * @param answer    answer of the server, with the points and their normals
-   * @param file      {name}; in STL files, the z axis points up, in others the y axis
+   * @param file      {name}; the z axis points up for STL files, the y axis for others
    * @param hasEdges  whether to draw the edges of the mesh
    */
   show(mesh, answer, { file, hasEdges }) {
@@ -92,7 +92,7 @@ export class SurfaceView extends Viewport {
     this.redraw();
   }
 
-  /** Turns the surface as a ball that the pointer drags. */
+  /** Turns the surface like a ball that the pointer drags. */
   move(x, y) {
     this.#turnBy(turnPerPixel * x, turnPerPixel * y);
   }

@@ -35,7 +35,8 @@ void main() {
 }`;
 
 // A disc is a square around the point, perpendicular to its normal, whose corners are transparent. It is moved towards
-// the viewer, so that a curved surface does not cover it, but hardly where it would stick out beside the surface.
+// the viewer, so that a curved surface does not cover it. A disc that is seen from the side is moved less, because it
+// would stick out beside the surface.
 const pointVertex = `#version 300 es
 uniform mat3 turn;
 uniform vec4 place;
@@ -63,7 +64,10 @@ void main() {
   result = cover * vec4(ink, 1);
 }`;
 
-/** Compiles a program. Returns it with the places of its uniforms. Losses of the context are noticed when drawing. */
+/**
+ * Compiles a program. Returns it with a function that finds its uniforms. Errors are not checked: if the context is lost,
+ * `restore` compiles the program again.
+ */
 function programOf(gl, ...sources) {
   const program = gl.createProgram();
   [gl.VERTEX_SHADER, gl.FRAGMENT_SHADER].forEach((kind, i) => {
@@ -111,7 +115,7 @@ export class WebglPainter {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   }
 
-  /** Begins anew after the browser has lost and restored the context. */
+  /** Compiles and uploads everything again after the browser has lost and restored the context. */
   restore() {
     this.#scene = this.#surfaceArray = this.#pointArray = null;
     this.#begin();

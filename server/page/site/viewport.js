@@ -98,7 +98,7 @@ export class Viewport {
     this.redraw();
   }
 
-  /** Undoes what the user has done to the view. */
+  /** Restores the initial view. */
   reset() {
     this.fit();
   }

@@ -89,7 +89,7 @@ TEST(SurfaceAnalyzeAnswer, RefusesASinglePoint) {
     EXPECT_EQ(single.error().field, "points");
 }
 
-TEST(SurfaceAnalyzeAnswer, Stops) {
+TEST(SurfaceAnalyzeAnswer, StopsOnRequest) {
     std::stop_source source;
     source.request_stop();
     Control control;

@@ -109,7 +109,7 @@ TEST(SurfaceJson, HasAListForEachProperty) {
     EXPECT_EQ(json.size(), 14U);
 }
 
-TEST(SurfaceJson, LeavesOutWhatThereIsNot) {
+TEST(SurfaceJson, OmitsAbsentProperties) {
     PlacedSurface placed = square(false);
     placed.dots.mesh.reset();
     placed.dots.stopped = true;

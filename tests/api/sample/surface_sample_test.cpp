@@ -93,7 +93,7 @@ TEST(SurfaceSample, SortsPointsByRankInAProgressiveOrder) {
     }
 }
 
-TEST(SurfaceSample, IgnoresUnusableColoursAndTexture) {
+TEST(SurfaceSample, IgnoresInvalidColoursAndTextureCoordinates) {
     TriangleSoup square = test::square_surface(1);
     square.colours.assign(square.vertices.size(), {0.5F, 2, 0});
     square.texture.assign(square.vertices.size(), {std::numeric_limits<float>::quiet_NaN(), 0});
@@ -104,7 +104,7 @@ TEST(SurfaceSample, IgnoresUnusableColoursAndTexture) {
     EXPECT_NE(json.at("warnings").at(2).at("detail").get<std::string>().find('7'), std::string::npos);
 }
 
-TEST(SurfaceSample, EndsAtAStop) {
+TEST(SurfaceSample, StopsOnRequest) {
     const auto result = answer(test::sphere_surface(2), {}, stopped());
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, ErrorCode::Stopped);
@@ -116,7 +116,7 @@ TEST(SurfaceSample, RefusesTrianglesWithoutArea) {
     EXPECT_EQ(result.error().code, ErrorCode::Unusable);
 }
 
-TEST(SampleRequest, IsRecognisedAsAMesh) {
+TEST(SampleRequest, RecognisesMeshes) {
     const std::string file = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     EXPECT_TRUE(parse_sample_request(file, {{"sites", "4"}}, "", {}));
     const auto broken = parse_sample_request("nothing", {{"sites", "4"}}, "", {}, "model/ply");

@@ -75,7 +75,7 @@ TEST(SurfaceHeader, CountsTrianglesAndVertices) {
         {binary_stl(std::vector<float>(18)), 2, 6},
         {"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n", 1, 3},
         {"v 0 0 0\nf 1 2 3 4\r\nf 1/1 2/2 3/3\nl 1 2\n", 3, 11},
-        {"f 1 2 \\\n3 4 \\\n5\nf 1 2 3", 6, 10},  // a backslash counts as a corner, which the bound allows
+        {"f 1 2 \\\n3 4 \\\n5\nf 1 2 3", 6, 10},  // a backslash counts as a corner, so the numbers are only bounds
         {ply_with(ply, "0 0 0 1 0 0 1 1 0 0 1 0\n4 0 1 2 3\n"), 2, 4},
         {ply_with(ply, std::string(48, '\0') + '\4' + std::string(16, '\0'), "binary_little_endian"), 2, 4},
         {"OFF\n# a comment\n4 1 4\n0 0 0\n1 0 0 # first\n1 1 0\n0 1 0\n4 0 1 2 3\n", 3, 4},
@@ -154,7 +154,7 @@ TEST(SurfaceHeader, RefusesDamagedGltfFiles) {
     expect_refused(square_gltf(R"([{"mesh":0},{"mesh":0})"), "not valid JSON");
 }
 
-TEST(SurfaceHeader, RefusesNodesThatExplode) {
+TEST(SurfaceHeader, RefusesNodesThatAreSharedOrDeeplyNested) {
     std::string nodes = "[";
     for (int i = 1; i < 64; ++i) nodes += R"({"children":[)" + std::to_string(i) + ',' + std::to_string(i) + "]},";
     expect_refused(square_gltf(nodes + R"({"mesh":0}])"), "its nodes do not form a tree");
@@ -169,7 +169,7 @@ TEST(SurfaceHeader, RefusesAccessorsThatNeedTooMuchMemory) {
     expect_refused(json, "max-faces", ErrorCode::LimitExceeded);
 }
 
-TEST(SurfaceHeader, RefusesDataInOtherFiles) {
+TEST(SurfaceHeader, RefusesDataInOtherFilesAndUnsupportedExtensions) {
     expect_refused(square_gltf(R"([{"mesh":0}])", R"(,"uri":"../square.bin")"),
                    "its data is in another file (../square.bin); send a GLB, or embed the data");
     std::string json = square_gltf();

@@ -47,7 +47,7 @@ double area_of(const TriangleSoup& soup) {
     return area;
 }
 
-/// The square [0, 1]^2 in the plane z = 0 as two triangles, in each of the formats that keep triangles as they are.
+/// Returns files with the square [0, 1]^2 in the plane z = 0 as two triangles, one in each variant of each format.
 std::vector<std::string> squares() {
     const std::string ply_vertices = "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
     const std::string ply_faces = "element face 2\nproperty list uchar ushort vertex_indices\nend_header\n";
@@ -267,7 +267,7 @@ TEST(SurfaceReader, OpensNoOtherFiles) {
     EXPECT_NE(contents.error().message.find("could not open"), std::string::npos) << contents.error().message;
 }
 
-TEST(SurfaceReader, LeavesTheCheckOfCoordinatesToTheSurface) {
+TEST(SurfaceReader, AcceptsCoordinatesThatAreNotFinite) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const float infinity = std::numeric_limits<float>::infinity();
     const auto contents = read(binary_stl({nan, 0, 0, 1, infinity, 0, 0, 0, 1}));

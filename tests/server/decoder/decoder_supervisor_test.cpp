@@ -136,7 +136,7 @@ Result<void> obey_as_map(std::string_view file, const api::ShapefileReading& rea
     return failure(ErrorCode::LimitExceeded, std::to_string(reading.max_bytes));
 }
 
-/// Replaces the reading of meshes.
+/// Replaces api::read_surface. The content of a file determines the reply.
 Result<api::SurfaceContents> obey_as_surface(std::string_view file, const api::SurfaceHeader& header) {
     if (file == "crash") std::abort();
     if (file == "eat") eat_memory();
@@ -705,7 +705,7 @@ TEST(DecoderSupervisor, RejectsInvalidMeshes) {
     EXPECT_TRUE(supervisor.read_surface("plain", kMeshes));
 }
 
-/// Whether the library reads a mesh file, and if not, why.
+/// Reads a mesh file. Returns the reason if the file is refused; otherwise an empty text.
 std::string describe_reading(BoxOfTests& supervisor, std::string_view bytes, std::size_t max_faces) {
     const auto format = api::recognise_surface(bytes);
     if (!format) return "not recognised";
