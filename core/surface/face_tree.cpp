@@ -45,15 +45,8 @@ std::array<double, 3> nearest_weights(Point3 p, const std::array<Point3, 3>& tri
     return weights;
 }
 
-Point3 combination(const std::array<double, 3>& weights, const std::array<Point3, 3>& triangle) {
-    return weights[0] * triangle[0] + weights[1] * triangle[1] + weights[2] * triangle[2];
-}
-
 Kernel::Point_3 to_cgal(Point3 p) {
     return {p.x, p.y, p.z};
-}
-Point3 from_cgal(const Kernel::Point_3& p) {
-    return {p.x(), p.y(), p.z()};
 }
 
 /// A triangle of a tree, which holds only its number: CGAL's concept AABBPrimitiveWithSharedData.
@@ -75,23 +68,12 @@ public:
         return {to_cgal(a), to_cgal(b), to_cgal(c)};
     }
     Point reference_point(Shared_data corners) const {
-        return to_cgal(combination({1. / 3, 1. / 3, 1. / 3}, (*corners)(face_)));
+        const auto [a, b, c] = (*corners)(face_);
+        return to_cgal(1. / 3 * (a + b + c));
     }
 
 private:
     Id face_;
-};
-
-/// The traits of the tree. The projection of CGAL's kernels is inaccurate for thin triangles.
-struct Traits : CGAL::AABB_traits<Kernel, Primitive> {
-    auto closest_point_object() const {
-        return [this](const Point_3& query, const Primitive& primitive, const Point_3& bound) {
-            const Point3 p = from_cgal(query);
-            const auto triangle = (*shared_data())(primitive.id());
-            const Point3 closest = combination(nearest_weights(p, triangle), triangle);
-            return squared(closest - p) < squared(from_cgal(bound) - p) ? to_cgal(closest) : bound;
-        };
-    }
 };
 
 }  // namespace
@@ -104,7 +86,7 @@ struct FaceTree::Tree {
     }
 
     Corners corners;
-    CGAL::AABB_tree<Traits> boxes;
+    CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>> boxes;
 };
 
 FaceTree::FaceTree(std::span<const std::uint32_t> faces, Corners corners)
