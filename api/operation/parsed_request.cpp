@@ -107,8 +107,9 @@ std::optional<Result<SurfaceFile>> find_surface(std::string_view body, std::stri
                                                 const Limits& limits) {
     const auto format = recognise_surface(body, media_type);
     if (!format) return std::nullopt;
-    return read_surface_header(body, *format, limits.max_faces).map([&](const SurfaceHeader& header) {
-        return SurfaceFile{body, header};
+    const std::string_view file = without_byte_order_mark(body);
+    return read_surface_header(file, *format, limits.max_faces).map([&](const SurfaceHeader& header) {
+        return SurfaceFile{file, header};
     });
 }
 

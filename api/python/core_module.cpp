@@ -244,7 +244,7 @@ public:
             if (header_.max_triangles > limits.max_faces) return api::too_many_faces(limits.max_faces);
             return api::SurfaceFile{{}, header_};
         }
-        const std::string_view bytes = py::reinterpret_borrow<py::bytes>(mesh_);
+        const std::string_view bytes = api::without_byte_order_mark(py::reinterpret_borrow<py::bytes>(mesh_));
         const auto format = api::recognise_surface(bytes);
         if (!format) return failure(ErrorCode::Unsupported, "domain is not the file of a mesh", "domain");
         return api::read_surface_header(bytes, *format, limits.max_faces).map([&](const api::SurfaceHeader& header) {

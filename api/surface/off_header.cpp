@@ -37,10 +37,19 @@ std::optional<OffHeader> read_keyword(std::string_view word) {
     return header;
 }
 
+/// Removes the first word of a line. Returns the word.
+std::string_view take_word(std::string_view& line) {
+    line = trim(line, kBlanks);
+    const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+    line.remove_prefix(word.size());
+    return word;
+}
+
 /// Returns the type of the colours of vertices: `uchar` for integers from 0 to 255, `float` for numbers from 0 to 1.
 std::string_view type_of_colours(const OffHeader& header) {
-    std::string_view data = header.data;
-    return take_line(data).find('.') == std::string_view::npos || !header.has_colours ? "uchar" : "float";
+    std::string_view data = header.data, line = take_line(data);
+    for (int i = 0; i < (header.has_normals ? 6 : 3); ++i) take_word(line);  // the position and the normal
+    return line.find('.') == std::string_view::npos ? "uchar" : "float";
 }
 
 }  // namespace
@@ -55,10 +64,7 @@ Result<OffHeader> read_off_header(std::string_view text) {
     auto header = read_keyword(line.substr(0, line.find_first_of(kBlanks)));
     line.remove_prefix(std::min(line.find_first_of(kBlanks), line.size()));
     if (trim(line, kBlanks).empty()) line = take_line(text);
-    const auto next_count = [&line]() {
-        line = trim(line, kBlanks);
-        return parse_number<std::uint32_t>(take_until(line, " "));
-    };
+    const auto next_count = [&line]() { return parse_number<std::uint32_t>(take_word(line)); };
     const auto vertices = next_count();
     const auto faces = next_count();
     if (!header || !vertices || !faces)

@@ -456,9 +456,13 @@ std::string_view name_of(SurfaceFormat format) {
     return "GLB";
 }
 
-std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {
+std::string_view without_byte_order_mark(std::string_view bytes) {
     constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    if (bytes.starts_with(kByteOrderMark)) bytes.remove_prefix(kByteOrderMark.size());
+    return bytes.substr(bytes.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
+}
+
+std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {
+    bytes = without_byte_order_mark(bytes);
     if (bytes.starts_with("glTF")) return SurfaceFormat::Glb;
     if (is_binary_stl(bytes)) return SurfaceFormat::StlBinary;
     std::string_view text = bytes;
