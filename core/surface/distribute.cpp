@@ -54,7 +54,7 @@ public:
             result_.trace.push_back(relaxation.variation());
             report();
         }
-        if (settings_) {
+        if (settings_ && !stopping()) {
             SitePolish polish(*mesh_, density_, capacity_, relaxation, control_.stop);
             // Where the surface is folded, pushes cannot move all pairs apart, so sites are relocated. The rounds of
             // the polish then remove the error of density that the relocation causes.
@@ -169,7 +169,7 @@ private:
             const Point3 place = surface_.place(fixed[i]);
             std::uint32_t nearest = Surface::kNone;
             double least = 0;
-            for (double reach = spacing(fixed[i], capacity_); nearest == Surface::kNone && reach < 4; reach *= 2) {
+            for (double reach = spacing(fixed[i], capacity_); nearest == Surface::kNone && reach < 64; reach *= 2) {
                 cells.for_near(place, reach, [&](Point3 other, std::uint32_t number) {
                     const double distance = length(other - place);
                     if (is_removed[number] != 0 || (nearest != Surface::kNone && distance >= least)) return;

@@ -415,8 +415,7 @@ bool SurfaceTriangulation::relocate(std::uint32_t site, std::span<const std::uin
     std::vector<std::uint32_t> stack;
     if (!remove(site, stack)) return false;
     std::uint32_t triangle = *found;
-    if (links_.is_removed(triangle) || corners(triangle) != around)
-        triangle = triangle_of(links_.edge_of(around[0] == site ? around[1] : around[0]));
+    if (links_.is_removed(triangle) || corners(triangle) != around) triangle = triangle_of(links_.edge_of(around[0]));
     points_[site] = point;
     places_[site] = surface_->place(point);
     links_.divide(site, triangle);
