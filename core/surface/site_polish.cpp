@@ -194,6 +194,8 @@ std::vector<std::uint32_t> SitePolish::wide_triangles(std::uint32_t site) const 
 
 void SitePolish::separate(double least) {
     constexpr double kStuck = 0.85;  // share of the least distance; pushes move other pairs apart
+    constexpr int kMaxTimes = 4;     // afterwards, pushes move relocated sites away from their new neighbours
+    if (++separations_ > kMaxTimes) return;
     // Largest number of pairs, which few surfaces exceed: those that are too rough for the spacing of the sites.
     const std::size_t most = 16 + mesh_.site_count() / 256;
     auto pairs = joined_;

@@ -55,6 +55,7 @@ private:
     SiteMasses masses_;
     std::vector<double> spacings_;                      ///< [sites] 1 / sqrt(wanted density of sites)
     std::vector<Point3> moves_;                         ///< [sites]
+    int separations_ = 0;                               ///< calls of separate()
     std::vector<std::array<std::uint32_t, 2>> joined_;  ///< pairs of near sites that an edge joins
     std::vector<std::array<std::uint32_t, 2>> facing_;  ///< other pairs of near sites
 };
