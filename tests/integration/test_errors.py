@@ -245,10 +245,11 @@ class SampleRequests(ServerCase):
     def test_415_for_other_types(self):
         body = json.dumps({"sites": 10, "polygon": SQUARE})
         for kind in ("image/png", "text/csv", "application/xml"):
-            self.assert_problem(self.ask("/sample", "--header", "Content-Type: " + kind, data=body), 415, kind[:9])
+            for path in ("/sample", "/analyze"):
+                self.assert_problem(self.ask(path, "--header", "Content-Type: " + kind, data=body), 415, kind[:9])
         kind = "multipart/form-data; boundary=x"
-        self.assert_problem(self.ask("/analyze", "--header", "Content-Type: " + kind, data=body), 415, kind[:9])
-        self.assert_problem(self.ask("/sample", "--header", "Content-Type: " + kind, data=body), 400, "form")
+        for path in ("/sample", "/analyze"):
+            self.assert_problem(self.ask(path, "--header", "Content-Type: " + kind, data=body), 400, "form")
 
     def test_options_in_the_query_are_refused(self):
         self.assert_problem(post_json(self.server, "/sample?sites=10", {"polygon": SQUARE}), 400)
