@@ -12,7 +12,7 @@ PROGRAMS = ("ccdt-decoder", "ccdt-server", "ccdt-worker")
 FOLDER = pathlib.Path(os.environ["CCDT_SERVER"]).parent
 
 BASE = "debian:12-slim"
-MAX_BYTES = 400_000_000
+MAX_BYTES = 420_000_000
 EPOCH = "1767225600"
 VERSION = "1.2.3"
 REVISION = "abc"

@@ -15,6 +15,8 @@ import { HalftoneElement } from "ccdt/element";
 const { CCDT_URL: url, CCDT_LIMITED: limited, CCDT_KEY: key, CCDT_DATA: data } = process.env;
 const client = new Client(url);
 const picture = await readFile(path.join(data, "images/chelsea.png"));
+const house = await readFile(path.join(data, "meshes/house.obj"));
+const triangulations = ["obj", "stl"];  // formats that have no points
 const long = { sites: 500_000, quality: "best" };
 const torus = { type: "torus", width: 16, height: 16 };
 
@@ -35,6 +37,8 @@ test("answers are objects, strings or Blobs, as the API describes each format", 
     ["sample", sample.formats, (format) => client.sample({ sites: 50, domain: { ...torus, type: "rectangle" }, width_mm: 100, format })],
     ["sample", sample.masks, (format) => client.sample({ domain: torus, format })],
     ["sample", sample.pixels.formats, (format) => client.sample({ sites: 5, domain: { ...torus, type: "pixels" }, format })],
+    ["sample", sample.surfaces.formats,
+      (format) => client.sampleMesh(house, { sites: 50, mesh: triangulations.includes(format), format })],
     ["analyze", analyze.formats, (format) => client.analyze({ points: [[0, 0], [0.5, 0.5], [0.2, 0.7]], format })],
   ]) {
     for (const { name, media_type: type } of formats) {
@@ -74,11 +78,10 @@ test("maps are read from files", async () => {
 });
 
 test("meshes are read from files", async () => {
-  const mesh = await readFile(path.join(data, "meshes/house.obj"));
   const options = { sites: 50, seed: 2, fixed: [[2, 0, 5]], mesh: true };
-  const { faces, mesh: { vertices } } = await client.sampleMesh(mesh, options);
+  const { faces, mesh: { vertices } } = await client.sampleMesh(house, options);
   assert.equal(faces.length, 50);
-  const ply = await (await client.sampleMesh(mesh, { ...options, format: "ply" })).text();
+  const ply = await (await client.sampleMesh(house, { ...options, format: "ply" })).text();
   assert.match(ply, new RegExp(`^ply\nformat binary_little_endian 1.0\nelement vertex ${vertices.length}\n`));
 });
 
