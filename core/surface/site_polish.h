@@ -36,7 +36,8 @@ public:
     /// until separate() is called.
     bool is_any_nearer(double least);
     /// Relocates one site of each pair that is_any_nearer() found and that is still much nearer than `least`. The new
-    /// place is a nearby triangle with a large capacity.
+    /// place is a nearby triangle with a large capacity. Does nothing after the fourth call, and limits the number of
+    /// pairs: 16, and one for each 256 sites.
     void separate(double least);
     void retouch() {}
     void remove_low_frequencies() {}
