@@ -15,6 +15,7 @@
 #include "api/input/point_reader.h"
 #include "api/json/json_document.h"
 #include "api/output/npy_header.h"
+#include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -219,8 +220,7 @@ Result<std::vector<P>> read_json(std::string_view text, const Limits& limits) {
 
 template <class P>
 Result<std::vector<P>> read_file(std::string_view file, const Limits& limits) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // spreadsheets write it at the start of texts
-    if (file.starts_with(kByteOrderMark)) file.remove_prefix(kByteOrderMark.size());
+    file = without_byte_order_mark(file);
     if (file.starts_with(kNpyMagic.substr(0, kNpyMagic.size() - 2))) {
         if (!file.starts_with(kNpyMagic)) return wrong("the NPY file must have the version 1.0");
         return read_npy<P>(file, limits);

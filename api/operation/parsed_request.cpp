@@ -17,6 +17,7 @@
 #include "api/sample/surface_sample.h"
 #include "api/sample/threshold_mask.h"
 #include "api/surface/surface_header.h"
+#include "api/text/byte_order_mark.h"
 
 namespace ccdt::api {
 namespace {

@@ -27,6 +27,7 @@
 #include "api/sample/sample_parser.h"
 #include "api/sample/surface_parser.h"
 #include "api/sample/surface_sample.h"
+#include "api/text/byte_order_mark.h"
 #include "api/text/numbers.h"
 
 namespace ccdt::python {

@@ -11,6 +11,7 @@
 #include "api/json/json_document.h"
 #include "api/surface/off_header.h"
 #include "api/surface/surface_errors.h"
+#include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
 
 namespace ccdt::api {
@@ -454,11 +455,6 @@ std::string_view name_of(SurfaceFormat format) {
             break;
     }
     return "GLB";
-}
-
-std::string_view without_byte_order_mark(std::string_view bytes) {
-    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-    return bytes.substr(bytes.starts_with(kByteOrderMark) ? kByteOrderMark.size() : 0);
 }
 
 std::optional<SurfaceFormat> recognise_surface(std::string_view bytes, std::string_view media_type) {

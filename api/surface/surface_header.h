@@ -32,9 +32,6 @@ struct SurfaceFile {
     SurfaceHeader header;
 };
 
-/// Returns a file without the byte order mark that some programs write before text.
-std::string_view without_byte_order_mark(std::string_view bytes);
-
 /// Recognises the format of a mesh file by its content. If the content is not sufficient, uses the media type, such as
 /// `model/stl`, in lower case and without parameters.
 /// @returns  none for other files
