@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/near_push.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "core/polish/cell_list.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t kSites = 2048;  ///< sites per task
+constexpr double kMaxPush = 0.5;      ///< longest move, relative to the reach
+
+}  // namespace
+
+void push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+                double reach, double share, Executor& executor, const std::stop_token& stop) {
+    std::vector<Point3> places(sites.begin(), sites.end());
+    std::vector<std::uint32_t> numbers(sites.size());  // [places] site of each place
+    for (std::uint32_t i = 0; i < sites.size(); ++i) numbers[i] = i;
+    for (std::uint32_t i = 0; i < sites.size(); ++i) {
+        const double range = reach * spacing.densest(sites[i]) * VolumeSpacing::kMaxRatio;
+        const Point3 margin{range, range, range};
+        domain.for_copies(sites[i], {Point3{} - margin, domain.sides + margin}, [&](Point3 copy, bool is_original) {
+            if (is_original) return;
+            places.push_back(copy);
+            numbers.push_back(i);
+        });
+    }
+    const CellList3 cells(places);
+    std::vector<Point3> moved(free);
+    for_ranges(executor, free, kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+            const Point3 p = sites[i];
+            const double own = reach * spacing.densest(p);
+            Point3 move;
+            const double range = spacing.is_uniform() ? own : own * VolumeSpacing::kMaxRatio;
+            cells.for_near(p, range, [&](Point3 q, std::uint32_t number) {
+                const Point3 away = p - q;
+                const double squared = dot(away, away);
+                if (!(squared < range * range) || number == i || squared == 0) return;
+                const double distance = std::sqrt(squared);
+                const double wanted =
+                    spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[numbers[number]])) / 2;
+                // A fixed site does not yield, so the other site moves twice as far.
+                const double part = numbers[number] < free ? share : 2 * share;
+                if (distance < wanted) move = move + (part * (wanted / distance - 1)) * away;
+            });
+            const double longest = kMaxPush * own, size = length(move);
+            moved[i] = domain.inside(p + (size > longest ? longest / size : 1) * move);
+        }
+    });
+    if (!stop.stop_requested()) std::ranges::copy(moved, sites.begin());
+}
+
+}  // namespace ccdt
