@@ -43,7 +43,7 @@ Schedule schedule_of(Quality quality, bool stealthy) {
 
 // Reach of pushes, relative to the distance in the densest packing, and share of the missing distance.
 constexpr double kWideReach = 1.1, kWideShare = 0.25;
-constexpr double kReach = 0.9, kNearReach = 0.87, kShare = 0.5;
+constexpr double kReach = 0.9, kNearReach = 0.88, kShare = 0.5;
 constexpr int kNearPushes = 3;  ///< pushes per near round
 constexpr double kNegligiblePower = 1e-12;
 constexpr double kThinnest = 0.25;  ///< shortest side of a domain, in spacings
@@ -101,7 +101,7 @@ public:
             finish_step();
         }
         // Without waves to remove, distances come last: these pushes move too few points to create waves.
-        if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kNearReach, kShare, kNearPushes - 1);
+        if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kNearReach, kShare, kNearPushes);
         for (int i = 0; i < schedule_.waves && !stopping(); ++i) {
             if (even_out() < kNegligiblePower) break;
             finish_step();

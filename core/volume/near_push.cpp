@@ -11,6 +11,9 @@ namespace ccdt {
 namespace {
 
 constexpr std::size_t kSites = 2048;  ///< sites per task
+/// Distance of layers in the densest packing, relative to the distance of neighbours. With a site's own mirror image at
+/// the distance of a neighbour instead, sites would crowd in the first layer off the border.
+constexpr double kLayers = 0.816496580927726;
 constexpr double kMaxPush = 0.5;      ///< longest move, relative to the reach
 
 }  // namespace
@@ -20,8 +23,9 @@ void push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::spa
     std::vector<Point3> places(sites.begin(), sites.end());
     std::vector<std::uint32_t> numbers(sites.size());  // [places] site of each place
     for (std::uint32_t i = 0; i < sites.size(); ++i) numbers[i] = i;
+    const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
     for (std::uint32_t i = 0; i < sites.size(); ++i) {
-        const double range = reach * spacing.densest(sites[i]) * VolumeSpacing::kMaxRatio;
+        const double range = ratio * reach * spacing.densest(sites[i]);
         const Point3 margin{range, range, range};
         domain.for_copies(sites[i], {Point3{} - margin, domain.sides + margin}, [&](Point3 copy, bool is_original) {
             if (is_original) return;
@@ -36,16 +40,17 @@ void push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::spa
             const Point3 p = sites[i];
             const double own = reach * spacing.densest(p);
             Point3 move;
-            const double range = spacing.is_uniform() ? own : own * VolumeSpacing::kMaxRatio;
+            const double range = ratio * own;
             cells.for_near(p, range, [&](Point3 q, std::uint32_t number) {
                 const Point3 away = p - q;
                 const double squared = dot(away, away);
                 if (!(squared < range * range) || number == i || squared == 0) return;
                 const double distance = std::sqrt(squared);
-                const double wanted =
-                    spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[numbers[number]])) / 2;
+                const std::uint32_t other = numbers[number];
+                double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
+                if (other == i) wanted *= kLayers;
                 // A fixed site does not yield, so the other site moves twice as far.
-                const double part = numbers[number] < free ? share : 2 * share;
+                const double part = other < free ? share : 2 * share;
                 if (distance < wanted) move = move + (part * (wanted / distance - 1)) * away;
             });
             const double longest = kMaxPush * own, size = length(move);
