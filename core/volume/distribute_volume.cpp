@@ -74,14 +74,15 @@ public:
     VolumeConstruction(const BoxDomain3& unit, const VoxelDensity& density, const VolumeOptions& options,
                        std::span<const Point3> fixed, const Control& control)
         : domain_(unit),
+          density_(density),
           control_(control),
           executor_(*control.executor),
           free_(options.sites),
           spacing_(unit, density, options.sites + fixed.size(), executor_),
-          transport_(unit, density, spacing_, options.sites + fixed.size(), executor_),
-          relaxation_(unit, density, spacing_, executor_),
           schedule_(schedule_of(options.quality, options.quality == Quality::Stealthy && unit.periodic &&
-                                                     density.is_uniform() && fixed.empty())) {
+                                                     density.is_uniform() && fixed.empty())),
+          transport_(unit, density, spacing_, options.sites + fixed.size(), schedule_.waves > 0, executor_),
+          relaxation_(unit, density, spacing_, executor_) {
         sites_ = draw_start(unit, density, options.sites + fixed.size(), options.seed);
         replace_nearest(fixed);
     }
@@ -91,7 +92,8 @@ public:
         for (int i = 0; i < schedule_.wide_rounds; ++i) round(kWideReach, kWideShare);
         transport_.release_memory();
         for (int i = 0; i < schedule_.relaxations && !stopping(); ++i) {
-            trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop));
+            within_density(
+                [&] { trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop)); });
             finish_step();
         }
         for (int i = 0; i < schedule_.rounds; ++i) round(kReach, kShare);
@@ -120,10 +122,28 @@ private:
     void replace_nearest(std::span<const Point3> fixed);
 
     void push(double reach, double share, int times) {
-        for (int i = 0; i < times && !stopping(); ++i)
-            push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop);
+        for (int i = 0; i < times && !stopping(); ++i) {
+            within_density(
+                [&] { push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop); });
+        }
     }
-    double even_out() { return stopping() ? 0 : transport_.even_out(sites_, free_, control_.stop); }
+    double even_out() {
+        double power = 0;
+        if (!stopping()) within_density([&] { power = transport_.even_out(sites_, free_, control_.stop); });
+        return power;
+    }
+
+    /// Moves sites. Reverts the moves that end where the density is 0.
+    template <class Move>
+    void within_density(Move&& move) {
+        if (!density_.has_gaps()) return move();
+        const std::vector<Point3> before = sites_;
+        move();
+        for (std::size_t i = 0; i < free_; ++i) {
+            const Point3 p = sites_[i], sides = domain_.sides;
+            if (!density_.is_positive({p.x / sides.x, p.y / sides.y, p.z / sides.z})) sites_[i] = before[i];
+        }
+    }
 
     void round(double reach, double share) {
         if (stopping()) return;
@@ -146,13 +166,14 @@ private:
     }
 
     BoxDomain3 domain_;
+    const VoxelDensity& density_;
     const Control& control_;
     Executor& executor_;
     std::size_t free_;
     VolumeSpacing spacing_;
+    Schedule schedule_;
     VolumeTransport transport_;
     BlockRelaxation relaxation_;
-    Schedule schedule_;
     std::vector<Point3> sites_;  ///< sites, then fixed points
     std::vector<double> trace_;
     int done_ = 0;  ///< number of completed steps
@@ -190,7 +211,7 @@ Result<VolumeDistribution> distribute_in_volume(const BoxDomain3& domain, const 
     const double scale = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
     const BoxDomain3 unit{{domain.sides.x / scale, domain.sides.y / scale, domain.sides.z / scale}, domain.periodic};
     const double spacing = std::cbrt(unit.volume() / static_cast<double>(options.sites + options.fixed.size()));
-    if (std::min({unit.sides.x, unit.sides.y, unit.sides.z}) < kThinnest * spacing)
+    if (!(spacing > 0) || std::min({unit.sides.x, unit.sides.y, unit.sides.z}) < kThinnest * spacing)
         return failure(ErrorCode::Unusable, "a side is shorter than a quarter of the points' distance", "domain");
     std::vector<Point3> fixed;
     for (const Point3 p : options.fixed) fixed.push_back(unit.inside({p.x / scale, p.y / scale, p.z / scale}));

@@ -12,9 +12,10 @@ namespace ccdt {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kCellsPerSpacing = 2.2;  ///< four cells per cycle of the highest frequency; see WaveGrid
-constexpr double kMaxMove = 0.25;         ///< longest move, in spacings
-constexpr std::size_t kSites = 4096;      ///< sites per task
+/// Four cells per cycle of the highest frequency; see WaveGrid. If the grid must be precise, nearly six.
+constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
+constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
+constexpr std::size_t kSites = 4096;  ///< sites per task
 constexpr std::size_t kMaxOctaves = 5;
 /// Limit on the density that octave 0 resolves, relative to the mean density.
 constexpr double kMaxContrast = 4;
@@ -42,18 +43,19 @@ double part(double level, std::size_t octave) {
 }  // namespace
 
 VolumeTransport::VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
-                                 std::size_t points, Executor& executor)
+                                 std::size_t points, bool precise, Executor& executor)
     : domain_(domain),
       spacing_(spacing),
       executor_(executor),
       points_(static_cast<double>(points)),
       finest_(spacing.mean() / std::cbrt(std::min(density.contrast(), kMaxContrast))) {
     const double longest = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
+    const double cells = precise ? kPreciseCells : kCellsPerSpacing;
     const std::size_t octaves = density.is_uniform() ? 1 : kMaxOctaves;
     for (std::size_t octave = 0; octave < octaves; ++octave) {
         const double own = finest_ * std::exp2(static_cast<double>(octave));
         if (octave > 0 && own > longest / 4) break;
-        octaves_.push_back({WaveGrid(domain, (kCellsPerSpacing / own) * domain.sides, executor), own});
+        octaves_.push_back({WaveGrid(domain, (cells / own) * domain.sides, executor), own});
     }
     if (density.is_uniform()) return;
     for (std::size_t octave = 0; octave < octaves_.size(); ++octave) set_target(octaves_[octave], octave, density);

@@ -26,8 +26,10 @@ public:
 
     /// @param points   number of sites and fixed points
     /// @param spacing  must outlive this object
+    /// @param precise  whether the error of the grid must allow for power below -100 dB; takes more than twice the
+    /// memory
     VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
-                    std::size_t points, Executor& executor);
+                    std::size_t points, bool precise, Executor& executor);
 
     /// Moves sites such that the error of density vanishes to first order. No move is longer than a quarter of the
     /// spacing.

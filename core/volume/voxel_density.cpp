@@ -39,6 +39,9 @@ Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxe
         }
         for (std::size_t i = 0; i < layer; ++i) sums[(k + 1) * layer + i] += sums[k * layer + i];
     }
+    if (std::ranges::min(values) == 0) {
+        for (const double value : values) density.positive_.push_back(value > 0);
+    }
     const double total = sums.back();
     for (double& sum : sums) sum /= total;
     density.contrast_ = squares / total * (static_cast<double>(values.size()) / total);
@@ -87,6 +90,11 @@ double VoxelDensity::at(Point3 p) const {
         voxels *= count;
     }
     return mass(box) * voxels;
+}
+
+bool VoxelDensity::is_positive(Point3 p) const {
+    if (!has_gaps()) return true;
+    return positive_[(voxel(p.z, 2) * voxels_[1] + voxel(p.y, 1)) * voxels_[0] + voxel(p.x, 0)];
 }
 
 double VoxelDensity::cut(const Box3& box, std::size_t axis, double share) const {

@@ -29,6 +29,11 @@ public:
     /// Returns the density at a point, relative to the mean density.
     double at(Point3 p) const;
 
+    /// Whether the density is 0 in any voxel.
+    bool has_gaps() const { return !positive_.empty(); }
+    /// Whether the density at a point is > 0.
+    bool is_positive(Point3 p) const;
+
     /// Returns the share of the total mass in a box.
     /// @param box  within [0, 1]^3
     double mass(const Box3& box) const;
@@ -54,6 +59,7 @@ private:
     double contrast_ = 1;
     /// Share of the mass below and left of each corner of the voxels [z + 1][y + 1][x + 1]; empty if uniform.
     std::vector<double> sums_;
+    std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is everywhere
 };
 
 /// Returns the coordinate of a point along an axis (0, 1 or 2).
