@@ -43,8 +43,10 @@ Schedule schedule_of(Quality quality, bool stealthy) {
 
 // Reach of pushes, relative to the distance in the densest packing, and share of the missing distance.
 constexpr double kWideReach = 1.1, kWideShare = 0.25;
-constexpr double kReach = 0.9, kNearReach = 0.88, kShare = 0.5;
-constexpr int kNearPushes = 3;  ///< pushes per near round
+constexpr double kReach = 0.9, kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
+constexpr int kNearPushes = 3;    ///< pushes per near round
+constexpr int kLastPushes = 10;   ///< most pushes at the end
+constexpr double kLeast = 0.855;  ///< least distance of two points, relative to the densest packing, that ends pushes
 constexpr double kNegligiblePower = 1e-12;
 constexpr double kThinnest = 0.25;  ///< shortest side of a domain, in spacings
 constexpr std::size_t kMostSites = std::size_t{1} << 31;
@@ -103,7 +105,7 @@ public:
             finish_step();
         }
         // Without waves to remove, distances come last: these pushes move too few points to create waves.
-        if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kNearReach, kShare, kNearPushes);
+        if (schedule_.waves == 0 && schedule_.near_rounds > 0) push(kLastReach, kShare, kLastPushes);
         for (int i = 0; i < schedule_.waves && !stopping(); ++i) {
             if (even_out() < kNegligiblePower) break;
             finish_step();
@@ -123,8 +125,10 @@ private:
 
     void push(double reach, double share, int times) {
         for (int i = 0; i < times && !stopping(); ++i) {
+            double least = 0;
             within_density(
-                [&] { push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop); });
+                [&] { least = push_apart(domain_, spacing_, sites_, free_, reach, share, executor_, control_.stop); });
+            if (least >= kLeast) return;
         }
     }
     double even_out() {

@@ -18,9 +18,11 @@ namespace ccdt {
 ///                  packing of as many sites
 /// @param share     share of the missing distance by which each of two sites moves
 /// @param stop      a stop leaves the sites where they are
+/// @returns         the least distance of two sites before the push, relative to the densest packing; `reach` if all
+///                  distances are larger
 ///
 /// The result does not depend on the number of threads. O(sites).
-void push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
-                double reach, double share, Executor& executor, const std::stop_token& stop);
+double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+                  double reach, double share, Executor& executor, const std::stop_token& stop);
 
 }  // namespace ccdt

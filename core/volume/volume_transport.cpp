@@ -157,12 +157,12 @@ double VolumeTransport::even_out(std::span<Point3> sites, std::size_t free, cons
             sites[i] = domain_.inside(sites[i] + (size > longest ? longest / size : 1) * move);
         }
     });
+    moves_ = {};
     return uniform ? largest : 0;
 }
 
 void VolumeTransport::release_memory() {
     for (Octave& octave : octaves_) octave.grid.release_memory();
-    moves_ = {};
     weights_ = {};
 }
 
