@@ -23,6 +23,8 @@ struct Schedule {
     int relaxations = 0;  ///< relaxations of the tetrahedra, each on a new triangulation
     int passes = 5;       ///< passes per relaxation
     int rounds = 0;       ///< rounds whose pushes reach near neighbours
+    /// Reach of these pushes. The relaxed tetrahedra keep their shapes better if it is short.
+    double reach = 0.87;
     int near_rounds = 0;  ///< rounds with several pushes of the nearest neighbours, except for the last one
     int waves = 0;        ///< most removals of waves at the end, until their power is negligible
 
@@ -35,20 +37,20 @@ Schedule schedule_of(Quality quality, bool stealthy) {
         case Quality::Draft:
             return {.relaxations = 5};
         case Quality::Standard:
-            return {.wide_rounds = 8, .relaxations = 2, .rounds = 8, .near_rounds = 2};
+            return {.wide_rounds = 8, .relaxations = 2, .rounds = 8, .reach = 0.9, .near_rounds = 2};
         default:
-            return {.wide_rounds = 30, .relaxations = 4, .rounds = 24, .near_rounds = 6, .waves = stealthy ? 20 : 0};
+            return {.wide_rounds = 30, .relaxations = 4, .rounds = 24, .near_rounds = 2, .waves = stealthy ? 20 : 0};
     }
 }
 
 // Reach of pushes, relative to the distance in the densest packing, and share of the missing distance.
 constexpr double kWideReach = 1.1, kWideShare = 0.25;
-constexpr double kReach = 0.9, kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
+constexpr double kNearReach = 0.88, kLastReach = 0.87, kShare = 0.5;
 constexpr int kNearPushes = 3;    ///< pushes per near round
 constexpr int kLastPushes = 10;   ///< most pushes at the end
 constexpr double kLeast = 0.855;  ///< least distance of two points, relative to the densest packing, that ends pushes
-constexpr double kNegligiblePower = 1e-12;
-constexpr double kThinnest = 0.25;  ///< shortest side of a domain, in spacings
+constexpr double kNegligiblePower = 1e-11;  ///< largest power of a wave that counts as removed
+constexpr double kThinnest = 0.25;          ///< shortest side of a domain, in spacings
 constexpr std::size_t kMostSites = std::size_t{1} << 31;
 
 bool is_length(double v) {
@@ -98,7 +100,7 @@ public:
                 [&] { trace_.push_back(relaxation_.relax(sites_, free_, schedule_.passes, control_.stop)); });
             finish_step();
         }
-        for (int i = 0; i < schedule_.rounds; ++i) round(kReach, kShare);
+        for (int i = 0; i < schedule_.rounds; ++i) round(schedule_.reach, kShare);
         for (int i = 0; i < schedule_.near_rounds && !stopping(); ++i) {
             if (i > 0) push(kNearReach, kShare, kNearPushes);
             even_out();
