@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 
+#include "core/polish/cell_list.h"
 #include "core/volume/block_relaxation.h"
 #include "core/volume/near_push.h"
 #include "core/volume/volume_spacing.h"
@@ -186,19 +188,22 @@ private:
 };
 
 void VolumeConstruction::replace_nearest(std::span<const Point3> fixed) {
+    if (fixed.empty()) return;
+    const CellList3 cells(sites_);
     std::vector<bool> replaced(sites_.size(), false);
     for (const Point3 p : fixed) {
-        std::size_t nearest = sites_.size();
-        double least = 0;
-        for (std::size_t i = 0; i < sites_.size(); ++i) {
-            if (replaced[i]) continue;
-            const Point3 away = sites_[i] - p;
-            const double squared = dot(away, away);
-            if (nearest < sites_.size() && squared >= least) continue;
-            nearest = i;
-            least = squared;
+        std::optional<std::uint32_t> nearest;
+        // There are as many sites as fixed points, or more, so one is found.
+        for (double reach = spacing_.side(p); !nearest; reach *= 2) {
+            double least = reach * reach;
+            cells.for_near(p, reach, [&](Point3 site, std::uint32_t number) {
+                const double squared = dot(site - p, site - p);
+                if (replaced[number] || squared >= least) return;
+                nearest = number;
+                least = squared;
+            });
         }
-        replaced[nearest] = true;
+        replaced[*nearest] = true;
     }
     std::vector<Point3> kept;
     kept.reserve(sites_.size());

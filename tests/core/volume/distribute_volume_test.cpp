@@ -198,7 +198,7 @@ TEST(DistributeInVolume, FollowsTheDensity) {
         const auto result = distributed(domain, {.sites = 4000}, density);
         const auto upper = std::ranges::count_if(result.points, [](Point3 p) { return p.z > 0.5; });
         const auto outside = std::ranges::count_if(result.points, [](Point3 p) { return p.y > 2.0 / 3; });
-        EXPECT_NEAR(double(upper), 3000, 30);
+        EXPECT_NEAR(static_cast<double>(upper), 3000, 30);
         EXPECT_EQ(outside, 0);
     }
 }
