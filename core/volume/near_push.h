@@ -16,7 +16,7 @@ namespace ccdt {
 /// @param sites     [sites + fixed] in the domain; the first `free` of them move
 /// @param reach     distance below which two sites are pushed, relative to the neighbours' distance in the densest
 ///                  packing of as many sites
-/// @param share     share of the missing distance by which each of two sites moves
+/// @param share     share of the missing distance by which each of two sites moves; a move is at most half the reach
 /// @param stop      a stop leaves the sites where they are
 /// @returns         the least distance of two sites before the push, relative to the densest packing; `reach` if all
 ///                  distances are larger
