@@ -128,6 +128,7 @@ private:
     void replace_nearest(std::span<const Point3> fixed);
 
     void push(double reach, double share, int times) {
+        transport_.release_memory();  // a push needs as much memory itself
         for (int i = 0; i < times && !stopping(); ++i) {
             double least = 0;
             within_density(
