@@ -2,6 +2,7 @@
 #include "core/fourier/fft.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cstdlib>
 #include <limits>
@@ -50,10 +51,19 @@ private:
     Memory<T> data_;
 };
 
-std::size_t product(int columns, int rows) {
-    assert(columns >= 1 && rows >= 1);
-    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-}
+/// Size of a grid. A grid in the plane has one layer.
+struct GridSize {
+    explicit GridSize(const std::array<int, 3>& cells)
+        : width(static_cast<std::size_t>(cells[0])),
+          height(static_cast<std::size_t>(cells[1])),
+          layers(static_cast<std::size_t>(cells[2])) {
+        assert(cells[0] >= 1 && cells[1] >= 1 && cells[2] >= 1);
+    }
+
+    std::size_t rows() const { return height * layers; }
+
+    std::size_t width, height, layers;
+};
 
 /// Copies a few columns at a time and transforms the copies. In place, the numbers of a column would be a large stride
 /// apart, and so share few sets of the cache.
@@ -70,6 +80,17 @@ void for_columns(Executor& executor, Value* grid, std::size_t width, std::size_t
         for (std::size_t row = 0; row < rows; ++row)
             std::copy_n(columns.get() + row * count, count, grid + row * width + begin);
     });
+}
+
+/// Transforms the columns of each layer, then the lines across the layers.
+template <class Value, class Transform>
+void for_columns_and_lines(Executor& executor, Value* grid, std::size_t width, const GridSize& size,
+                           Transform&& transform) {
+    if (size.layers == 1) return for_columns(executor, grid, width, size.height, transform);
+    executor.run(size.layers, [&](std::size_t layer) {
+        for_columns(inline_executor(), grid + layer * width * size.height, width, size.height, transform);
+    });
+    for_columns(executor, grid, width * size.height, size.layers, transform);
 }
 
 /// Calls transform(rows, number of the first row) for a few rows at a time.
@@ -96,14 +117,15 @@ int good_size(double least) {
 }
 
 struct RealTransform::Grids {
-    Grids(int columns, int rows, Executor& of_threads, std::size_t spare_size)
+    Grids(const std::array<int, 3>& cells, Executor& of_threads, std::size_t spare_size)
         : executor(of_threads),
-          width(static_cast<std::size_t>(columns)),
-          height(static_cast<std::size_t>(rows)),
-          kept(width / 2 + 1),
+          size(cells),
+          kept(size.width / 2 + 1),
           spare(spare_size),
-          grid(product(columns, rows)),
-          spectrum(std::max(kept * height, (spare + 1) / 2)) {}
+          grid(size.width * size.rows()),
+          spectrum(std::max(kept * size.rows(), (spare + 1) / 2)) {}
+
+    std::span<std::complex<double>> coefficients() { return spectrum.view().first(kept * size.rows()); }
 
     void restore() {
         grid.restore();
@@ -111,13 +133,16 @@ struct RealTransform::Grids {
     }
 
     Executor& executor;
-    std::size_t width, height, kept, spare;
+    GridSize size;
+    std::size_t kept, spare;
     Buffer<double> grid;
-    Buffer<std::complex<double>> spectrum;  ///< [kept * height], or the spare memory
+    Buffer<std::complex<double>> spectrum;  ///< [kept * rows], or the spare memory
 };
 
 RealTransform::RealTransform(int columns, int rows, Executor& executor, std::size_t spare)
-    : grids_(std::make_unique<Grids>(columns, rows, executor, spare)) {}
+    : grids_(std::make_unique<Grids>(std::array{columns, rows, 1}, executor, spare)) {}
+RealTransform::RealTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor)
+    : grids_(std::make_unique<Grids>(columns_rows_layers, executor, 0)) {}
 RealTransform::RealTransform(RealTransform&&) noexcept = default;
 RealTransform& RealTransform::operator=(RealTransform&&) noexcept = default;
 RealTransform::~RealTransform() = default;
@@ -133,11 +158,11 @@ std::span<double> RealTransform::grid() {
 }
 
 std::span<std::complex<double>> RealTransform::spectrum() {
-    return grids_->spectrum.view().first(grids_->kept * grids_->height);
+    return grids_->coefficients();
 }
 
 std::span<const std::complex<double>> RealTransform::spectrum() const {
-    return grids_->spectrum.view().first(grids_->kept * grids_->height);
+    return grids_->coefficients();
 }
 
 std::span<double> RealTransform::spare() {
@@ -147,45 +172,45 @@ std::span<double> RealTransform::spare() {
 
 void RealTransform::forward() {
     Grids& g = *grids_;
-    for_rows(g.executor, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
-        line_transforms().real(rows, g.grid.data() + first * g.width, g.kept, g.spectrum.data() + first * g.kept);
+    for_rows(g.executor, g.size.width, g.size.rows(), [&](const LineSet& rows, std::size_t first) {
+        line_transforms().real(rows, g.grid.data() + first * g.size.width, g.kept, g.spectrum.data() + first * g.kept);
     });
-    for_columns(g.executor, g.spectrum.data(), g.kept, g.height, line_transforms().complex);
+    for_columns_and_lines(g.executor, g.spectrum.data(), g.kept, g.size, line_transforms().complex);
 }
 
 void RealTransform::backward() {
     Grids& g = *grids_;
-    for_columns(g.executor, g.spectrum.data(), g.kept, g.height, line_transforms().complex_back);
-    for_rows(g.executor, g.width, g.height, [&](const LineSet& rows, std::size_t first) {
-        line_transforms().real_back(rows, g.grid.data() + first * g.width, g.kept, g.spectrum.data() + first * g.kept);
+    for_columns_and_lines(g.executor, g.spectrum.data(), g.kept, g.size, line_transforms().complex_back);
+    for_rows(g.executor, g.size.width, g.size.rows(), [&](const LineSet& rows, std::size_t first) {
+        line_transforms().real_back(rows, g.grid.data() + first * g.size.width, g.kept,
+                                    g.spectrum.data() + first * g.kept);
     });
 }
 
 struct CosineTransform::Grids {
-    Grids(int columns, int rows, Executor& of_threads, std::size_t spare)
-        : executor(of_threads),
-          width(static_cast<std::size_t>(columns)),
-          height(static_cast<std::size_t>(rows)),
-          grid(std::max(product(columns, rows), spare)) {}
+    Grids(const std::array<int, 3>& cells, Executor& of_threads, std::size_t spare)
+        : executor(of_threads), size(cells), grid(std::max(size.width * size.rows(), spare)) {}
 
     template <class Transform>
     void transform_rows(Transform&& transform) {
-        for_rows(executor, width, height,
-                 [&](const LineSet& rows, std::size_t first) { transform(rows, grid.data() + first * width); });
+        for_rows(executor, size.width, size.rows(),
+                 [&](const LineSet& rows, std::size_t first) { transform(rows, grid.data() + first * size.width); });
     }
 
     template <class Transform>
     void transform_columns(Transform&& transform) {
-        for_columns(executor, grid.data(), width, height, transform);
+        for_columns_and_lines(executor, grid.data(), size.width, size, transform);
     }
 
     Executor& executor;
-    std::size_t width, height;
-    Buffer<double> grid;  ///< [width * height], and the spare memory
+    GridSize size;
+    Buffer<double> grid;  ///< [width * rows], and the spare memory
 };
 
 CosineTransform::CosineTransform(int columns, int rows, Executor& executor, std::size_t spare)
-    : grids_(std::make_unique<Grids>(columns, rows, executor, spare)) {}
+    : grids_(std::make_unique<Grids>(std::array{columns, rows, 1}, executor, spare)) {}
+CosineTransform::CosineTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor)
+    : grids_(std::make_unique<Grids>(columns_rows_layers, executor, 0)) {}
 CosineTransform::CosineTransform(CosineTransform&&) noexcept = default;
 CosineTransform& CosineTransform::operator=(CosineTransform&&) noexcept = default;
 CosineTransform::~CosineTransform() = default;
@@ -195,7 +220,7 @@ void CosineTransform::release_memory() {
 }
 
 std::span<double> CosineTransform::grid() {
-    return spare().first(grids_->width * grids_->height);
+    return spare().first(grids_->size.width * grids_->size.rows());
 }
 
 std::span<double> CosineTransform::spare() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <memory>
@@ -14,7 +15,7 @@ namespace ccdt {
 /// @param least  at most 1e9
 int good_size(double least);
 
-/// Fourier transform of a real grid, and its inverse.
+/// Fourier transform of a real grid in the plane or in space, and its inverse.
 ///
 /// The same input gives the same bits in every run, on every processor of one architecture and with any executor. Only
 /// one thread at a time may use an object. Throws std::bad_alloc. O(n log n) for n cells, 16 bytes per cell.
@@ -26,6 +27,9 @@ public:
     ///
     /// All cells are 0 at first.
     RealTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
+    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. Every sum below then
+    /// has a third term for the layers in k.j.
+    RealTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
     RealTransform(RealTransform&&) noexcept;
     RealTransform& operator=(RealTransform&&) noexcept;
     ~RealTransform();
@@ -34,11 +38,11 @@ public:
     /// 0.
     void release_memory();
 
-    /// Cells of the grid [rows * columns], row by row.
+    /// Cells of the grid [layers * rows * columns], row by row.
     std::span<double> grid();
 
-    /// Coefficients [rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows. The
-    /// columns of negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
+    /// Coefficients [layers * rows * (columns / 2 + 1)], row by row: frequency (x, y) is in column x of row y mod rows.
+    /// The columns of negative x are not stored: coefficient (x, y) is the complex conjugate of coefficient (-x, -y).
     std::span<std::complex<double>> spectrum();
     std::span<const std::complex<double>> spectrum() const;
 
@@ -69,6 +73,9 @@ public:
     ///
     /// All cells are 0 at first.
     CosineTransform(int columns, int rows, Executor& executor = inline_executor(), std::size_t spare = 0);
+    /// Transforms a grid in space: `layers` grids of columns * rows cells, one after the other. The sum of forward()
+    /// then has a third cosine, and the factors 4 become 8.
+    CosineTransform(const std::array<int, 3>& columns_rows_layers, Executor& executor);
     CosineTransform(CosineTransform&&) noexcept;
     CosineTransform& operator=(CosineTransform&&) noexcept;
     ~CosineTransform();

@@ -2,6 +2,7 @@
 #include "core/fourier/fft.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <thread>
@@ -229,6 +230,50 @@ TEST(CosineTransform, RoundTripsUpToFourTimesTheNumberOfCells) {
             EXPECT_NEAR(transform.grid()[i] / (4 * columns * rows), values[i], 1e-14) << columns << " x " << rows;
         }
     }
+}
+
+TEST(RealTransform, TransformsAnImpulseInSpaceToAWave) {
+    for (const std::array<int, 3>& cells : {std::array{6, 5, 4}, std::array{1, 2, 3}, std::array{5, 1, 2}}) {
+        const auto [columns, rows, layers] = cells;
+        const int x = columns / 3, y = rows / 2, z = layers - 1;
+        RealTransform transform(cells, inline_executor());
+        transform.grid()[static_cast<std::size_t>((z * rows + y) * columns + x)] = 1;
+        transform.forward();
+        const int width = columns / 2 + 1;
+        for (int w = 0; w < layers; ++w) {
+            for (int v = 0; v < rows; ++v) {
+                for (int u = 0; u < width; ++u) {
+                    const double turns = double(u) * x / columns + double(v) * y / rows + double(w) * z / layers;
+                    const auto number = static_cast<std::size_t>((w * rows + v) * width + u);
+                    EXPECT_LT(std::abs(transform.spectrum()[number] - std::polar(1.0, -2 * kPi * turns)), 1e-14);
+                }
+            }
+        }
+        transform.backward();
+        const auto impulse = static_cast<std::size_t>((z * rows + y) * columns + x);
+        for (std::size_t i = 0; i < transform.grid().size(); ++i)
+            EXPECT_NEAR(transform.grid()[i], i == impulse ? columns * rows * layers : 0, 1e-12);
+    }
+}
+
+TEST(CosineTransform, TransformsAnImpulseInSpaceToAProductOfCosines) {
+    constexpr int kColumns = 6, kRows = 5, kLayers = 4, kX = 4, kY = 0, kZ = 2;
+    CosineTransform transform({kColumns, kRows, kLayers}, inline_executor());
+    constexpr std::size_t kImpulse = (kZ * kRows + kY) * kColumns + kX;
+    transform.grid()[kImpulse] = 1;
+    transform.forward();
+    const auto cosine = [](int k, int place, int cells) { return 2 * std::cos(kPi * k * (place + 0.5) / cells); };
+    for (int w = 0; w < kLayers; ++w) {
+        for (int v = 0; v < kRows; ++v) {
+            for (int u = 0; u < kColumns; ++u) {
+                EXPECT_NEAR(transform.grid()[static_cast<std::size_t>((w * kRows + v) * kColumns + u)],
+                            cosine(u, kX, kColumns) * cosine(v, kY, kRows) * cosine(w, kZ, kLayers), 1e-14);
+            }
+        }
+    }
+    transform.backward();
+    for (std::size_t i = 0; i < transform.grid().size(); ++i)
+        EXPECT_NEAR(transform.grid()[i], i == kImpulse ? 8 * kColumns * kRows * kLayers : 0, 1e-12);
 }
 
 }  // namespace

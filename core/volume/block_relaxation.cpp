@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/block_relaxation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#include "core/random.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kSitesPerBlock = 16384;
+constexpr double kFewestBlocks = 2;  ///< so that two threads are of use for few sites, too
+/// Width of the rim around a block whose sites are triangulated with it, in spacings. Almost all tetrahedra with a
+/// corner in the block are those of the complete triangulation.
+constexpr double kRim = 1.75;
+constexpr double kSpring = 0.01;      ///< stiffness of edges relative to the stiffness of volumes
+constexpr double kRelaxation = 1.2;   ///< length of a move relative to the move to the minimum
+constexpr double kMaxMove = 0.4;      ///< longest move, in spacings
+constexpr double kLeastVolume = 0.1;  ///< share of its volume that a tetrahedron keeps in a move
+
+constexpr double kOffset = 1e-9;  ///< largest offset of copies, in the unit frame
+
+/// A site and a tetrahedron's face opposite to it, oriented such that the site is on the left.
+using Face = std::array<std::uint32_t, 3>;
+
+/// The faces opposite to each site.
+struct Fans {
+    std::vector<std::uint32_t> begins;  ///< [sites + 1]
+    std::vector<Face> faces;
+    std::vector<double> weights;  ///< [faces] density of the face's tetrahedron; empty if it is uniform
+};
+
+Fans fans_of(std::span<const Tetrahedron> tetrahedra, std::size_t sites) {
+    constexpr std::array<std::array<std::size_t, 3>, 4> kOpposite{{{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}}};
+    Fans fans;
+    fans.begins.assign(sites + 1, 0);
+    for (const Tetrahedron& corners : tetrahedra) {
+        for (const std::uint32_t corner : corners) {
+            if (corner < sites) ++fans.begins[corner];
+        }
+    }
+    std::uint32_t sum = 0;
+    for (std::uint32_t& begin : fans.begins) begin = sum += begin;
+    fans.faces.resize(sum);
+    for (const Tetrahedron& corners : tetrahedra) {
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (corners[i] >= sites) continue;
+            const auto& [a, b, c] = kOpposite[i];
+            fans.faces[--fans.begins[corners[i]]] = {corners[a], corners[b], corners[c]};
+        }
+    }
+    return fans;
+}
+
+/// A symmetric 3 x 3 system of equations.
+struct Equations {
+    double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+    Point3 right;
+
+    void add(Point3 gradient, double excess) {
+        xx += gradient.x * gradient.x;
+        xy += gradient.x * gradient.y;
+        xz += gradient.x * gradient.z;
+        yy += gradient.y * gradient.y;
+        yz += gradient.y * gradient.z;
+        zz += gradient.z * gradient.z;
+        right = right - excess * gradient;
+    }
+    void add_spring(double stiffness, Point3 to_middle) {
+        xx += stiffness;
+        yy += stiffness;
+        zz += stiffness;
+        right = right + stiffness * to_middle;
+    }
+    Point3 solve() const {
+        const Point3 a{xx, xy, xz}, b{xy, yy, yz}, c{xz, yz, zz};
+        const Point3 bc = cross(b, c), ca = cross(c, a), ab = cross(a, b);
+        const double determinant = dot(a, bc);
+        if (!(determinant > 0)) return {};
+        return (1 / determinant) * (right.x * bc + right.y * ca + right.z * ab);
+    }
+};
+
+}  // namespace
+
+double BlockRelaxation::relax(std::span<Point3> sites, std::size_t free, int passes, const std::stop_token& stop) {
+    const std::vector<Block> blocks = divide(sites);
+    ++calls_;
+    std::vector<Point3> moved(sites.begin(), sites.begin() + static_cast<std::ptrdiff_t>(free));
+    std::vector<Sums> sums(blocks.size());
+    executor_.run(blocks.size(), [&](std::size_t number) {
+        sums[number] = relax_block(blocks[number], free, sites.size(), passes, moved, stop);
+    });
+    if (stop.stop_requested()) return 0;
+    std::ranges::copy(moved, sites.begin());
+    Sums all;
+    for (const Sums& part : sums) {
+        all.count += part.count;
+        all.first += part.first;
+        all.second += part.second;
+    }
+    const double mean = all.first / all.count;
+    return all.count > 0 ? std::sqrt(std::max(0.0, all.second / all.count - mean * mean)) / mean : 0;
+}
+
+/// Assigns every site to one block, and to the blocks that it or one of its copies is near to.
+std::vector<BlockRelaxation::Block> BlockRelaxation::divide(std::span<const Point3> sites) const {
+    const double blocks_wanted = std::max(kFewestBlocks, static_cast<double>(sites.size()) / kSitesPerBlock);
+    const double width = std::cbrt(domain_.volume() / blocks_wanted);
+    // With a shift, block 0 of a torus continues at the other end. In a box, there is one more block.
+    std::array<double, 3> per_length{}, shifts{};
+    std::array<std::size_t, 3> counts{};
+    Point3 half_block;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double side = along(domain_.sides, axis), count = std::max(1.0, std::ceil(side / width - 0.3));
+        per_length[axis] = count / side;
+        if (calls_ % 2 == 1 && (domain_.periodic || count > 1)) shifts[axis] = 0.5;
+        counts[axis] = static_cast<std::size_t>(count) + (shifts[axis] > 0 && !domain_.periodic ? 1 : 0);
+        along(half_block, axis) = shifts[axis] * side / count;
+    }
+    std::vector<Block> blocks(counts[0] * counts[1] * counts[2]);
+    for (std::uint32_t i = 0; i < sites.size(); ++i) {
+        const double reach = kRim * spacing_.side(sites[i]);
+        const Point3 margin = half_block + Point3{reach, reach, reach};
+        domain_.for_copies(sites[i], {Point3{} - margin, domain_.sides + margin}, [&](Point3 copy, bool is_original) {
+            std::array<std::size_t, 3> first{}, last{};
+            std::array<double, 3> home{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto block_of = [&](double v) { return std::floor(v * per_length[axis] + shifts[axis]); };
+                const double place = along(copy, axis), end = static_cast<double>(counts[axis]) - 1;
+                const double low = block_of(place - reach), high = block_of(place + reach);
+                if (high < 0 || low > end) return;
+                first[axis] = static_cast<std::size_t>(std::max(low, 0.0));
+                last[axis] = static_cast<std::size_t>(std::min(high, end));
+                home[axis] = block_of(place);
+            }
+            const auto is_home = [&](std::size_t block, std::size_t axis) {
+                return static_cast<double>(block) == home[axis];
+            };
+            const bool has_home = domain_.periodic || is_original;
+            for (std::size_t z = first[2]; z <= last[2]; ++z) {
+                for (std::size_t y = first[1]; y <= last[1]; ++y) {
+                    for (std::size_t x = first[0]; x <= last[0]; ++x) {
+                        const bool is_own = has_home && is_home(x, 0) && is_home(y, 1) && is_home(z, 2);
+                        Block& block = blocks[(z * counts[1] + y) * counts[0] + x];
+                        (is_own ? block.own : block.near).push_back({copy, i});
+                    }
+                }
+            }
+        });
+    }
+    return blocks;
+}
+
+BlockRelaxation::Sums BlockRelaxation::relax_block(const Block& block, std::size_t free, std::size_t all, int passes,
+                                                   std::span<Point3> moved, const std::stop_token& stop) const {
+    const std::size_t own = block.own.size();
+    Sums sums;
+    if (own == 0 || stop.stop_requested()) return sums;
+    std::vector<Point3> places;
+    places.reserve(own + block.near.size());
+    for (const Member& member : block.own) places.push_back(member.place);
+    // In a box, a site and its mirror image lie on a circle with any other such pair. Tiny offsets of the copies avoid
+    // the exact arithmetic that such cases need.
+    for (const Member& member : block.near) {
+        Random random(0, places.size());
+        const double offset = kOffset * random.uniform();
+        places.push_back(domain_.periodic ? member.place : member.place + Point3{offset, -offset, 2 * offset});
+    }
+    Fans fans = fans_of(delaunay_tetrahedra(places, stop), own);
+    if (stop.stop_requested() || fans.faces.empty()) return sums;
+    const auto capacity_of = [&](std::size_t site, std::size_t k) {
+        const auto& [a, b, c] = fans.faces[k];
+        const double volume = dot(cross(places[b] - places[a], places[c] - places[a]), places[site] - places[a]) / 6;
+        return fans.weights.empty() ? volume : fans.weights[k] * volume;
+    };
+    if (!density_.is_uniform()) {
+        const Point3 sides = domain_.sides;
+        fans.weights.resize(fans.faces.size());
+        for (std::size_t site = 0; site < own; ++site) {
+            for (std::size_t k = fans.begins[site]; k < fans.begins[site + 1]; ++k) {
+                const auto& [a, b, c] = fans.faces[k];
+                const Point3 middle = 0.25 * (places[a] + places[b] + places[c] + places[site]);
+                double sum = 0;
+                for (const Point3 corner : {places[a], places[b], places[c], places[site], middle}) {
+                    const Point3 p = domain_.inside(0.5 * (corner + middle));
+                    sum += density_.at({p.x / sides.x, p.y / sides.y, p.z / sides.z});
+                }
+                fans.weights[k] = sum / 5;
+            }
+        }
+    }
+    for (std::size_t site = 0; site < own; ++site) {
+        for (std::size_t k = fans.begins[site]; k < fans.begins[site + 1]; ++k) {
+            const double capacity = capacity_of(site, k);
+            sums.first += capacity;
+            sums.second += capacity * capacity;
+        }
+    }
+    sums.count = static_cast<double>(fans.faces.size());
+
+    const double even = domain_.volume() / static_cast<double>(all);  // capacity of a site
+    const double goal = even * 4 * static_cast<double>(own) / sums.count;
+    std::vector<Point3> gradients;
+    std::vector<double> capacities;
+    for (int pass = 0; pass < passes && !stop.stop_requested(); ++pass) {
+        for (std::uint32_t site = 0; site < own; ++site) {
+            if (block.own[site].site >= free) continue;
+            const Point3 place = places[site];
+            const std::size_t begin = fans.begins[site], count = fans.begins[site + 1] - begin;
+            if (count == 0) continue;
+            gradients.resize(count);
+            capacities.resize(count);
+            Equations equations;
+            Point3 middle;
+            double mean_weight = 0;
+            for (std::size_t k = 0; k < count; ++k) {
+                const auto& [a, b, c] = fans.faces[begin + k];
+                const Point3 to_a = places[a] - place, to_b = places[b] - place, to_c = places[c] - place;
+                const double weight = fans.weights.empty() ? 1 : fans.weights[begin + k];
+                gradients[k] = (weight / 6) * cross(to_b - to_a, to_c - to_a);
+                capacities[k] = -dot(gradients[k], to_a);
+                equations.add(gradients[k], capacities[k] - goal);
+                middle = middle + to_a + to_b + to_c;
+                mean_weight += weight;
+            }
+            const auto faces = static_cast<double>(count);
+            // A site with this many faces in its fan has half as many neighbours, and two more.
+            const double stiffness = kSpring * std::pow(even, 4.0 / 3) * (faces / 2 + 2);
+            const double local = fans.weights.empty() ? 1 : std::pow(mean_weight / faces, 2.0 / 3);
+            equations.add_spring(local * stiffness, 1 / (3 * faces) * middle);
+            Point3 move = kRelaxation * equations.solve();
+            const double size = length(move), longest = kMaxMove * spacing_.side(domain_.inside(place));
+            if (size > longest) move = longest / size * move;
+            double share = 1;
+            for (std::size_t k = 0; k < count; ++k) {
+                const double change = dot(gradients[k], move), least = (kLeastVolume - 1) * capacities[k];
+                if (change * share < least) share = least / change;
+            }
+            places[site] = place + share * move;
+        }
+    }
+    for (std::size_t site = 0; site < own; ++site) {
+        if (block.own[site].site < free) moved[block.own[site].site] = domain_.inside(places[site]);
+    }
+    return sums;
+}
+
+}  // namespace ccdt

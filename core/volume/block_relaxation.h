@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/delaunay3.h"
+#include "core/geometry/point3.h"
+#include "core/parallel/executor.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/volume_spacing.h"
+#include "core/volume/voxel_density.h"
+
+namespace ccdt {
+
+/// Moves sites in space such that the tetrahedra of their Delaunay triangulation hold nearly the same capacity, as
+/// Relaxation does in the plane. Tetrahedra cannot all be equal: there are three coordinates for about six tetrahedra
+/// per site.
+///
+/// The domain is divided into blocks. Each is triangulated by itself, together with the sites around it and with copies
+/// of sites beyond the domain's border. So blocks can be processed in parallel, and only the triangulations of a few
+/// blocks are in memory at a time. While a block is relaxed, the sites around it keep their places. Blocks have other
+/// borders in every second call.
+class BlockRelaxation {
+public:
+    /// @param density, spacing  must outlive this object
+    BlockRelaxation(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
+                    Executor& executor)
+        : domain_(domain), density_(density), spacing_(spacing), executor_(executor) {}
+
+    /// Triangulates the sites and moves each of them `passes` times.
+    /// @param sites  in the domain; the first `free` of them move
+    /// @param stop   a stop leaves the sites where they are
+    /// @returns      the capacity variation of the tetrahedra before the moves: standard deviation over mean
+    ///
+    /// The result does not depend on the number of threads. O(sites log sites).
+    double relax(std::span<Point3> sites, std::size_t free, int passes, const std::stop_token& stop);
+
+private:
+    /// A site of a block, or a site or a copy near the block.
+    struct Member {
+        Point3 place;
+        std::uint32_t site;
+    };
+    struct Block {
+        std::vector<Member> own, near;
+    };
+    /// Sums over tetrahedra.
+    struct Sums {
+        double count = 0, first = 0, second = 0;
+    };
+
+    std::vector<Block> divide(std::span<const Point3> sites) const;
+    Sums relax_block(const Block& block, std::size_t free, std::size_t all, int passes, std::span<Point3> moved,
+                     const std::stop_token& stop) const;
+
+    BoxDomain3 domain_;
+    const VoxelDensity& density_;
+    const VolumeSpacing& spacing_;
+    Executor& executor_;
+    std::size_t calls_ = 0;
+};
+
+}  // namespace ccdt

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/near_push.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "core/polish/cell_list.h"
+
+namespace ccdt {
+
+namespace {
+
+constexpr std::size_t kSites = 2048;  ///< sites per task
+/// Distance of layers in the densest packing, relative to the distance of neighbours. With a site's own mirror image at
+/// the distance of a neighbour instead, sites would crowd in the first layer off the border.
+constexpr double kLayers = 0.816496580927726;
+constexpr double kMaxPush = 0.5;  ///< longest move, relative to the reach
+
+}  // namespace
+
+double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+                  double reach, double share, Executor& executor, const std::stop_token& stop) {
+    std::vector<std::uint32_t> numbers;  // [places] site of each place
+    const double ratio = spacing.is_uniform() ? 1 : VolumeSpacing::kMaxRatio;
+    const auto list_places = [&] {
+        std::vector<Point3> places(sites.begin(), sites.end());
+        for (std::uint32_t i = 0; i < sites.size(); ++i) numbers.push_back(i);
+        for (std::uint32_t i = 0; i < sites.size(); ++i) {
+            const double range = ratio * reach * spacing.densest(sites[i]);
+            const Point3 margin{range, range, range};
+            domain.for_copies(sites[i], {Point3{} - margin, domain.sides + margin}, [&](Point3 copy, bool is_original) {
+                if (is_original) return;
+                places.push_back(copy);
+                numbers.push_back(i);
+            });
+        }
+        return CellList3(places);
+    };
+    const CellList3 cells = list_places();
+    std::vector<Point3> moved(free);
+    std::vector<double> least(free / kSites + 1, 1);
+    for_ranges(executor, free, kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end && !stop.stop_requested(); ++i) {
+            const Point3 p = sites[i];
+            const double own = reach * spacing.densest(p), range = ratio * own;
+            Point3 move;
+            cells.for_near(p, range, [&](Point3 q, std::uint32_t number) {
+                const Point3 away = p - q;
+                const double squared = dot(away, away);
+                if (!(squared < range * range) || number == i || squared == 0) return;
+                const double distance = std::sqrt(squared);
+                const std::uint32_t other = numbers[number];
+                double wanted = spacing.is_uniform() ? own : (own + reach * spacing.densest(sites[other])) / 2;
+                if (other == i) wanted *= kLayers;
+                if (distance >= wanted) return;
+                least[begin / kSites] = std::min(least[begin / kSites], distance / wanted);
+                // A fixed site does not yield, so the other site moves twice as far.
+                const double part = other < free ? share : 2 * share;
+                move = move + (part * (wanted / distance - 1)) * away;
+            });
+            const double longest = kMaxPush * own, size = length(move);
+            moved[i] = domain.inside(p + (size > longest ? longest / size : 1) * move);
+        }
+    });
+    if (!stop.stop_requested()) std::ranges::copy(moved, sites.begin());
+    return reach * std::ranges::min(least);
+}
+
+}  // namespace ccdt

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <stop_token>
+
+#include "core/geometry/point3.h"
+#include "core/parallel/executor.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/volume_spacing.h"
+
+namespace ccdt {
+
+/// Moves near sites apart. In a box, the mirror images of sites push, too, which keeps the first layer half a spacing
+/// off the border.
+/// @param sites     [sites + fixed] in the domain; the first `free` of them move
+/// @param reach     distance below which two sites are pushed, relative to the neighbours' distance in the densest
+///                  packing of as many sites
+/// @param share     share of the missing distance by which each of two sites moves; a move is at most half the reach
+/// @param stop      a stop leaves the sites where they are
+/// @returns         the least distance of two sites before the push, relative to the densest packing; `reach` if all
+///                  distances are larger
+///
+/// The result does not depend on the number of threads. O(sites).
+double push_apart(const BoxDomain3& domain, const VolumeSpacing& spacing, std::span<Point3> sites, std::size_t free,
+                  double reach, double share, Executor& executor, const std::stop_token& stop);
+
+}  // namespace ccdt

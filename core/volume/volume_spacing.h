@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/parallel/executor.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/voxel_density.h"
+
+namespace ccdt {
+
+/// The local distance of points: the side of the cube around a place that holds one of the wanted points. If the
+/// density varies, sides are stored on a grid and interpolated.
+class VolumeSpacing {
+public:
+    /// Largest ratio of the mean of two sides at neighbours to one of them.
+    static constexpr double kMaxRatio = 1.5;
+
+    /// @param points  number of points in the domain, >= 1
+    VolumeSpacing(const BoxDomain3& domain, const VoxelDensity& density, std::size_t points, Executor& executor);
+
+    bool is_uniform() const { return sides_.empty(); }
+    double mean() const { return mean_; }  ///< the spacing if the density were uniform
+
+    /// Returns the side of the cube at a place in the domain.
+    double side(Point3 p) const;
+
+    /// Returns the distance of neighbours in the densest packing with the local density.
+    double densest(Point3 p) const { return kDensest * side(p); }
+
+    /// Distance of neighbours in the face-centred cubic lattice with one point per unit of volume: the sixth root of 2.
+    static constexpr double kDensest = 1.122462048309373;
+
+private:
+    double mean_;
+    Point3 domain_sides_;
+    std::array<std::size_t, 3> cells_{};
+    std::vector<float> sides_;  ///< [z][y][x] sides at the centres of cells; empty if the density is uniform
+};
+
+}  // namespace ccdt

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/volume_transport.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <type_traits>
+
+namespace ccdt {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+/// Four cells per cycle of the highest frequency; see WaveGrid. If the grid must be precise, nearly six.
+constexpr double kCellsPerSpacing = 2.2, kPreciseCells = 3.2;
+constexpr double kMaxMove = 0.25;     ///< longest move, in spacings
+constexpr std::size_t kSites = 4096;  ///< sites per task
+constexpr std::size_t kMaxOctaves = 5;
+/// Limit on the density that octave 0 resolves, relative to the mean density.
+constexpr double kMaxContrast = 4;
+constexpr double kCaution = 0.7;  ///< number of octaves added to the octave that follows from the spacing
+
+/// Returns the share of a wave's error that a round removes.
+/// @param frequency  in cycles per spacing
+double share_removed(double frequency, bool uniform) {
+    constexpr double kVaryingEnd = 0.5;
+    if (uniform) return frequency < VolumeTransport::kLimit ? 1 : 0;
+    const double squared = std::pow(frequency / kVaryingEnd, 2);
+    return std::exp(-squared * squared);
+}
+
+double sinc(double cycles) {
+    const double x = kPi * cycles;
+    return x == 0 ? 1 : std::sin(x) / x;
+}
+
+/// Returns the weight of a point in an octave. The weights in all octaves add up to 1.
+double part(double level, std::size_t octave) {
+    return std::max(0.0, 1 - std::abs(level - static_cast<double>(octave)));
+}
+
+}  // namespace
+
+VolumeTransport::VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
+                                 std::size_t points, bool precise, Executor& executor)
+    : domain_(domain),
+      spacing_(spacing),
+      executor_(executor),
+      points_(static_cast<double>(points)),
+      finest_(spacing.mean() / std::cbrt(std::min(density.contrast(), kMaxContrast))) {
+    const double longest = std::max({domain.sides.x, domain.sides.y, domain.sides.z});
+    const double cells = precise ? kPreciseCells : kCellsPerSpacing;
+    const std::size_t octaves = density.is_uniform() ? 1 : kMaxOctaves;
+    for (std::size_t octave = 0; octave < octaves; ++octave) {
+        const double own = finest_ * std::exp2(static_cast<double>(octave));
+        if (octave > 0 && own > longest / 4) break;
+        octaves_.push_back({WaveGrid(domain, (cells / own) * domain.sides, executor), own});
+    }
+    if (density.is_uniform()) return;
+    for (std::size_t octave = 0; octave < octaves_.size(); ++octave) set_target(octaves_[octave], octave, density);
+}
+
+/// Returns the fractional octave of a point.
+double VolumeTransport::level(Point3 p) const {
+    const double level = std::log2(spacing_.side(p) / finest_) + kCaution;
+    return std::clamp(level, 0.0, static_cast<double>(octaves_.size() - 1));
+}
+
+/// Computes the wanted density of an octave, as if it consisted of very many points that were spread on the grid.
+void VolumeTransport::set_target(Octave& octave, std::size_t number, const VoxelDensity& density) {
+    WaveGrid& grid = octave.grid;
+    const auto [columns, rows, layers] = grid.cells();
+    const Point3 cell{1.0 / columns, 1.0 / rows, 1.0 / layers}, sides = domain_.sides;
+    const std::span<double> values = grid.values();
+    const auto lines = static_cast<std::size_t>(rows) * static_cast<std::size_t>(layers);
+    const auto width = static_cast<std::size_t>(columns), height = static_cast<std::size_t>(rows);
+    for_ranges(executor_, lines, 1, [&](std::size_t line, std::size_t) {
+        for (std::size_t i = 0; i < width; ++i) {
+            const auto x = static_cast<double>(i), y = static_cast<double>(line % height),
+                       z = static_cast<double>(line / height);
+            const Box3 box{
+                {x * cell.x, y * cell.y, z * cell.z},
+                {std::min(1.0, (x + 1) * cell.x), std::min(1.0, (y + 1) * cell.y), std::min(1.0, (z + 1) * cell.z)}};
+            const Point3 middle = 0.5 * (box.min + box.max);
+            const double own = part(level({middle.x * sides.x, middle.y * sides.y, middle.z * sides.z}), number);
+            values[line * width + i] = own > 0 ? own * points_ * density.mass(box) : 0;
+        }
+    });
+    const double scale = 1 / (grid.copies() * static_cast<double>(values.size()));
+    grid.forward();
+    grid.for_waves([&](auto coefficients, const WaveGrid::Wave& wave, std::size_t) {
+        const Point3 f = wave.frequency;
+        const Point3 cycles{f.x * cell.x * sides.x, f.y * cell.y * sides.y, f.z * cell.z * sides.z};
+        auto& coefficient = coefficients[wave.number];
+        coefficient *= scale * wave.window / (sinc(cycles.x) * sinc(cycles.y) * sinc(cycles.z));
+        // On a torus, centres of cells are half a cell beyond the grid points.
+        if constexpr (!std::is_same_v<typename decltype(coefficients)::value_type, double>)
+            coefficient *= wave.aliased ? 0 : std::polar(1.0, -kPi * (cycles.x + cycles.y + cycles.z));
+    });
+    grid.backward();
+    octave.target.assign(grid.values().begin(), grid.values().end());
+    grid.release_memory();
+}
+
+/// Converts the grid's values from points to the potential of their moves. Returns the largest power of a removed wave.
+double VolumeTransport::solve(Octave& octave) {
+    WaveGrid& grid = octave.grid;
+    const bool uniform = spacing_.is_uniform();
+    std::vector<double> largest(static_cast<std::size_t>(grid.cells()[2]), 0);
+    grid.forward();
+    grid.for_waves([&](auto coefficients, const WaveGrid::Wave& wave, std::size_t layer) {
+        const double squared = dot(wave.frequency, wave.frequency), cycles = std::sqrt(squared) * octave.spacing;
+        const double share = wave.aliased || squared == 0 ? 0 : share_removed(cycles, uniform);
+        auto& coefficient = coefficients[wave.number];
+        if (share < 1e-9) {
+            coefficient = 0;
+            return;
+        }
+        coefficient /= wave.window * grid.copies();
+        if (uniform) largest[layer] = std::max(largest[layer], std::norm(coefficient) * grid.copies() / points_);
+        coefficient *= -share / (4 * kPi * kPi * squared * wave.window * domain_.volume());
+    });
+    grid.backward();
+    return std::ranges::max(largest);
+}
+
+double VolumeTransport::even_out(std::span<Point3> sites, std::size_t free, const std::stop_token& stop) {
+    const bool uniform = spacing_.is_uniform();
+    moves_.assign(free, {});
+    double largest = 0;
+    for (std::size_t number = 0; number < octaves_.size() && !stop.stop_requested(); ++number) {
+        Octave& octave = octaves_[number];
+        if (!uniform) {
+            weights_.resize(sites.size());
+            for_ranges(executor_, sites.size(), kSites, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) weights_[i] = part(level(sites[i]), number);
+            });
+        }
+        octave.grid.spread(sites, weights_);
+        const auto values = octave.grid.values();
+        for (std::size_t i = 0; i < octave.target.size(); ++i) values[i] -= static_cast<double>(octave.target[i]);
+        if (stop.stop_requested()) return 0;
+        largest = std::max(largest, solve(octave));
+        if (stop.stop_requested()) return 0;
+        for_ranges(executor_, free, kSites, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) moves_[i] = moves_[i] + octave.grid.gradient(sites[i]);
+        });
+        if (octaves_.size() > 1) octave.grid.release_memory();
+    }
+    if (stop.stop_requested()) return 0;
+    for_ranges(executor_, free, kSites, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const double side = spacing_.side(sites[i]);
+            const Point3 move = side * side * side * moves_[i];
+            const double size = length(move), longest = kMaxMove * side;
+            sites[i] = domain_.inside(sites[i] + (size > longest ? longest / size : 1) * move);
+        }
+    });
+    moves_ = {};
+    return uniform ? largest : 0;
+}
+
+void VolumeTransport::release_memory() {
+    for (Octave& octave : octaves_) octave.grid.release_memory();
+    weights_ = {};
+}
+
+}  // namespace ccdt

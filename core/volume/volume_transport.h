@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <stop_token>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/parallel/executor.h"
+#include "core/volume/box_domain3.h"
+#include "core/volume/volume_spacing.h"
+#include "core/volume/voxel_density.h"
+#include "core/volume/wave_grid.h"
+
+namespace ccdt {
+
+/// Removes long waves of density error from points in space. Works like Transport in the plane, which has the
+/// derivation. Differences: the filter for a uniform density is sharp, which leaves larger distances between points,
+/// and the moves of all octaves are added up, so that each octave has a grid of its own.
+class VolumeTransport {
+public:
+    /// Upper limit of the removed frequencies of a uniform density, in cycles per mean spacing. It is just above half
+    /// the principal frequency of the densest packing, 0.5456.
+    static constexpr double kLimit = 0.55;
+
+    /// @param points   number of sites and fixed points
+    /// @param spacing  must outlive this object
+    /// @param precise  whether the error of the grid must allow for power below -100 dB; takes more than twice the
+    /// memory
+    VolumeTransport(const BoxDomain3& domain, const VoxelDensity& density, const VolumeSpacing& spacing,
+                    std::size_t points, bool precise, Executor& executor);
+
+    /// Moves sites such that the error of density vanishes to first order. No move is longer than a quarter of the
+    /// spacing.
+    /// @param sites  [points] in the domain; the first `free` of them move
+    /// @param stop   a stop leaves the sites where they are
+    /// @returns      the largest power of a removed wave before the moves, relative to the power of random points; 0 if
+    ///               the density varies, or after a stop
+    double even_out(std::span<Point3> sites, std::size_t free, const std::stop_token& stop);
+
+    /// Releases most of the memory until the next call of even_out().
+    void release_memory();
+
+private:
+    struct Octave {
+        WaveGrid grid;
+        double spacing;
+        std::vector<float> target = {};  ///< [cells] wanted density, spread like sites; empty if it is uniform
+    };
+
+    double level(Point3 p) const;
+    void set_target(Octave& octave, std::size_t number, const VoxelDensity& density);
+    double solve(Octave& octave);
+
+    BoxDomain3 domain_;
+    const VolumeSpacing& spacing_;
+    Executor& executor_;
+    double points_;
+    double finest_;  ///< spacing of octave 0
+    std::vector<Octave> octaves_;
+    std::vector<double> weights_;  ///< [points] weights of the sites in an octave
+    std::vector<Point3> moves_;
+};
+
+}  // namespace ccdt

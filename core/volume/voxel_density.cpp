@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/voxel_density.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+
+namespace ccdt {
+
+Result<VoxelDensity> VoxelDensity::create(const std::array<std::size_t, 3>& voxels, std::span<const double> values) {
+    const auto [columns, rows, layers] = voxels;
+    if (columns == 0 || rows == 0 || layers == 0 || values.size() != columns * rows * layers)
+        return failure(ErrorCode::Malformed, "the density must have one value for each voxel", "density");
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!(values[i] >= 0) || !std::isfinite(values[i]))
+            return failure(ErrorCode::Malformed, "a density must be >= 0 and finite", "density/" + std::to_string(i));
+    }
+    const double largest = std::ranges::max(values);
+    if (largest == 0) return failure(ErrorCode::Unusable, "the density is 0 everywhere", "density");
+    if (std::ranges::min(values) == largest) return uniform();
+
+    VoxelDensity density;
+    density.voxels_ = voxels;
+    std::vector<double>& sums = density.sums_;
+    sums.assign((columns + 1) * (rows + 1) * (layers + 1), 0);
+    const std::size_t row = columns + 1, layer = row * (rows + 1);
+    double squares = 0;
+    for (std::size_t k = 0; k < layers; ++k) {
+        for (std::size_t j = 0; j < rows; ++j) {
+            double line = 0;
+            for (std::size_t i = 0; i < columns; ++i) {
+                const double value = values[(k * rows + j) * columns + i] / largest;
+                line += value;
+                squares += value * value;
+                double& sum = sums[(k + 1) * layer + (j + 1) * row + i + 1];
+                sum = line + (&sum)[-static_cast<std::ptrdiff_t>(row)];
+            }
+        }
+        for (std::size_t i = 0; i < layer; ++i) sums[(k + 1) * layer + i] += sums[k * layer + i];
+    }
+    if (std::ranges::min(values) == 0) {
+        for (const double value : values) density.positive_.push_back(value > 0);
+    }
+    const double total = sums.back();
+    for (double& sum : sums) sum /= total;
+    density.contrast_ = squares / total * (static_cast<double>(values.size()) / total);
+    return density;
+}
+
+std::size_t VoxelDensity::voxel(double v, std::size_t axis) const {
+    const auto count = static_cast<double>(voxels_[axis]);
+    return static_cast<std::size_t>(std::clamp(v * count, 0.0, count - 1));
+}
+
+/// Returns the share of the mass between the origin and a point.
+double VoxelDensity::sum(Point3 p) const {
+    if (is_uniform()) return p.x * p.y * p.z;
+    std::array<std::size_t, 3> first{};
+    std::array<double, 3> part{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double v = along(p, axis);
+        first[axis] = voxel(v, axis);
+        part[axis] = v * static_cast<double>(voxels_[axis]) - static_cast<double>(first[axis]);
+    }
+    const std::size_t row = voxels_[0] + 1, layer = row * (voxels_[1] + 1);
+    const double* corner = &sums_[first[2] * layer + first[1] * row + first[0]];
+    const auto line = [&](const double* at) { return at[0] + part[0] * (at[1] - at[0]); };
+    const auto face = [&](const double* at) { return line(at) + part[1] * (line(at + row) - line(at)); };
+    return face(corner) + part[2] * (face(corner + layer) - face(corner));
+}
+
+double VoxelDensity::mass(const Box3& box) const {
+    if (is_uniform()) return (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
+    const auto face = [&](double z) {
+        return (sum({box.max.x, box.max.y, z}) - sum({box.min.x, box.max.y, z})) -
+               (sum({box.max.x, box.min.y, z}) - sum({box.min.x, box.min.y, z}));
+    };
+    return std::max(0.0, face(box.max.z) - face(box.min.z));
+}
+
+double VoxelDensity::at(Point3 p) const {
+    if (is_uniform()) return 1;
+    Box3 box;
+    double voxels = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const auto count = static_cast<double>(voxels_[axis]), first = static_cast<double>(voxel(along(p, axis), axis));
+        along(box.min, axis) = first / count;
+        along(box.max, axis) = (first + 1) / count;
+        voxels *= count;
+    }
+    return mass(box) * voxels;
+}
+
+bool VoxelDensity::is_positive(Point3 p) const {
+    if (!has_gaps()) return true;
+    return positive_[(voxel(p.z, 2) * voxels_[1] + voxel(p.y, 1)) * voxels_[0] + voxel(p.x, 0)];
+}
+
+double VoxelDensity::cut(const Box3& box, std::size_t axis, double share) const {
+    const double low = along(box.min, axis), high = along(box.max, axis);
+    const auto even = low + share * (high - low);
+    if (is_uniform()) return even;
+    const auto below = [&](double v) {
+        Box3 part = box;
+        along(part.max, axis) = v;
+        return mass(part);
+    };
+    const double wanted = share * mass(box);
+    if (!(wanted > 0)) return even;
+    // The mass is linear between the planes where voxels begin.
+    const auto count = static_cast<double>(voxels_[axis]);
+    double first = low, last = high, first_mass = 0, last_mass = wanted / share;
+    std::size_t begin = voxel(low, axis) + 1, end = voxel(high, axis) + 1;
+    while (begin < end) {
+        const std::size_t middle = begin + (end - begin) / 2;
+        const double plane = std::clamp(static_cast<double>(middle) / count, low, high), mass = below(plane);
+        if (mass < wanted) {
+            first = plane;
+            first_mass = mass;
+            begin = middle + 1;
+        } else {
+            last = plane;
+            last_mass = mass;
+            end = middle;
+        }
+    }
+    const double step = last_mass - first_mass;
+    return step > 0 ? first + std::clamp((wanted - first_mass) / step, 0.0, 1.0) * (last - first) : last;
+}
+
+Point3 VoxelDensity::draw(Box3 box, const std::array<double, 3>& shares) const {
+    Point3 p;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double v = cut(box, axis, shares[axis]);
+        along(p, axis) = v;
+        if (is_uniform()) continue;
+        const auto count = static_cast<double>(voxels_[axis]), first = static_cast<double>(voxel(v, axis));
+        along(box.min, axis) = std::max(along(box.min, axis), first / count);
+        along(box.max, axis) = std::min(along(box.max, axis), (first + 1) / count);
+    }
+    return p;
+}
+
+}  // namespace ccdt

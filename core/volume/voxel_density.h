@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/geometry/point3.h"
+#include "core/result.h"
+
+namespace ccdt {
+
+/// Wanted density of points in a box or a torus, up to a factor. It is constant in each voxel of a grid. Coordinates
+/// are relative to the domain's sides, hence in [0, 1].
+class VoxelDensity {
+public:
+    static VoxelDensity uniform() { return {}; }
+
+    /// @param voxels  number of voxels along x, y and z, each >= 1
+    /// @param values  [voxels along z][along y][along x] densities, >= 0 and finite
+    ///
+    /// Errors: Malformed if the number of values is wrong or a value is negative or not finite ("density/N"); Unusable
+    /// if all are 0. Takes 8 bytes per voxel.
+    static Result<VoxelDensity> create(const std::array<std::size_t, 3>& voxels, std::span<const double> values);
+
+    bool is_uniform() const { return sums_.empty(); }
+
+    /// Returns the density at a point, relative to the mean density.
+    double at(Point3 p) const;
+
+    /// Whether the density is 0 in any voxel.
+    bool has_gaps() const { return !positive_.empty(); }
+    /// Whether the density at a point is > 0.
+    bool is_positive(Point3 p) const;
+
+    /// Returns the share of the total mass in a box.
+    /// @param box  within [0, 1]^3
+    double mass(const Box3& box) const;
+
+    /// Returns the coordinate of the plane that cuts a share of the mass off a box, or off its thin slice if the mass
+    /// is 0. O(log voxels).
+    /// @param axis   0, 1 or 2: the plane is perpendicular to x, y or z
+    /// @param share  in (0, 1)
+    double cut(const Box3& box, std::size_t axis, double share) const;
+
+    /// Draws a point in a box with the density as probability.
+    /// @param shares  three random numbers in (0, 1)
+    Point3 draw(Box3 box, const std::array<double, 3>& shares) const;
+
+    /// Returns the density at the average point, relative to the mean density; 1 if the density is uniform.
+    double contrast() const { return contrast_; }
+
+private:
+    double sum(Point3 p) const;
+    std::size_t voxel(double v, std::size_t axis) const;
+
+    std::array<std::size_t, 3> voxels_{1, 1, 1};
+    double contrast_ = 1;
+    /// Share of the mass below and left of each corner of the voxels [z + 1][y + 1][x + 1]; empty if uniform.
+    std::vector<double> sums_;
+    std::vector<bool> positive_;  ///< [voxels] whether the density is > 0; empty if it is everywhere
+};
+
+/// Returns the coordinate of a point along an axis (0, 1 or 2).
+inline double& along(Point3& p, std::size_t axis) {
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+inline double along(const Point3& p, std::size_t axis) {
+    return axis == 0 ? p.x : axis == 1 ? p.y : p.z;
+}
+
+}  // namespace ccdt

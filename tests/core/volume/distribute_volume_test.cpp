@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/volume/distribute_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <stop_token>
+
+#include <gtest/gtest.h>
+
+#include "core/parallel/thread_executor.h"
+
+namespace ccdt {
+namespace {
+
+constexpr BoxDomain3 kBox{}, kTorus{{1, 1, 1}, true};
+
+VolumeDistribution distributed(const BoxDomain3& domain, const VolumeOptions& options,
+                               const VoxelDensity& density = VoxelDensity::uniform()) {
+    auto result = distribute_in_volume(domain, density, options);
+    EXPECT_TRUE(result);
+    return *result;
+}
+
+/// Distances of points to the nearest other point, relative to the densest packing.
+struct Distances {
+    double least = std::numeric_limits<double>::infinity();
+    double mean = 0;
+};
+
+Distances distances(const BoxDomain3& domain, std::span<const Point3> points) {
+    Distances result;
+    const auto count = static_cast<double>(points.size());
+    const double densest = std::pow(2, 1.0 / 6) * std::cbrt(domain.volume() / count);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            Point3 away = points[j] - points[i];
+            if (domain.periodic) {
+                away.x -= domain.sides.x * std::round(away.x / domain.sides.x);
+                away.y -= domain.sides.y * std::round(away.y / domain.sides.y);
+                away.z -= domain.sides.z * std::round(away.z / domain.sides.z);
+            }
+            if (j != i) nearest = std::min(nearest, dot(away, away));
+        }
+        result.least = std::min(result.least, std::sqrt(nearest) / densest);
+        result.mean += std::sqrt(nearest) / densest / count;
+    }
+    return result;
+}
+
+/// Returns the mean power of the unit torus' waves below half the principal frequency of the densest packing, in dB.
+double low_power(std::span<const Point3> points) {
+    const auto count = static_cast<double>(points.size());
+    const double end = std::sqrt(1.5) / std::pow(2, 1.0 / 6) * std::cbrt(count) / 2;
+    const int highest = static_cast<int>(end);
+    double sum = 0, waves = 0;
+    for (int i = 0; i <= highest; ++i) {
+        for (int j = -highest; j <= highest; ++j) {
+            for (int k = -highest; k <= highest; ++k) {
+                const double squared = i * i + j * j + k * k;
+                if (squared == 0 || squared >= end * end) continue;
+                std::complex<double> wave = 0;
+                for (const Point3 p : points)
+                    wave += std::polar(1.0, 2 * std::numbers::pi * (i * p.x + j * p.y + k * p.z));
+                sum += std::norm(wave) / count;
+                ++waves;
+            }
+        }
+    }
+    return 10 * std::log10(sum / waves);
+}
+
+double volume_of(const TetrahedronMesh& mesh, const BoxDomain3& domain) {
+    double sum = 0;
+    for (const auto& [a, b, c, d] : mesh.tetrahedra) {
+        const auto from_a = [&](std::uint32_t corner) {
+            Point3 away = mesh.vertices[corner] - mesh.vertices[a];
+            if (domain.periodic) {
+                away.x -= domain.sides.x * std::round(away.x / domain.sides.x);
+                away.y -= domain.sides.y * std::round(away.y / domain.sides.y);
+                away.z -= domain.sides.z * std::round(away.z / domain.sides.z);
+            }
+            return away;
+        };
+        const double volume = dot(cross(from_a(b), from_a(c)), from_a(d)) / 6;
+        EXPECT_GT(volume, 0);
+        sum += volume;
+    }
+    return sum;
+}
+
+TEST(DistributeInVolume, KeepsPointsOfATorusApartAndEven) {
+    for (const std::uint64_t seed : {1, 2}) {
+        const VolumeDistribution result = distributed(kTorus, {.sites = 4096, .seed = seed});
+        ASSERT_EQ(result.points.size(), 4096u);
+        const Distances found = distances(kTorus, result.points);
+        EXPECT_GT(found.least, 0.85);
+        EXPECT_GT(found.mean, 0.865);
+        EXPECT_LT(low_power(result.points), -40);
+    }
+}
+
+TEST(DistributeInVolume, RemovesAllPowerOfLowFrequenciesForStealthy) {
+    const VolumeDistribution result = distributed(kTorus, {.sites = 1000, .quality = Quality::Stealthy});
+    EXPECT_LT(low_power(result.points), -100);
+    EXPECT_GT(distances(kTorus, result.points).least, 0.85);
+}
+
+TEST(DistributeInVolume, EqualisesTetrahedraInADraft) {
+    const VolumeDistribution result = distributed(kTorus, {.sites = 2000, .quality = Quality::Draft});
+    ASSERT_EQ(result.trace.size(), 5u);
+    EXPECT_GT(result.trace.front(), 0.6);
+    EXPECT_LT(result.trace.back(), 0.22);
+    EXPECT_LT(low_power(result.points), -15);
+}
+
+TEST(DistributeInVolume, KeepsTheFirstLayerHalfASpacingOffTheBorder) {
+    const BoxDomain3 box{{2, 1, 1}, false};
+    const VolumeDistribution result = distributed(box, {.sites = 4000});
+    const double spacing = std::cbrt(box.volume() / 4000);
+    std::size_t layer = 0;
+    for (const Point3 p : result.points) {
+        const double distance =
+            std::min({p.x, box.sides.x - p.x, p.y, box.sides.y - p.y, p.z, box.sides.z - p.z}) / spacing;
+        EXPECT_GT(distance, 0.3);
+        if (distance < 0.75) ++layer;
+    }
+    // Number of points of a shell that is one layer of the densest packing thick, 0.917 spacings.
+    const double thickness = 2 * 0.917 * spacing;
+    const double shell = 2 - (2 - thickness) * (1 - thickness) * (1 - thickness);
+    EXPECT_NEAR(static_cast<double>(layer), shell / 2 * 4000, 0.08 * shell / 2 * 4000);
+    EXPECT_GT(distances(box, result.points).least, 0.77);
+}
+
+TEST(DistributeInVolume, GivesTheSameBytesForAnyNumberOfThreads) {
+    ThreadExecutor threads(3);
+    std::vector<double> values;
+    for (int i = 0; i < 64; ++i) values.push_back(1 + i % 5);
+    const VoxelDensity varying = *VoxelDensity::create({4, 4, 4}, values);
+    for (const BoxDomain3& domain : {kBox, kTorus}) {
+        for (const VoxelDensity& density : {VoxelDensity::uniform(), varying}) {
+            const VolumeOptions options{.sites = 3000, .keep_mesh = true};
+            const auto one = distribute_in_volume(domain, density, options);
+            const auto three = distribute_in_volume(domain, density, options, {.executor = &threads});
+            ASSERT_TRUE(one && three);
+            EXPECT_EQ(one->points, three->points);
+            EXPECT_EQ(one->trace, three->trace);
+            EXPECT_EQ(one->mesh->tetrahedra, three->mesh->tetrahedra);
+        }
+    }
+}
+
+TEST(DistributeInVolume, ReturnsOtherPointsForOtherSeeds) {
+    EXPECT_NE(distributed(kBox, {.sites = 10, .seed = 1}).points, distributed(kBox, {.sites = 10, .seed = 2}).points);
+}
+
+TEST(DistributeInVolume, ScalesWithTheDomain) {
+    const VolumeOptions options{.sites = 300};
+    for (const bool periodic : {false, true}) {
+        const auto small = distributed({{1, 0.5, 0.25}, periodic}, options).points;
+        const auto large = distributed({{1024, 512, 256}, periodic}, options).points;
+        for (std::size_t i = 0; i < small.size(); ++i) EXPECT_EQ(1024 * small[i], large[i]);
+    }
+}
+
+TEST(DistributeInVolume, HandlesFewPoints) {
+    for (const BoxDomain3& domain : {kBox, kTorus, BoxDomain3{{3, 1, 0.5}, false}, BoxDomain3{{3, 1, 0.5}, true}}) {
+        for (const std::size_t sites : {1, 2, 3, 5, 17}) {
+            for (const Quality quality : {Quality::Draft, Quality::Stealthy}) {
+                const auto result = distributed(domain, {.sites = sites, .quality = quality, .keep_mesh = true});
+                ASSERT_EQ(result.points.size(), sites);
+                for (const Point3 p : result.points) {
+                    EXPECT_TRUE(p.x >= 0 && p.x < domain.sides.x && p.y >= 0 && p.y < domain.sides.y && p.z >= 0 &&
+                                p.z < domain.sides.z);
+                }
+            }
+        }
+    }
+}
+
+TEST(DistributeInVolume, FillsTheDomainWithTetrahedra) {
+    for (const BoxDomain3& domain : {BoxDomain3{{1, 0.7, 0.4}, false}, BoxDomain3{{1, 0.7, 0.4}, true}}) {
+        const auto result = distributed(domain, {.sites = 2000, .keep_mesh = true});
+        ASSERT_TRUE(result.mesh);
+        EXPECT_TRUE(std::equal(result.points.begin(), result.points.end(), result.mesh->vertices.begin()));
+        EXPECT_EQ(result.mesh->vertices.size() == 2000, domain.periodic);
+        EXPECT_NEAR(volume_of(*result.mesh, domain), domain.volume(), 1e-9);
+    }
+}
+
+TEST(DistributeInVolume, FollowsTheDensity) {
+    // Three quarters of the points belong in the upper half. No point belongs in the last third along y.
+    const VoxelDensity density = *VoxelDensity::create({1, 3, 2}, std::array<double, 6>{1, 1, 0, 3, 3, 0});
+    for (const BoxDomain3& domain : {kBox, kTorus}) {
+        const auto result = distributed(domain, {.sites = 4000}, density);
+        const auto upper = std::ranges::count_if(result.points, [](Point3 p) { return p.z > 0.5; });
+        const auto outside = std::ranges::count_if(result.points, [](Point3 p) { return p.y > 2.0 / 3; });
+        EXPECT_NEAR(static_cast<double>(upper), 3000, 30);
+        EXPECT_EQ(outside, 0);
+    }
+}
+
+TEST(DistributeInVolume, KeepsSitesAwayFromFixedPoints) {
+    VolumeOptions options{.sites = 900, .keep_mesh = true};
+    for (int i = 0; i < 100; ++i) options.fixed.push_back({0.5, (i / 10 + 0.5) / 10, (i % 10 + 0.5) / 10});
+    for (const BoxDomain3& domain : {kBox, kTorus}) {
+        const auto result = distributed(domain, options);
+        ASSERT_EQ(result.points.size(), 900u);
+        std::vector<Point3> all = result.points;
+        all.insert(all.end(), options.fixed.begin(), options.fixed.end());
+        EXPECT_GT(distances(domain, all).least, domain.periodic ? 0.8 : 0.74);
+        for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(result.mesh->vertices[900 + i], options.fixed[i]);
+    }
+}
+
+TEST(DistributeInVolume, StopsWithTheCurrentPoints) {
+    for (const int steps : {0, 1, 9, 12, 19}) {
+        std::stop_source source;
+        int calls = 0;
+        Control control{.stop = source.get_token()};
+        control.progress = [&](const Progress&) {
+            if (calls++ == steps) source.request_stop();
+        };
+        const auto result =
+            distribute_in_volume(kTorus, VoxelDensity::uniform(), {.sites = 500, .keep_mesh = true}, control);
+        ASSERT_TRUE(result);
+        EXPECT_TRUE(result->stopped);
+        EXPECT_EQ(result->points.size(), 500u);
+        EXPECT_FALSE(result->mesh);
+        EXPECT_EQ(calls, steps + 1);
+    }
+}
+
+TEST(DistributeInVolume, ReportsProgressUpToTheEnd) {
+    double done = 0;
+    Progress last;
+    Control control;
+    control.progress = [&](const Progress& progress) {
+        EXPECT_GT(progress.done(), done);
+        done = progress.done();
+        last = progress;
+    };
+    ASSERT_TRUE(distribute_in_volume(kTorus, VoxelDensity::uniform(), {.sites = 500}, control));
+    EXPECT_EQ(last.iteration, last.iterations);
+    EXPECT_EQ(last.round, last.rounds);
+}
+
+TEST(DistributeInVolume, RejectsOptionsOutOfRange) {
+    const auto field = [](const BoxDomain3& domain, const VolumeOptions& options) {
+        const auto result = distribute_in_volume(domain, VoxelDensity::uniform(), options);
+        return result ? std::string() : result.error().field;
+    };
+    EXPECT_EQ(field(kBox, {.sites = 0}), "sites");
+    EXPECT_EQ(field({{1, 0, 1}, false}, {.sites = 1}), "domain");
+    EXPECT_EQ(field({{1, std::numeric_limits<double>::quiet_NaN(), 1}, false}, {.sites = 1}), "domain");
+    EXPECT_EQ(field({{1, std::numeric_limits<double>::infinity(), 1}, true}, {.sites = 1}), "domain");
+    EXPECT_EQ(field({{1, 1e-3, 1}, true}, {.sites = 100}), "domain");
+    EXPECT_EQ(field({{1e300, 1e-300, 1}, true}, {.sites = 100}), "domain");
+    EXPECT_EQ(field(kBox, {.sites = 1, .fixed = {{0.5, 0.5, 0.5}, {0.5, 1.5, 0.5}}}), "fixed/1");
+}
+
+}  // namespace
+}  // namespace ccdt
