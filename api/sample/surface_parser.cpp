@@ -55,7 +55,14 @@ Result<void> read_crease(const Input& input, SurfaceRequest& request) {
     return assign(request.crease, read_number(input, kAngles).map([](double degrees) { return degrees * kDegree; }));
 }
 
-constexpr std::array<OptionRule<Draft>, 12> kRules = {{
+/// Checks the option `domain`. Its value `solid` requests points in space, which has another parser.
+Result<void> check_domain(const Input& input) {
+    if (const auto text = read_text(input); text && *text == "surface") return {};
+    return malformed(input, "must be surface or solid");
+}
+
+constexpr std::array<OptionRule<Draft>, 13> kRules = {{
+    {"domain", [](const Input& i, const Limits&, Draft&) { return check_domain(i); }},
     {"sites", [](const Input& i, const Limits& l, Draft& d) { return assign(d.run.sites, read_sites(i, l)); }},
     {"seed", [](const Input& i, const Limits&, Draft& d) { return read_seed(i, d.run); }},
     {"iterations", [](const Input& i, const Limits&, Draft& d) { return read_iterations(i, d.run); }},
