@@ -5,8 +5,24 @@
 
 #include "api/output/stage_costs.h"
 #include "api/run/stopwatch.h"
+#include "api/sample/ordering.h"
+#include "core/order/progressive_order.h"
 
 namespace ccdt::api {
+namespace {
+
+/// Puts points into the requested order. After a stop, the order is arbitrary.
+void order_points(const VolumeRequest& request, const VoxelDensity& density, const Control& control,
+                  VolumeDistribution& dots) {
+    if (request.order != PointOrder::Progressive) return;
+    const auto& [sides, periodic] = request.domain;
+    const bool is_even = periodic && density.is_uniform() && request.run.fixed.empty();
+    const auto order =
+        progressive_order_in_space({{}, sides}, periodic, dots.points, 1, is_even, control.stop, *control.executor);
+    set_order(dots, order, control.stop);
+}
+
+}  // namespace
 
 Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& decode, const Control& control,
                                   Timings& timings) {
@@ -16,6 +32,7 @@ Result<PlacedVolume> place_volume(const VolumeRequest& request, const Decode& de
     timings.decode = watch.lap();
     if (!density) return tl::unexpected(density.error());
     auto dots = distribute_in_volume(request.domain, *density, request.run, control).map_error(located);
+    if (dots) order_points(request, *density, control, *dots);
     timings.optimise = watch.lap();
     if (!dots) return tl::unexpected(std::move(dots.error()));
     if (auto whole = check_whole(dots->stopped, request.on_deadline); !whole) return tl::unexpected(whole.error());
@@ -45,7 +62,8 @@ Result<Answer> run_volume(const VolumeRequest& request, const Decode& decode, co
 Cost cost_of(const VolumeRequest& request) {
     // Fitted to measured peaks of resident memory and to measured times; tests/api/cost_test.cpp compares the peaks.
     constexpr Estimate kDraft{440, 120 * kMicrosecond}, kStandard{440, 100 * kMicrosecond};
-    constexpr Estimate kBest{440, 350 * kMicrosecond}, kStealthy{900, 800 * kMicrosecond}, kMesh{700, 20 * kMicrosecond};
+    constexpr Estimate kBest{440, 350 * kMicrosecond}, kStealthy{900, 800 * kMicrosecond},
+        kMesh{700, 20 * kMicrosecond};
     const VolumeOptions& run = request.run;
     Estimate site = run.quality == Quality::Draft      ? kDraft
                     : run.quality == Quality::Standard ? kStandard
