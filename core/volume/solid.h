@@ -31,6 +31,8 @@ public:
     const Box3& bounds() const { return bounds_; }
     /// The volume, in the coordinates of the soup. May be infinite or 0 if coordinates are not of ordinary size.
     double volume() const;
+    /// The share of the bounding box that is inside, in (0, 1].
+    double share() const { return volume_ / (sides_.x * sides_.y * sides_.z); }
     /// Whether a point in the coordinates of the soup is inside. Returns false if a coordinate is not a number.
     bool contains(Point3 p) const { return holds(surface_.from_input(p)); }
 
