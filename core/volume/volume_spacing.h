@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/geometry/hexagonal_spacing.h"
 #include "core/geometry/point3.h"
 #include "core/parallel/executor.h"
 #include "core/volume/box_domain3.h"
@@ -31,8 +32,7 @@ public:
     /// Returns the distance of neighbours in the densest packing with the local density.
     double densest(Point3 p) const { return kDensest * side(p); }
 
-    /// Distance of neighbours in the face-centred cubic lattice with one point per unit of volume: the sixth root of 2.
-    static constexpr double kDensest = 1.122462048309373;
+    static constexpr double kDensest = kFaceCentredSpacing;
 
 private:
     double mean_;
