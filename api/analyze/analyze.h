@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "api/input/domain_reader.h"
@@ -23,7 +24,7 @@ struct AnalyzeRequest;
 struct AnalysisFormat {
     FileFormat file;
     Estimate cost;  ///< cost of writing the answer
-    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis, const Domain& domain);
+    Result<std::string> (&write)(const AnalyzeRequest& request, const Analysis& analysis);
 };
 
 /// Returns the formats of /analyze, in the server's order of preference.
@@ -32,17 +33,25 @@ std::span<const AnalysisFormat* const> analyze_formats();
 /// Returns the names of the options.
 std::vector<std::string_view> analyze_options();
 
+/// Sets of points with their domain: a Rectangle in the plane, or a BoxDomain3 in space.
+template <class P, class D>
+struct PointSets {
+    std::vector<std::vector<P>> sets;
+    D domain;
+};
+using PlaneSets = PointSets<Point, Rectangle>;
+using SpaceSets = PointSets<Point3, BoxDomain3>;
+
 /// Request to /analyze, with its options.
 struct AnalyzeRequest {
-    std::vector<std::vector<Point>> sets;
+    std::variant<PlaneSets, SpaceSets> points;
     bool single = false;  ///< whether the request gave `points` instead of `sets`
-    Rectangle domain{1, 1, true};
     AnalysisOptions options;
     bool spectrum = false;                   ///< whether to add the spectrum to the JSON
     const AnalysisFormat* format = nullptr;  ///< never null in a parsed request
 };
 
-/// Reads a request, which is a JSON object.
+/// Reads a request, which is a JSON object. Points with three coordinates are in space.
 ///
 /// @param accept  the Accept header, empty if there is none; the member `format` takes precedence
 /// Errors: Malformed for invalid JSON, for an unknown or repeated member, for a value of the wrong type or out of
