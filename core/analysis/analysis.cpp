@@ -91,11 +91,11 @@ struct Frame {
 
     /// Distance of neighbours in the densest packing of points with a density.
     static double densest(double density) {
-        return kAxes<P> == 2 ? hexagonal_spacing(density) : kFaceCentredSpacing / std::cbrt(density);
+        return kAxes<P> == 2 ? hexagonal_spacing(density) : kCubicSpacing / std::cbrt(density);
     }
 
     /// Frequencies below this count as low. In space, it is half the principal frequency of the densest packing.
-    static double low() { return kAxes<P> == 2 ? 0.5 : std::sqrt(1.5) / kFaceCentredSpacing / 2; }
+    static double low() { return kAxes<P> == 2 ? 0.5 : std::sqrt(1.5) / kCubicSpacing / 2; }
 };
 
 /// The grid of frequencies and the rings, chosen before any transform.

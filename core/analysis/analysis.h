@@ -52,7 +52,7 @@ struct Analysis {
     Spectrum spectrum;
 
     /// Least and mean distance of a set's points to their nearest neighbours, averaged over the sets. The unit is the
-    /// hexagonal distance, sqrt(2 / (sqrt(3) n)) for unit area, or the face-centred cubic one, kFaceCentredSpacing.
+    /// hexagonal distance, sqrt(2 / (sqrt(3) n)) for unit area, or the face-centred cubic one, kCubicSpacing.
     double min_distance = 0;
     double mean_distance = 0;
 };

@@ -80,31 +80,38 @@ constexpr bool kInSpace = kAxes<P> == 3;
 template <class P>
 struct Frame {
     P sides;
-    double area = 0;                 ///< of the domain or surface
+    double size;  ///< area of the domain or surface; volume of a domain in space
+    bool is_torus = false;
+    bool is_solid = false;           ///< whether the domain has three dimensions
     const Domain* domain = nullptr;  ///< nullptr in space
-
-    bool is_torus() const { return domain != nullptr && domain->is_torus(); }
 
     BasicCellList<P> cells(std::span<const P> places) const {
         if constexpr (kInSpace<P>)
-            return BasicCellList<P>(places);
+            return is_torus ? BasicCellList<P>(sides, places) : BasicCellList<P>(places);
         else
             return BasicCellList<P>(*domain, places);
     }
+
+    /// Returns the side of a square of a given area or, in a solid domain, of a cube of a given volume.
+    double side_of(double part) const { return is_solid ? std::cbrt(part) : std::sqrt(part); }
+
+    /// Returns the distance of neighbours in the densest packing of points with a density.
+    double densest(double density) const {
+        return is_solid ? kCubicSpacing / std::cbrt(density) : hexagonal_spacing(density);
+    }
 };
 
-/// Points in the plane, or points on a surface with the surface's normals.
+/// Points of a domain, or points on a surface with the surface's normals.
 template <class P>
 struct Points {
     std::vector<P> places;
-    std::vector<P> normals;  ///< [places]; empty in the plane
+    std::vector<P> normals;  ///< [places]; empty if the points are not on a surface
 
     std::size_t size() const { return places.size(); }
 
     /// Whether two points are on opposite sides of a thin plate, so that they are not neighbours.
     bool are_opposed(std::uint32_t i, std::uint32_t j) const {
-        if constexpr (kInSpace<P>) return dot(normals[i], normals[j]) < 0;
-        return false;
+        return !normals.empty() && dot(normals[i], normals[j]) < 0;
     }
 
     /// Returns the points with the given numbers, in the given order.
@@ -112,10 +119,9 @@ struct Points {
         Points result;
         result.places.reserve(numbers.size());
         for (const std::uint32_t i : numbers) result.places.push_back(places[i]);
-        if constexpr (kInSpace<P>) {
-            result.normals.reserve(numbers.size());
-            for (const std::uint32_t i : numbers) result.normals.push_back(normals[i]);
-        }
+        if (normals.empty()) return result;
+        result.normals.reserve(numbers.size());
+        for (const std::uint32_t i : numbers) result.normals.push_back(normals[i]);
         return result;
     }
 };
@@ -130,13 +136,14 @@ constexpr std::array<float, 5> kCrowding = {0.12919328F, -0.9645656F, 3.58161193
 constexpr double kMaxReach = 1.3;
 constexpr float kMaxSquare = static_cast<float>(1 / (kMaxReach * kMaxReach));
 
-/// Measures the local spacing of points, 1 / sqrt(density), by the distance of their nearest neighbours.
+/// Measures the local spacing of points, the side of the square or cube that holds one point, by the distance of their
+/// nearest neighbours.
 template <class P>
 class SpacingMeter {
 public:
     /// @param usual  spacing of the same number of points at uniform density
     SpacingMeter(const Frame<P>& frame, const Points<P>& points, const BasicCellList<P>& near, double usual)
-        : points_(points), near_(near), usual_(usual) {
+        : frame_(frame), points_(points), near_(near), usual_(usual) {
         for (const double side : coordinates(frame.sides)) widest_ += 2 * side;
     }
 
@@ -149,7 +156,8 @@ public:
         std::ranges::nth_element(squares_, last);
         // Coincident points have spacing 0, but the spacing must be usable as a divisor.
         constexpr double kMinShare = 1e-9;
-        return std::max(std::sqrt(*last * std::numbers::pi / static_cast<double>(wanted)), kMinShare * usual_);
+        const double ball = std::numbers::pi * *last * (frame_.is_solid ? std::sqrt(*last) * 4 / 3 : 1);
+        return std::max(frame_.side_of(ball / static_cast<double>(wanted)), kMinShare * usual_);
     }
 
 private:
@@ -165,6 +173,7 @@ private:
         return squares_.size() >= wanted;
     }
 
+    const Frame<P>& frame_;
     const Points<P>& points_;
     const BasicCellList<P>& near_;
     double usual_;
@@ -271,8 +280,11 @@ public:
     /// @param points     actual points, numbered from 0
     /// @param distance   distance of nodes
     Surplus(const Frame<P>& frame, std::span<const P> reference, std::span<const P> points, double distance)
-        : is_torus_(frame.is_torus()), x_(frame.sides.x, distance, is_torus_), y_(frame.sides.y, distance, is_torus_) {
-        if constexpr (kInSpace<P>) z_ = Axis(frame.sides.z, distance, false);
+        : is_torus_(frame.is_torus),
+          factor_(kInSpace<P> && !frame.is_solid ? kSpaceFactor : 1),
+          x_(frame.sides.x, distance, is_torus_),
+          y_(frame.sides.y, distance, is_torus_) {
+        if constexpr (kInSpace<P>) z_ = Axis(frame.sides.z, distance, is_torus_);
         wanted_.resize(z_.nodes * y_.nodes * x_.nodes);
         actual_.resize(wanted_.size());
         const float per_reference = 1 / static_cast<float>(reference.size());
@@ -296,11 +308,13 @@ public:
 
     void remove(std::uint32_t point) {
         const Around& at = around_[point];
-        const bool repeats =
-            is_torus_ && (at.column < 2 || at.column + 2 >= x_.period || at.row < 2 || at.row + 2 >= y_.period);
-        if (!repeats) return add(at, -1, actual_);
-        for_taps(b_spline<2>(at.x), b_spline<2>(at.y), 1.0F,
-                 [&](std::size_t j, std::size_t i, float share) { lower(at.column + i, at.row + j, share); });
+        if (!is_torus_ || !(x_.repeats(at.column) || y_.repeats(at.row) || z_.repeats(layer_of(at))))
+            return add(at, -1, actual_);
+        for_layers(at, [&](std::size_t layer, float share) {
+            for_taps(b_spline<2>(at.x), b_spline<2>(at.y), share, [&](std::size_t j, std::size_t i, float each) {
+                lower({at.column + i, at.row + j, layer_of(at) + layer}, each);
+            });
+        });
     }
 
 private:
@@ -322,6 +336,9 @@ private:
             place -= cell;
             return static_cast<std::size_t>(cell);
         }
+
+        /// Whether some of the three nodes around a position in a cell of a torus are identical to other nodes.
+        bool repeats(std::size_t cell) const { return nodes > 1 && (cell < 2 || cell + 2 >= period); }
 
         double cells = 1;
         double cells_per_length = 0;
@@ -356,25 +373,32 @@ private:
         return at;
     }
 
-    /// Calls function(node, share) for each layer of nodes around a position. `node` is the first of the nine nodes in
-    /// the layer.
+    static std::size_t layer_of(const Around& at) {
+        if constexpr (kInSpace<P>) return at.depth.layer;
+        return 0;
+    }
+
+    /// Calls function(layer, share) for each layer of nodes around a position. `layer` counts from the first of these.
     template <class Function>
     CCDT_INLINE void for_layers(const Around& at, Function&& function) const {
-        const std::size_t first = at.row * x_.nodes + at.column;
         if constexpr (kInSpace<P>) {
             const std::array<float, 3> shares = b_spline<2>(at.depth.z);
-            for (std::size_t k = 0; k < shares.size(); ++k)
-                function(first + (at.depth.layer + k) * y_.nodes * x_.nodes, kSpaceFactor * shares[k]);
+            for (std::size_t k = 0; k < shares.size(); ++k) function(k, factor_ * shares[k]);
         } else {
-            function(first, 1.0F);
+            function(0, 1.0F);
         }
+    }
+
+    /// Returns the index of the first of the nine nodes around a position in a layer.
+    std::size_t first_node(const Around& at, std::size_t layer) const {
+        return ((layer_of(at) + layer) * y_.nodes + at.row) * x_.nodes + at.column;
     }
 
     float read(const Around& at, const std::vector<float>& nodes) const {
         const std::array<float, 3> x = b_spline<2>(at.x), y = b_spline<2>(at.y);
         float sum = 0;
-        for_layers(at, [&](std::size_t node, float share) CCDT_INLINE {
-            const float* const first = nodes.data() + node;
+        for_layers(at, [&](std::size_t layer, float share) CCDT_INLINE {
+            const float* const first = nodes.data() + first_node(at, layer);
             sum += share * sum_taps(x, y, [&](std::size_t row) { return first + row * x_.nodes; });
         });
         return sum;
@@ -383,35 +407,50 @@ private:
     /// Adds the spline weights of a position, multiplied by `factor`, to the nodes around it.
     void add(const Around& at, float factor, std::vector<float>& nodes) const {
         const std::array<float, 3> x = b_spline<2>(at.x), y = b_spline<2>(at.y);
-        for_layers(at, [&](std::size_t node, float share) CCDT_INLINE {
-            float* const first = nodes.data() + node;
+        for_layers(at, [&](std::size_t layer, float share) CCDT_INLINE {
+            float* const first = nodes.data() + first_node(at, layer);
             for_taps(x, y, factor * share,
                      [&](std::size_t j, std::size_t i, float each) { first[j * x_.nodes + i] += each; });
         });
     }
 
+    /// Column, row and layer of a node.
+    using Node = std::array<std::size_t, 3>;
+
+    std::size_t index(Node at) const { return (at[2] * y_.nodes + at[1]) * x_.nodes + at[0]; }
+
+    /// Returns the first of the nodes that are identical to a node.
+    Node first_of(Node at) const { return {at[0] % x_.period, at[1] % y_.period, at[2] % z_.period}; }
+
     /// Subtracts from a node and from all nodes identical to it.
-    void lower(std::size_t column, std::size_t row, float weight) {
-        for (std::size_t y = row % y_.period; y < y_.nodes; y += y_.period) {
-            for (std::size_t x = column % x_.period; x < x_.nodes; x += x_.period) actual_[y * x_.nodes + x] -= weight;
+    void lower(Node node, float weight) {
+        const auto [column, row, layer] = first_of(node);
+        for (std::size_t z = layer; z < z_.nodes; z += z_.period) {
+            for (std::size_t y = row; y < y_.nodes; y += y_.period) {
+                for (std::size_t x = column; x < x_.nodes; x += x_.period) actual_[index({x, y, z})] -= weight;
+            }
+        }
+    }
+
+    template <class Visit>
+    void for_nodes(Visit&& visit) const {
+        for (std::size_t z = 0; z < z_.nodes; ++z) {
+            for (std::size_t y = 0; y < y_.nodes; ++y) {
+                for (std::size_t x = 0; x < x_.nodes; ++x) visit(index({x, y, z}), index(first_of({x, y, z})));
+            }
         }
     }
 
     /// Sums identical nodes and stores the sum in each.
     void join(std::vector<float>& nodes) const {
-        for (std::size_t y = 0; y < y_.nodes; ++y) {
-            for (std::size_t x = 0; x < x_.nodes; ++x) {
-                if (x < x_.period && y < y_.period) continue;
-                nodes[y % y_.period * x_.nodes + x % x_.period] += nodes[y * x_.nodes + x];
-            }
-        }
-        for (std::size_t y = 0; y < y_.nodes; ++y) {
-            for (std::size_t x = 0; x < x_.nodes; ++x)
-                nodes[y * x_.nodes + x] = nodes[y % y_.period * x_.nodes + x % x_.period];
-        }
+        for_nodes([&](std::size_t node, std::size_t first) {
+            if (node != first) nodes[first] += nodes[node];
+        });
+        for_nodes([&](std::size_t node, std::size_t first) { nodes[node] = nodes[first]; });
     }
 
     bool is_torus_;
+    float factor_;
     Axis x_, y_, z_;
     std::vector<float> wanted_;   ///< [nodes] smoothed number of wanted points, divided by the number of all points
     std::vector<float> actual_;   ///< [nodes] smoothed number of actual points
@@ -447,10 +486,11 @@ public:
           nearness_(points.size() + kLanes),
           crowding_(points.size() + kLanes) {
         // Integer coordinates wrap around like a torus, so their difference is the way to the nearest copy.
-        const double range = frame.is_torus() ? 0x1p32 : 0x1p31, usual = reaches[0];
+        const double range = frame.is_torus ? 0x1p32 : 0x1p31, usual = reaches[0];
         const auto sides = coordinates(frame.sides);
         for (auto& each : coordinates_) each.resize(points.size() + kLanes);
-        for (auto& each : normals_) each.resize(points.size() + kLanes);
+        has_normals_ = !points.normals.empty();
+        for (auto& each : normals_) each.resize(has_normals_ ? points.size() + kLanes : 0);
         for (std::uint32_t k = 0; k < numbers_.size(); ++k) {
             const std::uint32_t i = numbers_[k];
             slots_[i] = k;
@@ -459,7 +499,7 @@ public:
                 const double of_range = place[axis] / sides[axis] * range;
                 coordinates_[axis][k] = static_cast<std::uint32_t>(static_cast<std::int64_t>(of_range));
             }
-            for (std::size_t axis = 0; axis < normals_.size(); ++axis)
+            for (std::size_t axis = 0; has_normals_ && axis < normals_.size(); ++axis)
                 normals_[axis][k] = static_cast<float>(coordinates(points.normals[i])[axis]);
             nearness_[k] = static_cast<float>(usual / reaches[i]);
         }
@@ -519,7 +559,7 @@ private:
         const Floats square = distance * (both > capped ? both : capped);
         const Ints left = EightLanes::from(begin);
         Ints counts = (left < static_cast<std::int32_t>(end)) & (left != static_cast<std::int32_t>(k));
-        if constexpr (kInSpace<P>) {
+        if (kInSpace<P> && has_normals_) {
             Floats facing{};
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 Floats each;
@@ -596,7 +636,8 @@ private:
     double widest_;
     std::vector<std::uint32_t> slots_;  ///< list position of each point
     std::vector<Pair> pairs_;
-    Runs runs_;                            ///< neighbours of the point being removed
+    Runs runs_;  ///< neighbours of the point being removed
+    bool has_normals_;
     std::array<float, kAxes<P>> units_{};  ///< length of a unit of each coordinate, relative to the first point's reach
 
     // The following vectors are in list order, with eight additional entries at the end.
@@ -649,7 +690,7 @@ public:
 private:
     void set_neighbours(const std::stop_token& stop) {
         const double share = std::max(static_cast<double>(target_), 1.0) / static_cast<double>(points_.size());
-        const double reach = kReach * hexagonal_spacing(share);
+        const double reach = kReach * frame_.densest(share);
         near_ = points_.selected(left_);
         reaches_.clear();
         for (const std::uint32_t i : left_) reaches_.push_back(reach * spacings_[i]);
@@ -674,7 +715,7 @@ private:
     /// Returns the distance of the surplus' grid nodes: so large that the nodes hardly outnumber the points.
     double node_distance() const {
         const double stay = std::max(static_cast<double>(target_), 1.0), left = static_cast<double>(left_.size());
-        return std::max({kNodeDistance * hexagonal_spacing(stay / frame_.area), cell_side(frame_.sides, left),
+        return std::max({kNodeDistance * frame_.densest(stay / frame_.size), cell_side(frame_.sides, left),
                          std::ranges::max(coordinates(frame_.sides)) / left});
     }
 
@@ -683,7 +724,7 @@ private:
     /// in the region that is next in turn.
     std::uint32_t next(std::size_t stay) {
         const double grown = static_cast<double>(target_) / static_cast<double>(std::max<std::size_t>(stay, 1));
-        const double least = kMinDistance / kReach * std::sqrt(grown);
+        const double least = kMinDistance / kReach * frame_.side_of(grown);
         const auto left = static_cast<float>(stay + 1);
         const std::span<const typename Crowd<P>::Pair> pairs = crowd_->pairs();
         for (; next_pair_ < pairs.size() && pairs[next_pair_].square < least * least; ++next_pair_) {
@@ -782,7 +823,7 @@ private:
 template <class P>
 std::vector<double> spacings_of(const Frame<P>& frame, const Points<P>& points, bool even, Executor& executor,
                                 const std::stop_token& stop) {
-    const double usual = std::sqrt(frame.area / static_cast<double>(points.size()));
+    const double usual = frame.side_of(frame.size / static_cast<double>(points.size()));
     std::vector<double> spacings(points.size(), usual);
     if (even) return spacings;
     const BasicCellList<P> near = frame.cells(points.places);
@@ -831,7 +872,7 @@ std::vector<std::uint32_t> order_points(const Frame<P>& frame, const Points<P>& 
 
 std::vector<std::uint32_t> order_places(const Domain& domain, std::vector<Point> places, bool even,
                                         const std::stop_token& stop, Executor& executor) {
-    const Frame<Point> frame{domain.unit_bounds().max, domain.unit_area(), &domain};
+    const Frame<Point> frame{domain.unit_bounds().max, domain.unit_area(), domain.is_torus(), false, &domain};
     return order_points<Point>(frame, {std::move(places), {}}, even, stop, executor);
 }
 
@@ -882,6 +923,21 @@ std::vector<std::uint32_t> progressive_order_on_surface(std::span<const Point3> 
     Points<Point3> moved{{}, {normals.begin(), normals.end()}};
     moved.places.reserve(points.size());
     for (const Point3 p : points) moved.places.push_back(p - box.min);
+    return order_points(frame, moved, even, stop, executor);
+}
+
+std::vector<std::uint32_t> progressive_order_in_space(const Box3& box, bool is_torus, std::span<const Point3> points,
+                                                      double share, bool even, const std::stop_token& stop,
+                                                      Executor& executor) {
+    const Point3 sides = box.max - box.min;
+    const double scale = std::max({sides.x, sides.y, sides.z});
+    const Point3 unit{sides.x / scale, sides.y / scale, sides.z / scale};
+    const Frame<Point3> frame{unit, share * unit.x * unit.y * unit.z, is_torus, true};
+    Points<Point3> moved;
+    for (const Point3 p : points) {
+        const Point3 q = p - box.min;
+        moved.places.push_back({q.x / scale, q.y / scale, q.z / scale});
+    }
     return order_points(frame, moved, even, stop, executor);
 }
 

@@ -46,4 +46,11 @@ void reorder(SurfaceDistribution& distribution, std::span<const std::uint32_t> o
     renumber(distribution.mesh->triangles, order);
 }
 
+void reorder(VolumeDistribution& distribution, std::span<const std::uint32_t> order) {
+    permute(distribution.points, order);
+    if (!distribution.mesh) return;
+    permute(distribution.mesh->vertices, order);
+    renumber(distribution.mesh->tetrahedra, order);
+}
+
 }  // namespace ccdt

@@ -6,6 +6,7 @@
 
 #include "core/ccdt/ccdt.h"
 #include "core/surface/distribute.h"
+#include "core/volume/distribute_volume.h"
 
 namespace ccdt {
 
@@ -13,5 +14,6 @@ namespace ccdt {
 /// @param order  [points] for each position, the index of the point that moves there: a permutation
 void reorder(Distribution& distribution, std::span<const std::uint32_t> order);
 void reorder(SurfaceDistribution& distribution, std::span<const std::uint32_t> order);
+void reorder(VolumeDistribution& distribution, std::span<const std::uint32_t> order);
 
 }  // namespace ccdt

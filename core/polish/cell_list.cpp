@@ -28,18 +28,21 @@ template <class P>
 void BasicCellList<P>::find_near(P p, double reach, std::vector<Run>& runs) const {
     runs.clear();
     const Grid& grid = grids_.front();
-    const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y), z = grid.layers(p, reach);
+    const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y);
+    const Range z = around(height(p), reach, grid.z);
     for (int k = z.first; k <= z.last; ++k) {
+        const int layer = wrapped(k, grid.z.cells);
+        const double below = height(p) - (k - layer) / grid.z.cells * height(sides_);
         for (int j = y.first; j <= y.last; ++j) {
             const int row = wrapped(j, grid.y.cells);
-            const std::size_t cell = grid.cell(0, row, k);
+            const std::size_t cell = grid.cell(0, row, layer);
             const double from = p.y - (j - row) / grid.y.cells * sides_.y;
             // On a torus, cells beyond one end continue at the other end.
             const auto add = [&](int first, int last, int period) {
                 const int shift = period * grid.x.cells;
                 const Range part{std::max(first, x.first) - shift, std::min(last, x.last) - shift};
                 if (part.first > part.last) return;
-                add_row(cell, part, vector(p.x - period * sides_.x, from, height(p)), reach, runs);
+                add_row(cell, part, vector(p.x - period * sides_.x, from, below), reach, runs);
             };
             add(-grid.x.cells, -1, -1);
             add(0, grid.x.cells - 1, 0);
@@ -123,6 +126,11 @@ template <>
 BasicCellList<Point3>::BasicCellList(std::span<const Point3> places) : torus_(false) {
     const Box3 box = bounds_of(places);
     sort(places, box.min, box.max);
+}
+
+template <>
+BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> places) : torus_(true), sides_(torus) {
+    sort(places, {}, torus);
 }
 
 template class BasicCellList<Point>;

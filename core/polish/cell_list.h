@@ -41,20 +41,26 @@ public:
     /// O(points), multiplied by the depth of nested grids, which is small even for points on a surface.
     explicit BasicCellList(std::span<const P> places);
 
+    /// @param torus   sides of a torus in space, > 0
+    /// @param places  [n >= 1], wrapped into the torus
+    BasicCellList(P torus, std::span<const P> places);
+
     /// Calls function(point, number) for each point that may be within `reach` of p. Some points farther away may be
     /// included. `number` is the index of the point in `places`. On a torus, `point` is the copy nearest to p.
     /// @param reach  > 0
     template <class Function>
     void for_near(P p, double reach, Function&& function) const {
         const Grid& grid = grids_.front();
-        const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y), z = grid.layers(p, reach);
+        const Range x = around(p.x, reach, grid.x), y = around(p.y, reach, grid.y);
+        const Range z = around(height(p), reach, grid.z);
         for (int k = z.first; k <= z.last; ++k) {
+            const int layer = wrapped(k, grid.z.cells);
             for (int j = y.first; j <= y.last; ++j) {
                 for (int i = x.first; i <= x.last; ++i) {
                     const int column = wrapped(i, grid.x.cells), row = wrapped(j, grid.y.cells);
-                    const P shift =
-                        vector((i - column) / grid.x.cells * sides_.x, (j - row) / grid.y.cells * sides_.y, 0);
-                    look_into(grid.cell(column, row, k), p, reach, shift, function);
+                    const P shift = vector((i - column) / grid.x.cells * sides_.x, (j - row) / grid.y.cells * sides_.y,
+                                           (k - layer) / grid.z.cells * height(sides_));
+                    look_into(grid.cell(column, row, layer), p, reach, shift, function);
                 }
             }
         }
@@ -175,11 +181,13 @@ private:
     std::vector<Listed> sorted_;  ///< sorted by cell
 };
 
-// The first constructor exists only in the plane, the second one only in space.
+// The first constructor exists only in the plane, the others only in space.
 template <>
 BasicCellList<Point>::BasicCellList(const Domain& domain, std::span<const Point> places);
 template <>
 BasicCellList<Point3>::BasicCellList(std::span<const Point3> places);
+template <>
+BasicCellList<Point3>::BasicCellList(Point3 torus, std::span<const Point3> places);
 
 extern template class BasicCellList<Point>;
 extern template class BasicCellList<Point3>;

@@ -32,7 +32,8 @@ public:
     /// Returns the distance of neighbours in the densest packing with the local density.
     double densest(Point3 p) const { return kDensest * side(p); }
 
-    static constexpr double kDensest = kFaceCentredSpacing;
+    /// Distance of neighbours in the densest packing with one point per unit of volume.
+    static constexpr double kDensest = kCubicSpacing;
 
 private:
     double mean_;

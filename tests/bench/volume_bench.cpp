@@ -3,11 +3,14 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <thread>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
+#include "core/order/progressive_order.h"
 #include "core/parallel/thread_executor.h"
 #include "core/polish/cell_list.h"
 #include "core/random.h"
@@ -40,6 +43,10 @@ std::vector<double> nearest_distances(std::span<const Point3> points) {
         distances.push_back(std::sqrt(squared) / densest);
     }
     return distances;
+}
+
+double mean_of(std::span<const double> values) {
+    return std::reduce(values.begin(), values.end()) / static_cast<double>(values.size());
 }
 
 /// Returns the mean power of waves below half the principal frequency of the densest packing, in dB. Of many waves,
@@ -128,10 +135,8 @@ void VolumePattern(benchmark::State& state) {
     state.counters["over_delaunay"] = median(ours) / median(yardstick);
     state.counters["delaunay_ms"] = median(yardstick);
     const std::vector<double> distances = nearest_distances(points);
-    double sum = 0;
-    for (const double distance : distances) sum += distance;
     state.counters["least"] = std::ranges::min(distances);
-    state.counters["mean"] = sum / static_cast<double>(distances.size());
+    state.counters["mean"] = mean_of(distances);
     state.counters["power_db"] = low_power(points);
     const std::vector<double> angles = dihedral_angles(points);
     const auto flat = static_cast<double>(std::ranges::lower_bound(angles, 15.0) - angles.begin());
@@ -144,6 +149,42 @@ BENCHMARK(VolumePattern)
     ->Args({1000000, 1})
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
+
+/// Measures the first k points in a progressive order on a torus in space, for k from n / 64 on: the least and the mean
+/// distance, relative to the densest packing of k points, and the power, as VolumePattern does. Reports the worst and
+/// the mean over all k.
+void VolumeOrder(benchmark::State& state) {
+    constexpr int kCounts = 25;
+    VolumeOptions options;
+    options.sites = static_cast<std::size_t>(state.range(0));
+    const std::vector<Point3> points = distribute_in_volume(kTorus, VoxelDensity::uniform(), options)->points;
+    std::vector<Point3> ordered;
+    for (auto _ : state) {
+        ordered.clear();
+        for (const std::uint32_t i : progressive_order_in_space({{}, kTorus.sides}, true, points, 1, true))
+            ordered.push_back(points[i]);
+    }
+    double least = 1, mean = 1, mean_sum = 0, power = -200, power_sum = 0;
+    for (int i = 0; i < kCounts; ++i) {
+        const double share = std::pow(64, static_cast<double>(i) / (kCounts - 1) - 1);
+        const auto first =
+            std::span(ordered).first(static_cast<std::size_t>(share * static_cast<double>(ordered.size())));
+        const std::vector<double> distances = nearest_distances(first);
+        const double average = mean_of(distances), level = low_power(first);
+        least = std::min(least, std::ranges::min(distances));
+        mean = std::min(mean, average);
+        mean_sum += average;
+        power = std::max(power, level);
+        power_sum += std::pow(10, level / 10);
+    }
+    state.counters["least"] = least;
+    state.counters["mean"] = mean;
+    state.counters["mean_over_k"] = mean_sum / kCounts;
+    state.counters["power_db"] = power;
+    state.counters["power_over_k_db"] = 10 * std::log10(power_sum / kCounts);
+}
+
+BENCHMARK(VolumeOrder)->Arg(16384)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace ccdt::bench

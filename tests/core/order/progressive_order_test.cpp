@@ -9,6 +9,8 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <span>
+#include <utility>
 
 #include "core/analysis/analysis.h"
 #include "core/ccdt/ccdt.h"
@@ -18,6 +20,7 @@
 #include "core/parallel/thread_executor.h"
 #include "core/polish/cell_list.h"
 #include "core/random.h"
+#include "core/volume/distribute_volume.h"
 #include "tests/support/evenness.h"
 
 namespace ccdt {
@@ -324,6 +327,67 @@ TEST(ProgressiveOrderOnSurface, AcceptsDegeneratePoints) {
     EXPECT_TRUE(is_permutation(points.order(false), 100));
 }
 
+/// Returns the least and the mean distance of points from their nearest neighbours, relative to the
+/// densest packing of as many points in `volume`.
+/// @param torus  sides of a torus; 0 for any other domain
+std::pair<double, double> distances_in_space(const std::vector<Point3>& points, double volume, double torus) {
+    const double densest = kCubicSpacing * std::cbrt(volume / static_cast<double>(points.size()));
+    double least = 2, sum = 0;
+    for (const Point3 p : points) {
+        double nearest = 2 * densest;
+        for (const Point3 q : points) {
+            Point3 away = p - q;
+            if (torus > 0)
+                away = away - torus * Point3{std::round(away.x / torus), std::round(away.y / torus),
+                                             std::round(away.z / torus)};
+            if (!(p == q)) nearest = std::min(nearest, length(away));
+        }
+        least = std::min(least, nearest / densest);
+        sum += nearest / densest;
+    }
+    return {least, sum / static_cast<double>(points.size())};
+}
+
+std::vector<Point3> first_of(const std::vector<Point3>& points, const std::vector<std::uint32_t>& order,
+                             std::size_t k) {
+    std::vector<Point3> first;
+    for (std::size_t i = 0; i < k; ++i) first.push_back(points[order[i]]);
+    return first;
+}
+
+/// Random points have a mean distance of 0.49.
+TEST(ProgressiveOrderInSpace, SpreadsAnyNumberOfFirstPointsOfATorus) {
+    const BoxDomain3 torus{{3, 3, 3}, true};
+    const auto points = distribute_in_volume(torus, VoxelDensity::uniform(), {.sites = 2'048})->points;
+    const auto order = progressive_order_in_space({{}, torus.sides}, true, points, 1, true);
+    ASSERT_TRUE(is_permutation(order, points.size()));
+    for (std::size_t k = 2'048; k >= 64; k -= k / 3) {
+        const auto [least, mean] = distances_in_space(first_of(points, order, k), torus.volume(), 3);
+        EXPECT_GT(least, 0.575) << k;
+        EXPECT_GT(mean, 0.7) << k;
+    }
+}
+
+TEST(ProgressiveOrderInSpace, FollowsTheDensityOfABox) {
+    constexpr std::array<double, 2> kValues = {1, 5};
+    const BoxDomain3 box{{2, 1, 1}, false};
+    const VoxelDensity density = *VoxelDensity::create({2, 1, 1}, kValues);
+    const auto points = distribute_in_volume(box, density, {.sites = 3'000, .quality = Quality::Draft})->points;
+    std::vector<Point3> moved = points;
+    for (Point3& p : moved) p = 1e-300 * p - Point3{4e-300, 0, 0};
+    const Box3 bounds{{-4e-300, 0, 0}, {-2e-300, 1e-300, 1e-300}};
+    const auto order = progressive_order_in_space(bounds, false, moved, 1, false);
+    for (std::size_t k = 48; k <= 3'000; k += k / 2) {
+        std::array<std::vector<Point3>, 2> halves;
+        for (const Point3 p : first_of(points, order, k)) halves[p.x < 1 ? 0 : 1].push_back(p);
+        const auto all = static_cast<double>(k);
+        EXPECT_NEAR(static_cast<double>(halves[1].size()), all * 5 / 6, 2 + 0.03 * all) << k;
+        for (const auto& half : halves) EXPECT_GT(distances_in_space(half, 1, 0).second, 0.7) << k;
+    }
+    ThreadExecutor executor(2);
+    EXPECT_EQ(progressive_order_in_space(bounds, false, moved, 1, false, {}, executor), order);
+}
+
 TEST(ProgressiveOrder, AcceptsDegeneratePoints) {
     const Domain square = *Domain::rectangle(2, 1);
     EXPECT_TRUE(progressive_order(square, {}, false).empty());
@@ -334,6 +398,9 @@ TEST(ProgressiveOrder, AcceptsDegeneratePoints) {
     EXPECT_TRUE(is_permutation(progressive_order_on_globe(equal), 100));
     const std::vector<Point> opposite = {{0, 0}, {180, 0}, {0, 90}, {0, -90}, {90, 0}, {-90, 0}};
     EXPECT_TRUE(is_permutation(progressive_order_on_globe(opposite), opposite.size()));
+    const std::vector<Point3> same(100, Point3{1, 1, 0});
+    for (const bool is_torus : {false, true})
+        EXPECT_TRUE(is_permutation(progressive_order_in_space({{}, {2, 2, 1e-6}}, is_torus, same, 1, is_torus), 100));
 }
 
 TEST(ProgressiveOrder, IsDeterministic) {
