@@ -16,13 +16,10 @@
 #include "api/json/json_document.h"
 #include "api/text/byte_order_mark.h"
 #include "api/text/text.h"
+#include "core/geometry/axes.h"
 
 namespace ccdt::api {
 namespace {
-
-/// Number of coordinates of a Point or a Point3.
-template <class P>
-constexpr std::size_t kAxes = sizeof(P) / sizeof(double);
 
 tl::unexpected<Error> wrong(std::string message) {
     return failure(ErrorCode::Malformed, std::move(message));
