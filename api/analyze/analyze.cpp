@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <concepts>
+#include <cmath>
 #include <optional>
 #include <utility>
 
@@ -22,15 +22,11 @@ namespace {
 constexpr Interval kFrequencies = {.min = 1, .max = 16};
 constexpr double kPixelsPerUnit = 2;  // resolution of a plot as PNG, pixels per user unit
 
-using PlaneList = std::vector<std::vector<Point>>;
-using SpaceList = std::vector<std::vector<Point3>>;
-using AnyList = std::variant<PlaneList, SpaceList>;
-
 /// A request that is being parsed. Its options have been read, but their combination has not been checked yet.
 struct Draft {
     AnalyzeRequest request;
-    std::optional<AnyList> points;  ///< one set
-    std::optional<AnyList> sets;
+    std::optional<AnySets> points;  ///< one set
+    std::optional<AnySets> sets;
     std::optional<std::variant<Rectangle, BoxDomain3>> domain;
     std::optional<double> max_frequency;
 };
@@ -42,25 +38,25 @@ bool is_in_space(JsonValue list) {
     return first.is_array() && first.size() == 3;
 }
 
-Result<void> append_set(const Input& input, const Limits&, PlaneList& sets) {
-    return read_ring(input).map([&](Ring&& ring) { sets.push_back(std::move(ring)); });
+Result<void> append_set(const Input& input, const Limits&, PlaneSets& given) {
+    return assign(given.sets.emplace_back(), read_ring(input));
 }
-Result<void> append_set(const Input& input, const Limits& limits, SpaceList& sets) {
-    return read_space_points(input, limits).map([&](std::vector<Point3>&& set) { sets.push_back(std::move(set)); });
+Result<void> append_set(const Input& input, const Limits& limits, SpaceSets& given) {
+    return assign(given.sets.emplace_back(), read_space_points(input, limits));
 }
 
 /// Reads sets of points. The first set determines whether all are in space.
-Result<AnyList> read_lists(std::span<const Input> inputs, const Limits& limits) {
-    AnyList sets;
-    if (!inputs.empty() && is_in_space(std::get<JsonValue>(inputs.front().value))) sets = SpaceList();
+Result<AnySets> read_lists(std::span<const Input> inputs, const Limits& limits) {
+    AnySets sets;
+    if (!inputs.empty() && is_in_space(std::get<JsonValue>(inputs.front().value))) sets = SpaceSets();
     for (const Input& input : inputs) {
-        auto appended = std::visit([&](auto& list) { return append_set(input, limits, list); }, sets);
+        auto appended = std::visit([&](auto& given) { return append_set(input, limits, given); }, sets);
         if (!appended) return tl::unexpected(std::move(appended.error()));
     }
     return sets;
 }
 
-Result<AnyList> read_sets(const Input& input, const Limits& limits) {
+Result<AnySets> read_sets(const Input& input, const Limits& limits) {
     const auto list = std::get<JsonValue>(input.value);
     if (!list.is_array()) return malformed(input, "must be a list of sets of points");
     std::vector<Input> inputs;
@@ -112,33 +108,25 @@ Result<void> check_count(const AnalyzeRequest& request, const Limits& limits) {
                    request.single ? "/points" : "/sets");
 }
 
-/// Combines sets of points with their domain.
-template <class D, class P>
-Result<PointSets<P, D>> join(std::vector<std::vector<P>> sets, const Draft& draft, const D& unit_torus) {
-    if (!draft.domain) return PointSets<P, D>{std::move(sets), unit_torus};
-    if (const D* const domain = std::get_if<D>(&*draft.domain)) return PointSets<P, D>{std::move(sets), *domain};
-    return failure(ErrorCode::Malformed,
-                   std::same_as<P, Point3> ? "domain must have a depth, because points have three coordinates"
-                                           : "domain has a depth, so points must have three coordinates",
-                   "/domain");
-}
-
 Result<void> settle_points(Draft& draft, const Limits& limits) {
     if (draft.points.has_value() == draft.sets.has_value()) {
         return failure(ErrorCode::Malformed, "exactly one of points and sets must be given");
     }
     AnalyzeRequest& request = draft.request;
     request.single = draft.points.has_value();
-    AnyList& given = request.single ? *draft.points : *draft.sets;
-    if (auto* const flat = std::get_if<PlaneList>(&given)) {
-        request.options.max_frequency = draft.max_frequency.value_or(4);
-        if (auto set = assign(request.points, join(std::move(*flat), draft, Rectangle{1, 1, true})); !set) return set;
-    } else {
-        request.options.max_frequency = draft.max_frequency.value_or(2);
-        auto& sets = std::get<SpaceList>(given);
-        if (auto set = assign(request.points, join(std::move(sets), draft, BoxDomain3{{1, 1, 1}, true})); !set)
-            return set;
-    }
+    request.points = request.single ? *std::move(draft.points) : *std::move(draft.sets);
+    const bool is_right = std::visit(
+        [&](auto& given) {
+            request.options.max_frequency = draft.max_frequency.value_or(given.kMaxFrequency);
+            if (!draft.domain) return true;
+            const auto* const domain = std::get_if<decltype(given.domain)>(&*draft.domain);
+            if (domain != nullptr) given.domain = *domain;
+            return domain != nullptr;
+        },
+        request.points);
+    if (!is_right)
+        return failure(ErrorCode::Malformed, "domain must have a depth if and only if points have three coordinates",
+                       "/domain");
     return check_count(request, limits);
 }
 
@@ -230,20 +218,13 @@ Cost cost_of(const AnalyzeRequest& request) {
             return std::pair(static_cast<double>(given.sets.size()), static_cast<double>(count));
         },
         request.points);
-    const double side = request.options.max_frequency;
-    const double waves = points * side * side * (is_in_space ? side : 1);
+    const double waves = points * std::pow(request.options.max_frequency, is_in_space ? 3 : 2);
     // Cells of the grid, and parts in which the frequencies are computed.
     const double cells = waves * (is_in_space ? 64 : 16), parts = std::max(2.3 * cells / kMaxCells, 1.0);
-    constexpr double kParts = 600e6;
-    Estimate transforms;
-    if (is_in_space) {
-        const double time = waves * 1.6 + points * parts * 2.4;
-        transforms = {cells > kMaxCells ? kParts + waves * 75 : waves * 1250, time * sets * kMicrosecond};
-    } else {
-        const bool in_parts = cells > kMaxCells;
-        transforms = {in_parts ? kParts + waves * 40 : waves * 360,
-                      waves * sets * (in_parts ? 0.7 : 0.4) * kMicrosecond};
-    }
+    const bool in_parts = cells > kMaxCells;
+    const double bytes = in_parts ? 600e6 + waves * (is_in_space ? 75 : 40) : waves * (is_in_space ? 1250 : 360);
+    const double time = is_in_space ? waves * 1.6 + points * parts * 2.4 : waves * (in_parts ? 0.7 : 0.4);
+    const Estimate transforms{bytes, time * sets * kMicrosecond};
     const Estimate others{points * sets * (is_in_space ? 96 : 64), points * sets * kMicrosecond};
     return total_cost(transforms + others + request.format->cost);
 }

@@ -33,18 +33,22 @@ std::span<const AnalysisFormat* const> analyze_formats();
 /// Returns the names of the options.
 std::vector<std::string_view> analyze_options();
 
-/// Sets of points with their domain: a Rectangle in the plane, or a BoxDomain3 in space.
-template <class P, class D>
-struct PointSets {
-    std::vector<std::vector<P>> sets;
-    D domain;
+/// Sets of points with their domain.
+struct PlaneSets {
+    std::vector<std::vector<Point>> sets;
+    Rectangle domain{1, 1, true};
+    static constexpr double kMaxFrequency = 4;  ///< default of max_frequency
 };
-using PlaneSets = PointSets<Point, Rectangle>;
-using SpaceSets = PointSets<Point3, BoxDomain3>;
+struct SpaceSets {
+    std::vector<std::vector<Point3>> sets;
+    BoxDomain3 domain{{1, 1, 1}, true};
+    static constexpr double kMaxFrequency = 2;
+};
+using AnySets = std::variant<PlaneSets, SpaceSets>;
 
 /// Request to /analyze, with its options.
 struct AnalyzeRequest {
-    std::variant<PlaneSets, SpaceSets> points;
+    AnySets points;
     bool single = false;  ///< whether the request gave `points` instead of `sets`
     AnalysisOptions options;
     bool spectrum = false;                   ///< whether to add the spectrum to the JSON
